@@ -37,7 +37,8 @@ void RestForces::add(const Scene& scene, const EquilibriumProblem& of, const std
   Branching& forces = poses.forces();
   std::vector<int> locks;
   for (int i = 0; i < poses.locks(); ++i) {
-    if (at.contacts[static_cast<std::size_t>(i)] != 0 || forces.lock(i).sticking_limit > 0) locks.push_back(i);
+    if (at.contacts[static_cast<std::size_t>(i)] != 0 || forces.lock(i).sticking_limit.largest() > 0)
+      locks.push_back(i);
   }
   const HoldingBounds bounds = holding_bounds(forces, locks, at.contacts);
   const VectorXd x = distributed_forces(forces, locks, bounds);
@@ -57,10 +58,11 @@ void RestForces::add(const Scene& scene, const EquilibriumProblem& of, const std
     const std::string unit = unit_of("{f}", coordinate);
     const double size = scene.units.size_of(unit);
     const bool holds = next < x.size() && locks[static_cast<std::size_t>(next)] == i;
+    const double x_of_lock = holds ? x[next++] : 0;
     coordinates.push_back({.coordinate = joint.name + "." + std::string(coordinate.name),
                            .unit = unit,
-                           .force = holds ? size * x[next++] : 0,
-                           .limit = size * lock.sticking_limit,
+                           .force = size * x_of_lock,
+                           .limit = size * lock.sticking_limit.against(x_of_lock > 0 ? -1 : 1),
                            .side = at.contacts[static_cast<std::size_t>(i)]});
   }
 }

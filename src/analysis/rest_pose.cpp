@@ -57,7 +57,7 @@ void RestPoses::hold(const RestPose& at) {
   if (locks() == 0) return;
   for (int i = 0; i < locks(); ++i) {
     const Branching::Lock lock = forces().lock(i);
-    const bool sticks = friction_holds_ && lock.sticking_limit > 0;
+    const bool sticks = friction_holds_ && lock.sticking_limit.largest() > 0;
     if (lock.friction >= 0) sides_[static_cast<std::size_t>(lock.friction)] = sticks ? 0 : JointLoads::released;
     if (lock.limit >= 0) sides_[static_cast<std::size_t>(lock.limit)] = at.contacts[i];
   }

@@ -33,6 +33,8 @@ void check_elements(const Scene& scene, Faults& faults, bool partial);
 // Checks the fields of an element, each one and in combination.
 template <class Any>
 void check_numbers(const Element<Any>& element, const std::string& path, const Coordinate& coordinate, Faults& faults);
+// Checks friction, limits and one-way clutches in combination with each other, with gears and with contacts.
+void check_locking(const Scene& scene, Faults& faults);
 // Checks the forces of one kind along a joint.
 void check_forces(const Joint& joint, const std::string& path, const JointForceKind& kind, Faults& faults);
 void check_parameters(const Scene& scene, Faults& faults, const SuspectNames& suspect_names);

@@ -211,7 +211,8 @@ void TimeStepper::add_locks(double h) {
     const Branching::Lock lock = branching.lock(i);
     const double speed = branching.speed(i, v0_.data());
     if (lock.friction >= 0) {
-      const double limit = h * (std::abs(speed) <= rest_speed ? lock.sticking_limit : lock.slipping_limit);
+      const DirectedLimit& of = std::abs(speed) <= rest_speed ? lock.sticking_limit : lock.slipping_limit;
+      const double limit = h * of.largest();  // without loads, it is the same in both directions
       cones_.push_back(Cone::within(rows_.count(), -limit, limit));
       rows_.add_lock(i, lock.sign);
       lock_rows_.push_back({i, 0, 0});
@@ -225,7 +226,7 @@ void TimeStepper::add_locks(double h) {
       cones_.push_back(side > 0 ? Cone::within(rows_.count(), -unlimited, 0)
                                 : Cone::within(rows_.count(), 0, unlimited));
       rows_.add_lock(i, lock.sign);
-      lock_rows_.push_back({i, side, depth});
+      lock_rows_.push_back({i, side, depth, lock.one_way});
     }
   }
 }
@@ -305,7 +306,7 @@ void TimeStepper::solve_impulses() {
 TimeStepper::Gap TimeStepper::gap_of(std::size_t cone) const {
   if (cone < points_.size()) return {points_[cone].gap, 1};
   const LockRow& lock = lock_rows_[cone - points_.size()];
-  return {-lock.depth, -lock.side};
+  return {-lock.depth, lock.is_of_speed ? 0 : -lock.side};
 }
 
 // Penetration that is removed within a step [m, rad].

@@ -67,6 +67,7 @@ class TimeStepper final : public ContactReadings {
     int lock = 0;
     int side = 0;  // of a limit; 0: friction
     double depth = 0;
+    bool is_of_speed = false;  // of a one-way clutch, which bounds no position
   };
 
   void reserve();

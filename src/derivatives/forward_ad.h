@@ -18,6 +18,8 @@ class Differentiator {
   // inputs: number of the scene's inputs.
   Differentiator(const Mechanism& mechanism, const Loads& loads, int inputs);
 
+  // See ResidualEvaluator.
+  void hold(const int* sides) { residuals_->hold(sides); }
   // Overwrites `out`, according to its flags of_rows and of_inputs.
   void operator()(const LinearizationPoint& at, Jacobians& out);
 

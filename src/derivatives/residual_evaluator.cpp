@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "kinematics/coordinate_rows.h"
+#include "kinematics/friction_loads.h"
 #include "kinematics/kernels.h"
 #include "kinematics/with_readings.h"
 #include "math/dual.h"
@@ -32,8 +33,10 @@ class ResidualEvaluatorOf final : public WithReadings<A, ResidualEvaluator<typen
         r_(mechanism.nv),
         c_(mechanism.rows),
         qdot_(mechanism.nq),
-        cut_q_(mechanism.cut_nq) {
+        cut_q_(mechanism.cut_nq),
+        friction_loads_(friction_loads(model_, loads)) {
     std::iota(links_.begin(), links_.end(), 1);
+    if (!friction_loads_.empty()) this->loaded_friction_.resize(branching_forces(loads).size());
   }
 
   void set_position(const T* q) override {
@@ -83,6 +86,7 @@ class ResidualEvaluatorOf final : public WithReadings<A, ResidualEvaluator<typen
       const T& l = lambda[model_.first_coordinate_row + i];
       for (const CoordinateRow::Term& term : model_.coordinate_rows[i].terms) r_[term.v] += T(term.factor) * l;
     }
+    if (!friction_loads_.empty()) add_loaded_friction(u, lambda);
   }
 
   void set_cut_reference(const double* q) override { std::copy(q, q + model_.cut_nq, cut_reference_.begin()); }
@@ -100,9 +104,50 @@ class ResidualEvaluatorOf final : public WithReadings<A, ResidualEvaluator<typen
   }
 
  private:
+  // The friction in motion that depends on the forces of bearings and meshes, after accelerations().
+  void add_loaded_friction(const T* u, const T* lambda) {
+    std::ranges::fill(this->loaded_friction_, T(0));
+    int index = 0;
+    const auto add = [&](const auto& force, const T* q, const T* v) {
+      if constexpr (Sticks<std::decay_t<decltype(force.element)>>) {
+        const int side = sides_ == nullptr ? force.side(q, v) : sides_[index];
+        for (const FrictionLoad& load : friction_loads_) {
+          if (load.force != index || (side != 1 && side != -1)) continue;
+          const std::array<T, 3> transmitted = transmitted_force(load, this->model_, this->ws_, this->ws_.F, lambda);
+          const T factor =
+              factor_of_load(load, force.element, side, T(T(force.sign) * v[force.v]), u + force.input, transmitted[0]);
+          const T friction = T(-side) * factor * size_of_load(transmitted);
+          this->loaded_friction_[static_cast<std::size_t>(index)] += friction;
+          add_along(load, T(T(-force.sign) * friction));
+        }
+      }
+      ++index;
+    };
+    kernels::each_branching(model_, loads_, ws_, q_.data(), v_.data(), cut_reference_.data(), add);
+  }
+  // Adds to the residual a force along the coordinate of a friction, in the mechanism's sign.
+  void add_along(const FrictionLoad& load, const T& force) {
+    if (load.cut < 0) {
+      r_[load.velocity] += force;
+      return;
+    }
+    if constexpr (A::planar) {
+      const auto& cut = model_.cuts[static_cast<std::size_t>(load.cut)];
+      const auto add_path = [&](const std::vector<int>& links, const T& torque) {
+        for (const int i : links) {
+          const auto& link = model_.links[static_cast<std::size_t>(i)];
+          for (int k = link.iv; k < link.iv + link.nv; ++k) r_[k] += ws_.S[k].w * torque;
+        }
+      };
+      add_path(cut.path_b, force);
+      add_path(cut.path_a, T(-force));
+    }
+  }
+
   std::vector<int> links_;
   const int* sides_ = nullptr;
   std::vector<T> r_, c_, qdot_, cut_q_;
+  std::vector<FrictionLoad> friction_loads_;
 };
 
 }  // namespace

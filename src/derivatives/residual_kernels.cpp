@@ -23,6 +23,7 @@ namespace gelenk::kernels {
   template CutMotion<A> counted_cut_motion<A>(const Model<A>&, const Workspace<A>&, int, const double*);              \
   template void accelerations(const Model<A>&, const A::Scalar*, Workspace<A>&);                                      \
   template A::Force cut_reaction(const Model<A>&, const Workspace<A>&, int);                                          \
+  template A::Force row_wrench(const Model<A>&, const Workspace<A>&, int, const A::Scalar*);                          \
   template void cut_accelerations<A>(const Model<A>::Cut&, const Workspace<A>&, int, const A::Scalar*,                \
                                      const A::Scalar*, A::Scalar*);                                                   \
   template EnergyOf<A::Scalar> energy(const Model<A>&, const Loads&, const Workspace<A>&);

@@ -12,6 +12,13 @@
 
 namespace gelenk {
 
+// The largest friction against motion in either direction, in the user's sign. They differ where gears have losses.
+struct DirectedLimit {
+  double positive = 0, negative = 0;
+  double against(int direction) const { return direction > 0 ? positive : negative; }
+  double largest() const { return std::max(positive, negative); }
+};
+
 class Branching {
  public:
   virtual ~Branching() = default;
@@ -36,11 +43,23 @@ class Branching {
     int friction = -1, limit = -1;  // indices in all forces with modes; -1: it has none
     double sign = 1;                // user's speed = sign times the mechanism's
     // See element/coordinate_force.h; 0 without friction, without a limit.
-    double sticking_limit = 0, slipping_limit = 0, restitution = 0;
+    DirectedLimit sticking_limit, slipping_limit;
+    double restitution = 0;
     bool poisson = false;
+    bool one_way = false;  // the limit bounds the speed: it is touched at any position
   };
   virtual int locks() const = 0;
   virtual Lock lock(int lock) const = 0;
+  // Whether friction depends on forces of the mechanism, which depend on it (loaded_friction.h). Then limits are those
+  // at the last solve().
+  virtual bool has_loads() const = 0;
+  // Keeps friction that depends on loads as it was at the last solve(), in motion and at rest.
+  virtual void freeze_loads(bool on) = 0;
+  // Of the last solve(): the index of a friction that is not unique, or does not exist, because it depends on loads too
+  // much; -1: none.
+  virtual int undetermined_friction() const = 0;
+  // The index of a friction of which these multipliers, without effect on the motion, change the load; -1: none.
+  virtual int friction_loaded_by(const double* multipliers) = 0;
   // Contacts between shapes, which act by impulses.
   virtual ContactRows& contact_rows() = 0;
   // How far the coordinate is beyond its upper (side 1) or lower limit (side -1) at the current position, and how close

@@ -16,10 +16,10 @@ HoldingBounds holding_bounds(const Branching& forces, const std::vector<int>& lo
   HoldingBounds out{VectorXd(n), VectorXd(n)};
   for (Index i = 0; i < n; ++i) {
     const int lock = locks[static_cast<std::size_t>(i)];
-    const double limit = forces.lock(lock).sticking_limit;
+    const DirectedLimit limit = forces.lock(lock).sticking_limit;
     const int side = contacts[static_cast<std::size_t>(lock)];
-    out.lower[i] = side > 0 ? -unlimited : -limit;
-    out.upper[i] = side < 0 ? unlimited : limit;
+    out.lower[i] = side > 0 ? -unlimited : -limit.against(1);
+    out.upper[i] = side < 0 ? unlimited : limit.against(-1);
   }
   return out;
 }

@@ -62,7 +62,14 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
         tau_(model_.nv),
         biased_gamma_(model_.rows),
         unlocked_(model_.nv),
-        holding_(modes_.locks()) {}
+        holding_(modes_.locks()) {
+    if (!modes_.has_loads()) return;
+    loaded_lambda_.resize(static_cast<std::size_t>(model_.rows));
+    zero_rows_.resize(loaded_lambda_.size());
+    column_rows_.resize(loaded_lambda_.size());
+    column_.resize(static_cast<std::size_t>(model_.nv));
+    this->loaded_friction_.resize(static_cast<std::size_t>(modes_.count()));
+  }
 
   void set_position(const double* q) override {
     if (stages_.has(Stage::position) && bitwise_equal(q, q_)) return;
@@ -113,9 +120,10 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
   void solve(const double* u, double* vdot, const double* extrapolated) override {
     forces(u, w_.data());
     if (modes_.locks() > 0) modes_.set_force_size(w_);
-    if (model_.rows > 0) M_.add_right_side(biased_gamma(), w_.data());
     if (extrapolated != nullptr) M_.multiply(extrapolated, extrapolated_.data());
     regularized_ = extrapolated != nullptr;
+    if (modes_.has_loads()) add_loaded_friction(w_);
+    if (model_.rows > 0) M_.add_right_side(biased_gamma(), w_.data());
     const bool locks = solve_whitened(w_.data(), biased_gamma(), regularized_ ? extrapolated_.data() : nullptr);
     std::ranges::copy(w_, vdot);
     M_.solve(vdot);
@@ -190,27 +198,27 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
     if (lambda == nullptr) lambda = ws_.lambda.data();
     const LinearizationPoint at{q_.data(),       v_.data(),        u, vdot, lambda, cut_reference_.data(),
                                 targets_.data(), modes_.held(true)};
-    if (!by_duals) {
+    const bool has_loads = modes_.has_loads();
+    if (!by_duals && !has_loads) {
       if (!recursive_) recursive_ = std::make_unique<RecursiveJacobians<A>>(model_, ws_, loads_);
       (*recursive_)(at, inputs, out);
     } else {
       if (!forward_ad_) forward_ad_ = std::make_unique<Differentiator>(mechanism_, loads_, inputs);
+      forward_ad_->hold(has_loads ? modes_.held() : nullptr);
       (*forward_ad_)(at, out);
     }
-    if (modes_.held() != nullptr) differentiate_held(u, out);
+    if (modes_.held() != nullptr && !has_loads) differentiate_held(u, out);
   }
 
   void solve_linear(double* r, const double* c, double* l, double* holding) const override {
-    if (model_.rows > 0) M_.add_right_side(c, r);
-    // The derivative of the extrapolated acceleration is zero: it is a constant here.
-    const bool locks = solve_whitened(r, c, regularized_ ? zero_.data() : nullptr);
-    if (model_.rows > 0 && l != nullptr) Y_.multipliers(l);
-    M_.solve(r);
-    if (locks) modes_.locked().clear(r);
-    if (locks && holding != nullptr) modes_.holding_forces().in_users_signs(holding_, holding);
+    if (!modes_.loaded().any_slips()) return solve_unloaded(r, c, l, holding);
+    if (l == nullptr) l = loaded_lambda_.data();
+    solve_unloaded(r, c, l, holding);
+    modes_.loaded().complete(r, l, holding);
   }
 
   void solve_linear_columns(double* r, const double* c, int columns) const override {
+    if (modes_.loaded().any_slips()) return solve_columns_with_loads(r, c, columns);
     if (model_.rows > 0) M_.add_right_side(c, r, columns);
     M_.solve_transposed(r, columns);
     if (model_.rows > 0) Y_.solve_constrained(r, c, columns, regularized_);
@@ -274,6 +282,51 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
   long evaluations() const override { return evaluations_; }
 
  private:
+  // solve_linear() without the effect on friction that depends on loads.
+  void solve_unloaded(double* r, const double* c, double* l, double* holding) const {
+    if (model_.rows > 0) M_.add_right_side(c, r);
+    // The derivative of the extrapolated acceleration is zero: it is a constant here.
+    const bool locks = solve_whitened(r, c, regularized_ ? zero_.data() : nullptr);
+    if (model_.rows > 0 && l != nullptr) Y_.multipliers(l);
+    M_.solve(r);
+    if (locks) modes_.locked().clear(r);
+    if (locks && holding != nullptr) modes_.holding_forces().in_users_signs(holding_, holding);
+  }
+  void solve_columns_with_loads(double* r, const double* c, int columns) const {
+    const int rows = model_.rows;
+    for (int k = 0; k < columns; ++k) {
+      for (int i = 0; i < model_.nv; ++i) column_[i] = r[i * columns + k];
+      for (int i = 0; i < rows; ++i) column_rows_[i] = c[i * columns + k];
+      solve_linear(column_.data(), column_rows_.data(), nullptr, nullptr);
+      for (int i = 0; i < model_.nv; ++i) r[i * columns + k] = column_[i];
+    }
+  }
+
+  // Adds the friction in motion that depends on loads to the generalized forces f.
+  void add_loaded_friction(std::vector<double>& f) {
+    const auto respond = [&](int friction, std::vector<double>& vdot, std::vector<double>& lambda,
+                             std::vector<double>& holding) {
+      vdot.assign(f.size(), 0.0);
+      lambda.resize(static_cast<std::size_t>(model_.rows));
+      holding.assign(static_cast<std::size_t>(modes_.locks()), 0.0);
+      if (friction >= 0) {
+        modes_.add_along(friction, 1, vdot.data());
+        return solve_unloaded(vdot.data(), zero_rows_.data(), lambda.data(), holding.data());
+      }
+      std::ranges::copy(f, vdot.begin());
+      if (model_.rows > 0) M_.add_right_side(biased_gamma(), vdot.data());
+      solve_whitened(vdot.data(), biased_gamma(), regularized_ ? extrapolated_.data() : nullptr);
+      if (model_.rows > 0) Y_.multipliers(lambda.data());
+      M_.solve(vdot.data());
+    };
+    LoadedFriction<A>& loaded = modes_.loaded();
+    loaded.solve(modes_.find_slipping(), respond);
+    for (const auto& slips : loaded.slipping()) {
+      modes_.add_along(slips.force, loaded.torque()[static_cast<std::size_t>(slips.force)], f.data());
+    }
+    std::ranges::copy(loaded.torque(), this->loaded_friction_.begin());
+  }
+
   void fill_jacobian() {
     kernels::loop_jacobian(model_, ws_);
     kernels::coordinate_row_jacobian(model_, ws_);
@@ -364,6 +417,8 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
   int max_rank_;
   bool regularized_ = false;  // the last solve() had an extrapolated vdot
   std::vector<double> w_, extrapolated_, zero_, tau_, biased_gamma_;
+  std::vector<double> zero_rows_;
+  mutable std::vector<double> loaded_lambda_, column_, column_rows_;
   mutable std::vector<double> unlocked_, holding_;  // generalized forces without those of locks; forces of the locks
   const double* constraint_bias_ = nullptr;
   mutable std::vector<double> J_;  // as last returned

@@ -11,6 +11,7 @@
 
 #include "dynamics/branching.h"
 #include "dynamics/contact_rows_of.h"
+#include "dynamics/loaded_friction.h"
 #include "dynamics/locked_coordinates.h"
 #include "kinematics/load_kernels.h"
 
@@ -33,6 +34,7 @@ class JointModes final : public Branching {
         locks_(M, Y, state.model.nv, state.model.rows, find_locks()),
         contact_rows_(state.model, state.ws, M, Y, locks_),
         holding_(signs()),
+        loaded_(state.model, state.loads, state.ws, static_cast<int>(lock_of_.size())),
         work_(static_cast<std::size_t>(state.model.nv)) {
     double mass = 0;
     for (const auto& link : state.model.links) mass += link.G.m;
@@ -57,6 +59,35 @@ class JointModes final : public Branching {
     for (const int input : input_numbers_) inputs_[static_cast<std::size_t>(input)] = u[input];
   }
   ContactRowsOf<A>& contact_rows() override { return contact_rows_; }
+  bool has_loads() const override { return !loaded_.empty(); }
+  void freeze_loads(bool on) override { loaded_.freeze(on); }
+  int undetermined_friction() const override { return loaded_.undetermined(); }
+  int friction_loaded_by(const double* multipliers) override { return loaded_.affected_by(multipliers); }
+  LoadedFriction<A>& loaded() { return loaded_; }
+  // What slips at the present velocities, of the friction that depends on loads; brings its factors up to date.
+  const std::vector<typename LoadedFriction<A>::Slipping>& find_slipping() {
+    slipping_.clear();
+    int index = 0;
+    each([&](const auto& force, const double* q, const double* v) {
+      if constexpr (Sticks<std::decay_t<decltype(force.element)>>) {
+        bool is_loaded = false;
+        for (auto& load : loaded_.loads()) {
+          if (load.is.force != index) continue;
+          is_loaded = true;
+          load.factor = force.element.load_factor(force.sign * v[force.v], inputs() + force.input);
+        }
+        const int side = held_ == nullptr ? force.side(q, v) : held_[index];
+        if (is_loaded && (side == 1 || side == -1)) slipping_.push_back({index, side});
+      }
+      ++index;
+    });
+    return slipping_;
+  }
+  // Adds a multiple of the friction with this index among the forces with modes, in the user's sign, to f.
+  void add_along(int force, double size, double* f) const {
+    const int lock = lock_of_[static_cast<std::size_t>(force)];
+    for (const auto& term : locks_.row(lock)) f[term.v] += found_[lock].sign * size * term.factor;
+  }
   // Estimates the forces to which rounding is relative: the generalized forces f, and weights and forces of inertia,
   // which may cancel in f.
   void set_force_size(const std::vector<double>& f) {
@@ -87,12 +118,18 @@ class JointModes final : public Branching {
       const int lock = lock_of_[index];
       if constexpr (Sticks<Element>) {
         const double acceleration = vdot == nullptr ? NAN : this->speed(lock, vdot);
-        const double limit = force.element.sticking_limit(inputs() + force.input) + slack(lock);
-        force.element.indicators(side, speed, acceleration, holding[lock], limit, g, gdot);
+        const DirectedLimit limit = limit_at_rest(force, index);
+        const std::array<double, 2> limits{limit.positive + slack(lock), limit.negative + slack(lock)};
+        force.element.indicators(side, speed, acceleration, holding[lock], limits, g, gdot);
         if (is_in_contact(lock)) g[0] = g[1] = -1;  // what leaves a contact has overcome friction
       } else if constexpr (Blocks<Element>) {
-        const double adhesion = this->lock(lock).sticking_limit + slack(lock);
-        force.element.indicators(side, at, speed, holding[lock], adhesion, g, gdot);
+        const double adhesion = this->lock(lock).sticking_limit.against(-side) + slack(lock);
+        if constexpr (BoundsSpeed<Element>) {
+          const double acceleration = vdot == nullptr ? NAN : this->speed(lock, vdot);
+          force.element.indicators(side, speed, acceleration, holding[lock], adhesion, g, gdot);
+        } else {
+          force.element.indicators(side, at, speed, holding[lock], adhesion, g, gdot);
+        }
       } else {
         force.element.indicators(at, speed, g, gdot);
       }
@@ -108,14 +145,17 @@ class JointModes final : public Branching {
     Lock out = found_[lock];
     visit(out.friction, [&](const auto& force) {
       if constexpr (Sticks<std::decay_t<decltype(force.element)>>) {
-        out.sticking_limit = force.element.sticking_limit(inputs() + force.input);
-        out.slipping_limit = force.element.slipping_limit(inputs() + force.input);
+        const double* u = inputs() + force.input;
+        out.sticking_limit = limit_at_rest(force, out.friction);
+        out.slipping_limit =
+            with_loads(out.friction, force.element.slipping_limit(u), force.element.slipping_load_factor(u));
       }
     });
     visit(out.limit, [&](const auto& force) {
       if constexpr (Blocks<std::decay_t<decltype(force.element)>>) {
         out.restitution = force.element.restitution;
         out.poisson = force.element.is_poisson();
+        out.one_way = BoundsSpeed<std::decay_t<decltype(force.element)>>;
       }
     });
     return out;
@@ -191,6 +231,22 @@ class JointModes final : public Branching {
   const double* inputs() const override { return inputs_.data(); }
   bool is_redundant() const override { return locks_.rank() < locks_.locked_count(); }
 
+  // The limits of friction without loads, and per size of the load of a bearing, with loads.
+  DirectedLimit with_loads(int force, double limit, double bearing_factor) const {
+    DirectedLimit out{limit, limit};
+    for (const auto& load : loaded_.loads()) {
+      if (load.is.force != force) continue;
+      out.positive += load.friction(1, bearing_factor);
+      out.negative += load.friction(-1, bearing_factor);
+    }
+    return out;
+  }
+  template <class Force>
+  DirectedLimit limit_at_rest(const Force& force, int index) const {
+    const double* u = inputs() + force.input;
+    return with_loads(index, force.element.sticking_limit(u), force.element.sticking_load_factor(u));
+  }
+
   // Part of the forces that may be rounding: far more than that of some hundred operations.
   static constexpr double slack_fraction = 4e-11;
 
@@ -236,7 +292,7 @@ class JointModes final : public Branching {
           if (cut < 0) {
             rows.push_back({{force.v, 1}});
           } else {
-            rows.push_back(rotation_row(cut));
+            rows.push_back(turn_of_cut(cut));
           }
         }
         lock_of_.back() = place->second;
@@ -274,30 +330,17 @@ class JointModes final : public Branching {
     inputs_.resize(static_cast<std::size_t>(end) + 1);
   }
 
-  std::vector<double> signs() const {
-    std::vector<double> out;
-    for (const Lock& lock : found_) out.push_back(lock.sign);
+  // The coordinate of a cut joint, which is a revolute joint in the plane (mechanism/tree.cpp cuts no other joint with
+  // friction).
+  typename LockedCoordinates<A>::Row turn_of_cut(int cut) const {
+    typename LockedCoordinates<A>::Row out;
+    for (const auto& [v, factor] : turn_of_cut_joint(state_.model, cut, state_.ws)) out.push_back({v, factor});
     return out;
   }
 
-  // In the plane, the angle of a cut revolute joint is a sum of angles of tree joints (mechanism/tree.cpp cuts no other
-  // joint with friction).
-  typename LockedCoordinates<A>::Row rotation_row(int cut) const {
-    typename LockedCoordinates<A>::Row out;
-    if constexpr (A::planar) {
-      const std::vector<double> q(static_cast<std::size_t>(state_.model.nq));
-      kernels::positions(state_.model, q.data(), state_.ws);  // the angular parts of S are the same at all positions
-      const auto add_path = [&](const std::vector<int>& links, double sign) {
-        for (const int i : links) {
-          const auto& link = state_.model.links[i];
-          for (int k = link.iv; k < link.iv + link.nv; ++k) {
-            if (state_.ws.S[k].w != 0) out.push_back({k, sign * state_.ws.S[k].w});
-          }
-        }
-      };
-      add_path(state_.model.cuts[cut].path_b, 1);
-      add_path(state_.model.cuts[cut].path_a, -1);
-    }
+  std::vector<double> signs() const {
+    std::vector<double> out;
+    for (const Lock& lock : found_) out.push_back(lock.sign);
     return out;
   }
 
@@ -314,6 +357,8 @@ class JointModes final : public Branching {
   LockedCoordinates<A> locks_;
   ContactRowsOf<A> contact_rows_;
   HoldingForces holding_;
+  LoadedFriction<A> loaded_;
+  std::vector<typename LoadedFriction<A>::Slipping> slipping_;
   std::vector<int> input_numbers_;  // of the inputs that forces with modes have
   std::vector<double> inputs_;      // by number
   double sqrt_mass_ = 0;            // of the whole mechanism

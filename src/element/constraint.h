@@ -7,6 +7,7 @@
 //   law()                 s as a function of time, if it is one
 //   holds_position()      whether it constrains positions, not only their rates
 //   follows_input()       whether s, or its rate, is its input
+//   losses()              friction along joint 0 per force of the constraint on it, if it drives and if it is driven
 // All except factor() are optional.
 //
 // A constraint between two bodies is derived from NoCoordinates and has constraint equations as a joint that closes a

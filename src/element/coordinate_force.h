@@ -23,6 +23,8 @@
 // and one whose modes 1 and -1 are contact (limit) has
 //   depth(side, q), touch_tolerance(side), restitution, is_poisson()
 //   indicators(side, q, v, x, adhesion, g, gdot)
+// or, if they bound the speed instead of the position (`bounds_speed`; a one-way clutch),
+//   indicators(side, v, a, x, adhesion, g, gdot)
 //
 // An element with modes may have two output signals: its force and its mode.
 //
@@ -49,6 +51,9 @@ template <class F>
 concept Sticks = HasBranches<F> && requires(const F& f, const double* u) { f.sticking_limit(u); };
 template <class F>
 concept Blocks = HasBranches<F> && requires(const F& f) { f.restitution; };
+// Of these, the ones that bound the speed.
+template <class F>
+concept BoundsSpeed = Blocks<F> && requires { F::bounds_speed; };
 
 // The error of bounds that leave no room to the coordinate; otherwise empty.
 inline std::optional<ElementFault> fault_of_bounds(double lower, double upper, const Coordinate& at) {

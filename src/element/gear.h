@@ -1,12 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+
 #include "element/constraint.h"
+#include "util/text.h"
 
 namespace gelenk {
 
 // phi_joint - phi_carrier = ratio (phi_with - phi_carrier) + offset. A phi_carrier is omitted if there is no carrier or
 // if the joint in question is on the carrier, since its angle is then relative to the carrier already.
+//
+// Losses: of the power that enters the mesh, the part `efficiency` leaves it if `joint` drives `with`, and
+// `backdriving` if `with` drives `joint`. They are friction of `joint`, proportional to the torque of the mesh. Equal
+// friction in both directions means backdriving = 2 - 1 / efficiency; at 0 or less the gear is self-locking.
 struct Gear {
   static constexpr std::string_view kind = "gear";
   static constexpr std::string_view summary =
@@ -25,6 +35,8 @@ struct Gear {
 
   double ratio = 1;   // dimensionless
   double offset = 0;  // rad
+  double efficiency = 1;
+  double backdriving = std::numeric_limits<double>::quiet_NaN();  // NaN: 2 - 1 / efficiency
 
   static std::span<const Field> fields() {
     static constexpr Field all[] = {
@@ -33,7 +45,18 @@ struct Gear {
                              .text = "turns of `joint` per turn of `with`",
                              .range = Range::not_zero,
                              .required = true}),
-        field<&Gear::offset>({.name = "offset", .unit = "rad", .text = "angle of `joint` when `with` is at 0"})};
+        field<&Gear::offset>({.name = "offset", .unit = "rad", .text = "angle of `joint` when `with` is at 0"}),
+        field<&Gear::efficiency>({.name = "efficiency",
+                                  .unit = "1",
+                                  .text = "part of the power that leaves the mesh if `joint` drives `with`",
+                                  .range = Range::positive,
+                                  .settable = false}),
+        field<&Gear::backdriving>(
+            {.name = "backdriving",
+             .unit = "1",
+             .text = "part of the power that leaves the mesh if `with` drives `joint`; 0 or less: it cannot",
+             .optional = true,
+             .settable = false})};
     return all;
   }
   static constexpr SignalGroup outputs[] = {{"tau", 0, "N.m", "torque of the gear on joint {joint}"}};
@@ -45,6 +68,16 @@ struct Gear {
     return (on_base(1) ? ratio : 0) - (on_base(0) ? 1 : 0);
   }
   double constant() const { return offset; }
+  // The friction torque on `joint` per torque that the mesh exerts on it, if `joint` drives, and if it is driven.
+  std::array<double, 2> losses() const {
+    return {1 / efficiency - 1, std::isnan(backdriving) ? 1 / efficiency - 1 : 1 - backdriving};
+  }
+  bool has_losses() const { return losses() != std::array<double, 2>{}; }
+  std::optional<ElementFault> fault(const Coordinate&) const {
+    if (efficiency > 1) return {{"efficiency", text::number(efficiency), "1 or less"}};
+    if (backdriving > 1) return {{"backdriving", text::number(backdriving), "1 or less"}};
+    return {};
+  }
   template <class Seen>
   auto output(const Seen& seen, int, int) const {
     return seen.coordinate_force();

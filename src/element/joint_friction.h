@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -10,10 +11,52 @@
 
 namespace gelenk {
 
+// The part of dry friction that is proportional to the force R that the joint transmits across its axis [N].
+struct Bearing {
+  double coefficient = 0;                                                // 1, in motion
+  double static_coefficient = std::numeric_limits<double>::quiet_NaN();  // 1, at rest; NaN: coefficient
+  double radius = std::numeric_limits<double>::quiet_NaN();              // m, of a bearing; NaN: a guide has none
+
+  // Which of the forces it is that agree with the motion, where constraint equations are redundant.
+  static constexpr std::string_view reactions[] = {"least_norm"};
+  Choice reaction;
+
+  static std::span<const Field> fields() {
+    static constexpr Field all[] = {
+        field<&Bearing::coefficient>({.name = "coefficient",
+                                      .unit = "1",
+                                      .text = "coefficient of sliding friction of the bearing or guide of {coordinate}",
+                                      .range = Range::not_negative,
+                                      .required = true,
+                                      .tunable = true}),
+        field<&Bearing::static_coefficient>(
+            {.name = "static",
+             .unit = "1",
+             .text = "coefficient of static friction of the bearing or guide of {coordinate}",
+             .range = Range::not_negative,
+             .optional = true,
+             .tunable = true}),
+        field<&Bearing::radius>({.name = "radius",
+                                 .unit = "m",
+                                 .text = "radius of the bearing of {coordinate}; of rotations only",
+                                 .range = Range::positive,
+                                 .optional = true,
+                                 .tunable = true}),
+        field<&Bearing::reaction>({.name = "reaction",
+                                   .text = "the force that counts where redundant constraint equations leave it "
+                                           "undetermined; otherwise such mechanisms are refused",
+                                   .words = reactions})};
+    return all;
+  }
+
+  double full_static() const { return std::isnan(static_coefficient) ? coefficient : static_coefficient; }
+};
+
 // Dry friction of a joint coordinate, a set-valued law (Coulomb; Stribeck 1902): at rest the torque takes the value,
 // up to `static`, that keeps the coordinate at rest; in motion it is opposite to the speed v, with the magnitude
-// coulomb + (static - coulomb) exp(-(v / stribeck)^2). A clutch or a brake is such a friction that an input engages:
-// all these are multiplied by the input, below 0 by 0.
+// coulomb + (static - coulomb) exp(-(v / stribeck)^2). A bearing adds coefficient radius R, with the force R that the
+// joint transmits across its axis, which itself depends on friction; a guide adds coefficient R. A clutch or a brake is
+// a friction that an input engages: all these are multiplied by the input, below 0 by 0.
 struct JointFriction {
   static constexpr std::string_view group = "friction";
   static constexpr std::string_view summary = "dry friction, which keeps the coordinate at rest up to a limit";
@@ -23,6 +66,7 @@ struct JointFriction {
   double coulomb = 0;                                              // N m (N), in motion
   double static_limit = std::numeric_limits<double>::quiet_NaN();  // N m (N), at rest; NaN: coulomb
   double stribeck = 0;                                             // rad/s (m/s); 0: only at rest is it larger
+  std::optional<Bearing> bearing;
   static constexpr std::string_view inputs_of_it[] = {"engagement"};
   Choice input;
 
@@ -45,6 +89,8 @@ struct JointFriction {
                                          .text = "Stribeck velocity of the friction on {coordinate}",
                                          .range = Range::not_negative,
                                          .tunable = true}),
+        field<&JointFriction::bearing>(
+            {.name = "bearing", .text = "friction on {coordinate} proportional to the force that the joint transmits"}),
         field<&JointFriction::input>({.name = "input",
                                       .text = "what an input of the model prescribes: the engagement of a clutch or "
                                               "brake, by which the friction is multiplied",
@@ -68,6 +114,9 @@ struct JointFriction {
        "rest"}};
 
   std::optional<ElementFault> fault(const Coordinate& at) const {
+    if (bearing) {
+      if (std::optional<ElementFault> found = fault_of_bearing(at)) return found;
+    }
     if (!(static_limit < coulomb)) return {};
     const auto shown = [&](double x) { return text::with_unit(text::number(x), spelled(unit_of("{f}", at))); };
     return {{"static", shown(static_limit), "at least coulomb, which is " + shown(coulomb)}};
@@ -82,18 +131,27 @@ struct JointFriction {
   // Largest magnitude at rest [N m, N], and magnitude in a motion that begins.
   double sticking_limit(const double* u) const { return engagement(u) * full_sticking_limit(); }
   double slipping_limit(const double* u) const { return stribeck > 0 ? sticking_limit(u) : engagement(u) * coulomb; }
+  bool is_guide() const { return bearing && std::isnan(bearing->radius); }
+  // The same per force that the bearing or guide transmits, in motion at the speed v [m, 1]; and at rest, and in a
+  // motion that begins.
+  template <class T>
+  T load_factor(const T& v, const T* u) const {
+    if (!bearing) return T(0);
+    return engagement(u) * T(arm()) * stribeck_curve(v, bearing->coefficient, bearing->full_static());
+  }
+  double sticking_load_factor(const double* u) const {
+    return bearing ? engagement(u) * arm() * bearing->full_static() : 0;
+  }
+  double slipping_load_factor(const double* u) const {
+    return !bearing ? 0 : stribeck > 0 ? sticking_load_factor(u) : engagement(u) * arm() * bearing->coefficient;
+  }
 
   // Modes: 1 and -1 in motion with positive and negative speed, 0 at rest, where the equations of motion determine the
   // torque (dynamics/locked_coordinates.h).
   template <class T>
   T held(int side, const T&, const T& v, const T* u) const {
-    using std::exp;
     if (side != 1 && side != -1) return T(0);
-    T magnitude(coulomb);
-    if (stribeck > 0 && full_sticking_limit() > coulomb) {
-      const T relative = v * T(1 / stribeck);
-      magnitude += T(full_sticking_limit() - coulomb) * exp(T(-(relative * relative)));
-    }
+    T magnitude = stribeck_curve(v, coulomb, full_sticking_limit());
     if (is_engaged_by_input()) magnitude *= engagement(u);
     return T(-side) * magnitude;
   }
@@ -106,10 +164,11 @@ struct JointFriction {
     return held(side(q, v), q, v, u);
   }
   // The event indicators in a mode: of motion with positive and with negative speed. a: the acceleration. x: the torque
-  // that keeps the coordinate at rest, in mode 0. limit: how large it may be.
-  void indicators(int side, double v, double a, double x, double limit, double* g, double* gdot) const {
-    g[0] = side > 0 ? v : side < 0 ? -1 : -x - limit;
-    g[1] = side < 0 ? -v : side > 0 ? -1 : x - limit;
+  // that keeps the coordinate at rest, in mode 0. limits: how large it may be against motion in either direction.
+  void indicators(int side, double v, double a, double x, const std::array<double, 2>& limits, double* g,
+                  double* gdot) const {
+    g[0] = side > 0 ? v : side < 0 ? -1 : -x - limits[0];
+    g[1] = side < 0 ? -v : side > 0 ? -1 : x - limits[1];
     gdot[0] = side > 0 ? a : NAN;
     gdot[1] = side < 0 ? -a : NAN;
   }
@@ -120,6 +179,28 @@ struct JointFriction {
 
  private:
   double full_sticking_limit() const { return std::isnan(static_limit) ? coulomb : static_limit; }
+  // Of the friction force in a bearing [m]; of a guide 1.
+  double arm() const { return std::isnan(bearing->radius) ? 1 : bearing->radius; }
+  // From `at_rest` to `in_motion`.
+  template <class T>
+  T stribeck_curve(const T& v, double in_motion, double at_rest) const {
+    using std::exp;
+    if (!(stribeck > 0 && at_rest > in_motion)) return T(in_motion);
+    const T relative = v * T(1 / stribeck);
+    return T(in_motion) + T(at_rest - in_motion) * exp(T(-(relative * relative)));
+  }
+  std::optional<ElementFault> fault_of_bearing(const Coordinate& at) const {
+    const auto shown = [](double x) { return text::number(x); };
+    if (bearing->static_coefficient < bearing->coefficient)
+      return {{"bearing.static", shown(bearing->static_coefficient),
+               "at least coefficient, which is " + shown(bearing->coefficient)}};
+    if (at.is_angle && std::isnan(bearing->radius))
+      return {{"bearing", "no radius", "the radius at which the friction of a rotation acts"}};
+    if (!at.is_angle && !std::isnan(bearing->radius))
+      return {{"bearing.radius", text::with_unit(shown(bearing->radius), "m"),
+               "no radius: the friction of a guide is the coefficient times the force across it"}};
+    return {};
+  }
 };
 
 }  // namespace gelenk

@@ -18,6 +18,7 @@
 #include "element/joint_damper.h"
 #include "element/joint_friction.h"
 #include "element/joint_limit.h"
+#include "element/joint_one_way.h"
 #include "element/joint_spring.h"
 #include "element/knife_edge.h"
 #include "element/moment.h"
@@ -40,8 +41,8 @@ using AnyContact = std::variant<SurfaceContact>;
 using AnySensor = std::variant<Reaction, FrameSensor, EnergySensor, Distance, Power>;
 
 // Elements along each coordinate of a joint; those in std::optional need not be present.
-using JointForces =
-    std::tuple<JointDamper, JointSpring, std::optional<Stop>, std::optional<JointFriction>, std::optional<JointLimit>>;
+using JointForces = std::tuple<JointDamper, JointSpring, std::optional<Stop>, std::optional<JointFriction>,
+                               std::optional<JointLimit>, std::optional<JointOneWay>>;
 
 // Description of an element type for code that does not depend on particular elements.
 struct ElementKind {

@@ -62,6 +62,7 @@ std::string Formulation::describe_dead_center() {
 std::string Formulation::obstacle(const double* y) {
   dynamics_.set_position(y);
   std::string reason = row_domain_.undefined_reason();
+  if (reason.empty()) reason = modes_.indeterminacy();
   if (reason.empty()) reason = describe_dead_center();
   return reason.empty() ? contacts_.steps().failure() : reason;
 }
@@ -80,6 +81,7 @@ bool Formulation::evaluate(double t, const double* y, double* ydot) {
   modes_.watch(t, v);
   if (contacts_.touch() != nullptr) contacts_.touch()->watch(t);
   if (!accelerate(t, y, vdot)) return false;
+  if (dynamics_.branching().undetermined_friction() >= 0) return false;
   modes_.watch_holding_forces(t);
   if (mechanism_.rows > 0 && factorizes_constraints()) singularity_monitor_.observe(t, dynamics_.pivot_ratio());
   dynamics_.qdot_from_v(y, v, ydot);

@@ -13,6 +13,17 @@ namespace gelenk::kernels {
 template <class A>
 void accelerations(const Model<A>& model, const typename A::Scalar* vdot, Workspace<A>& ws);
 
+// The wrench of each tree joint on its outer link L, in L, for these accelerations and multipliers; alone: of these
+// only, at rest and without loads. Leaves the workspace as it is. Allocates in the first call.
+template <class A>
+struct JointWrenches {
+  std::vector<typename A::Motion> accelerations;
+  std::vector<typename A::Force> F;
+};
+template <class A>
+void wrenches_of(const Model<A>& model, const Workspace<A>& ws, const typename A::Scalar* vdot,
+                 const typename A::Scalar* lambda, bool alone, JointWrenches<A>& out);
+
 // Sets ws.F and cut_reaction() to the wrenches of ws.lambda alone, at rest and without loads.
 template <class A>
 void constraint_wrenches(const Model<A>& model, Workspace<A>& ws);
@@ -25,6 +36,10 @@ void cut_accelerations(const typename Model<A>::Cut& cut, const Workspace<A>& ws
 // The wrench of a cut joint on M, in M: constraint forces, motors and springs.
 template <class A>
 typename A::Force cut_reaction(const Model<A>& model, const Workspace<A>& ws, int c);
+
+// The part of it that is due to the constraint equations, with these multipliers.
+template <class A>
+typename A::Force row_wrench(const Model<A>& model, const Workspace<A>& ws, int c, const typename A::Scalar* lambda);
 
 // Kinetic and potential energy [J] of links, gravity and forces; gravity's is zero at the world's origin.
 template <class A>

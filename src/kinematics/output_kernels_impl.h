@@ -20,20 +20,33 @@ Vector3<typename A::Scalar> first_moment_in_root(const typename A::Pose& X, cons
   }
 }
 
-// From the net force on each link (ws.F) to the wrench in its joint: adds the constraint forces of cuts and sums
-// inward.
+// From the net force F on each link to the wrench in its joint: adds the constraint forces of cuts and sums inward.
 template <class A>
-void gather_wrenches(const Model<A>& model, Workspace<A>& ws) {
+void gather_wrenches(const Model<A>& model, const Workspace<A>& ws, const typename A::Scalar* lambda,
+                     std::vector<typename A::Force>& F) {
   for (std::size_t c = 0; c < model.cuts.size(); ++c) {
     const auto& cut = model.cuts[c];
     // Motors and springs of cut joints are already in F_ext; only the constraint forces are missing.
-    const typename A::Force F_M = cut_reaction(model, ws, static_cast<int>(c)) - ws.F_cut[c];
-    ws.F[cut.link_b] -= cut.X_BM.to_parent(F_M);
-    ws.F[cut.link_a] += cut.X_AF.to_parent(ws.X_FM[c].to_parent(F_M));
+    const typename A::Force F_M = row_wrench(model, ws, static_cast<int>(c), lambda);
+    F[cut.link_b] -= cut.X_BM.to_parent(F_M);
+    F[cut.link_a] += cut.X_AF.to_parent(ws.X_FM[c].to_parent(F_M));
   }
   for (std::size_t i = model.links.size() - 1; i >= 1; --i) {
     const int parent = model.links[i].parent;
-    if (parent > 0) ws.F[parent] += ws.X_PL[i].to_parent(ws.F[i]);
+    if (parent > 0) F[parent] += ws.X_PL[i].to_parent(F[i]);
+  }
+}
+
+// The accelerations that vdot adds to those for vdot = 0, by link.
+template <class A>
+void add_accelerations(const Model<A>& model, const typename A::Scalar* vdot, const Workspace<A>& ws,
+                       std::vector<typename A::Motion>& added) {
+  added[0] = {};
+  for (int i = 1; i < static_cast<int>(model.links.size()); ++i) {
+    const auto& link = model.links[i];
+    added[i] = ws.X_PL[i].to_child(added[link.parent]);
+    for (int k = link.iv; k < link.iv + link.nv; ++k)
+      add_motion<A>(link.is_revolute_about_z, vdot[k], ws.S[k], added[i]);
   }
 }
 
@@ -43,42 +56,60 @@ template <class A>
 void accelerations(const Model<A>& model, const typename A::Scalar* vdot, Workspace<A>& ws) {
   const int n = static_cast<int>(model.links.size());
   // A_bias contains the velocity products of all joints inward; only the contributions of vdot are propagated.
-  std::vector<typename A::Motion>& added = ws.A_full;
-  added[0] = {};
-  for (int i = 1; i < n; ++i) {
-    const auto& link = model.links[i];
-    added[i] = ws.X_PL[i].to_child(added[link.parent]);
-    for (int k = link.iv; k < link.iv + link.nv; ++k)
-      add_motion<A>(link.is_revolute_about_z, vdot[k], ws.S[k], added[i]);
-  }
+  add_accelerations(model, vdot, ws, ws.A_full);
   for (int i = 0; i < n; ++i) ws.A_full[i] += ws.A_bias[i];
   ws.F[0] = {};
   for (int i = 1; i < n; ++i) {
     const auto& G = model.links[i].G;
     ws.F[i] = G * ws.A_full[i] + A::cross_force(ws.V[i], G * ws.V[i]) - ws.F_ext[i];
   }
-  gather_wrenches(model, ws);
+  gather_wrenches(model, ws, ws.lambda.data(), ws.F);
+}
+
+template <class A>
+void wrenches_of(const Model<A>& model, const Workspace<A>& ws, const typename A::Scalar* vdot,
+                 const typename A::Scalar* lambda, bool alone, JointWrenches<A>& out) {
+  const std::size_t n = model.links.size();
+  out.accelerations.resize(n);
+  out.F.resize(n);
+  add_accelerations(model, vdot, ws, out.accelerations);
+  out.F[0] = {};
+  for (std::size_t i = 1; i < n; ++i) {
+    const auto& G = model.links[i].G;
+    if (alone) {
+      out.F[i] = G * out.accelerations[i];
+    } else {
+      out.accelerations[i] += ws.A_bias[i];
+      out.F[i] = G * out.accelerations[i] + A::cross_force(ws.V[i], G * ws.V[i]) - ws.F_ext[i];
+    }
+  }
+  gather_wrenches(model, ws, lambda, out.F);
 }
 
 template <class A>
 void constraint_wrenches(const Model<A>& model, Workspace<A>& ws) {
   for (auto& F : ws.F) F = {};
   for (auto& F : ws.F_cut) F = {};
-  gather_wrenches(model, ws);
+  gather_wrenches(model, ws, ws.lambda.data(), ws.F);
 }
 
 template <class A>
 typename A::Force cut_reaction(const Model<A>& model, const Workspace<A>& ws, int c) {
+  return row_wrench(model, ws, c, ws.lambda.data()) + ws.F_cut[c];
+}
+
+template <class A>
+typename A::Force row_wrench(const Model<A>& model, const Workspace<A>& ws, int c, const typename A::Scalar* lambda) {
   const auto& cut = model.cuts[c];
   typename A::Force F_F{};  // at M's origin, in F
-  for (int r = cut.first_row; r < cut.first_row + cut.rows; ++r) F_F -= ws.lambda[r] * ws.row[r].w;
+  for (int r = cut.first_row; r < cut.first_row + cut.rows; ++r) F_F -= lambda[r] * ws.row[r].w;
   typename A::Pose turn = ws.X_FM[c];
   if constexpr (A::planar) {
     turn.px = turn.py = 0;
   } else {
     turn.p.setZero();
   }
-  return turn.to_child(F_F) + ws.F_cut[c];
+  return turn.to_child(F_F);
 }
 
 // In M, the rate of V_FM: its rate in F about F's origin, moved to M, is also its rate in M, since V x V = 0.

@@ -74,12 +74,14 @@ class WithReadings : public Base {
   T contact_force(int cut, int i) const override { return -ws_.lambda[model_.cuts[cut].first_row + i]; }
   T coordinate_force(int row) const override { return -ws_.lambda[model_.first_coordinate_row + row]; }
   void branching_forces(const T* u, const int* sides, const T* holding, T* out) const override {
+    T* first = out;
     kernels::each_branching(model_, loads_, ws_, q_.data(), v_.data(), cut_reference_.data(),
                             [&](const auto& force, const T* q, const T* v) {
                               const int side = *sides == JointLoads::of_state ? force.side(q, v) : *sides;
                               *out++ = T(force.sign) * force.held(side, q, v, u) + *holding++;
                               ++sides;
                             });
+    for (const T& friction : loaded_friction_) *first++ += friction;
   }
   Pose plane_pose(int cut) const override {
     const auto& c = model_.cuts[cut];
@@ -115,6 +117,8 @@ class WithReadings : public Base {
   std::vector<T> q_, v_;               // the current state
   std::vector<double> cut_reference_;  // of cut joints, with full revolutions
   std::vector<T> targets_;             // of the coordinate constraints: s, s', s''
+  // By force with modes: the friction in motion that depends on loads, in the user's sign; empty if there is none.
+  std::vector<T> loaded_friction_;
 };
 
 }  // namespace gelenk

@@ -55,6 +55,7 @@ struct CoordinateRowBuilder {
     const JointKind& kind = kind_of(scene.joints[joint_index.at(c.joints.front())].is);
     const int component = component_of(kind, c.coordinate);
     row.is_angle = kind.q[component].unit == "rad";
+    if constexpr (requires { element.losses(); }) row.losses = element.losses();
     if constexpr (requires { element.factor(0, [](int) { return true; }); }) add_terms(row, c, element, component);
     if constexpr (requires { element.constant(); }) row.constant = element.constant();
     if constexpr (requires { element.law(); }) row.law = element.law();
@@ -75,6 +76,11 @@ struct CoordinateRowBuilder {
       all = check_moves(c, name);
       if (!all) continue;
       const double factor = element.factor(static_cast<int>(i), base);
+      if (i == 2 && row.has_losses() && base(0)) {
+        errors.push_back(location(scene, c) + "found efficiency with joint " + c.joints.front() +
+                         " on the base of the " + "carrier " + name +
+                         "; expected `joint` on the carrier, or none: losses are friction of `joint`");
+      }
       if (factor != 0) add_term(row, c, name, i == 0 ? component : 0, factor);
     }
   }

@@ -3,6 +3,7 @@
 // and the position of each body, joint and constraint of the scene in them. Immutable; threads may share it.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <utility>
@@ -64,7 +65,11 @@ struct CoordinateRow {
   std::optional<MotionLaw> law;  // s; none: s is constant or an input
   double constant = 0;
   int input = -1;  // index in the scene: s, or its rate if positions are not held
+  // Friction along the first coordinate per force of the constraint on it, if that coordinate drives, and if it is
+  // driven.
+  std::array<double, 2> losses{};
 
+  bool has_losses() const { return losses != std::array<double, 2>{}; }
   // Whether the constraint is rheonomic.
   bool moves() const { return law || input >= 0; }
 };

@@ -42,6 +42,22 @@ bool fits(const Edge& edge, const Eigen::Vector3d& n_F) {
   return std::abs(n_F.dot(axis)) <= max_misalignment;
 }
 
+// The joint of a guide whose friction depends on the force across it, out of the plane, too; empty: there is none. In a
+// closed loop, no equations of the plane's mechanism determine that force, unless nothing acts out of the plane.
+std::string loaded_guide(const Scene& scene, const Graph& graph, const MotionPlane& plane) {
+  constexpr double in_plane = 1e-11;  // of gravity
+  const bool has_loops = graph.edges.size() >= graph.groups.size();
+  if (has_loops && std::abs(plane.normals[0].dot(scene.gravity)) <= in_plane * scene.gravity.norm()) return {};
+  for (const Edge& edge : graph.edges) {
+    const Joint& joint = scene.joints[edge.scene_joint];
+    for (const JointForces& forces : joint.along) {
+      const auto& friction = std::get<std::optional<JointFriction>>(forces);
+      if (friction && friction->is_guide()) return joint.name;
+    }
+  }
+  return {};
+}
+
 }  // namespace
 
 MotionPlane find_plane(const Scene& scene, const Graph& graph) {
@@ -81,6 +97,8 @@ MotionPlane find_plane(const Scene& scene, const Graph& graph) {
       }
     }
   }
+  if (const std::string guide = loaded_guide(scene, graph, plane); !guide.empty())
+    return none("the friction of joint " + guide + " depends on forces out of the plane");
   return plane;
 }
 

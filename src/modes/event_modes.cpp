@@ -110,6 +110,14 @@ std::string EventModes::refusal() const {
   return log_.too_many();
 }
 
+std::string EventModes::indeterminacy() const {
+  const int friction = forces_.undetermined_friction();
+  if (friction < 0) return {};
+  const std::string text = log_.report({0, 2 * friction, true}).text;
+  return "the friction of " + text.substr(0, text.find(" slips")) +
+         " depends so much on the load of its bearing, guide or gear that no motion, or more than one, agrees with it";
+}
+
 void EventModes::found_event(double t, int indicator, bool positive) {
   if (indicator >= own_indicators()) {
     others_->found_event(t, indicator - own_indicators(), positive);

@@ -41,6 +41,8 @@ class EventModes final : public EventSource {
   void found_event(double t, int indicator, bool positive) override;
   void change_mode(double t, double* y) override;
   std::string refusal() const override;
+  // Why the last accelerations are not determined; otherwise empty.
+  std::string indeterminacy() const;
 
   // Records whether an evaluation at t with velocities v, at the position of `dynamics`, is outside the held mode.
   void watch(double t, const double* v) {

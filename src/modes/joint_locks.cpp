@@ -90,6 +90,7 @@ void JointLocks::let_go() {
 }
 
 bool JointLocks::is_lost(const Struck& at, double speed, double acceleration) const {
+  if (forces_.lock(at.lock).one_way) return false;
   const double tolerance = forces_.depth(at.lock, at.is.side).tolerance;
   return acceleration > 0 && speed * speed <= 2 * acceleration * lowest_rebound * tolerance;
 }
@@ -105,7 +106,7 @@ void JointLocks::finish_impact(double t, const double* y, const std::vector<Stru
     const int indicator = modes_.limit_indicator(at.lock, at.is.side);
     if (at.approaches) {
       ++modes_.counts_.impacts;
-      modes_.log_.add({t, indicator, true, !found});
+      if (!forces_.lock(at.lock).one_way) modes_.log_.add({t, indicator, true, !found});
     }
     if (rebounds[static_cast<Index>(i)] < -stopped_fraction * fastest) modes_.modes_.unstoppable = indicator;
     modes_.modes_.leaves_from[at.lock] = modes_.modes_.contacts[at.lock] == 0 ? modes_.leaving_depth(at.lock) : 0;
@@ -120,8 +121,8 @@ void JointLocks::add(int lock) {
   LockProblem::Lock& out = problem_.locks.emplace_back();
   out.lock = lock;
   out.row = rows_[static_cast<std::size_t>(lock)];
-  out.sticking = of.sticking_limit;
-  out.slipping = of.slipping_limit;
+  out.sticking = of.sticking_limit.largest();  // of friction that depends on no loads, which is without direction
+  out.slipping = of.slipping_limit.largest();
   out.contact = next_.contacts[lock];
   out.triggered = modes_.triggered_[lock] != LockModes::nothing && modes_.rests(lock);
   next_.motions[lock] = JointLoads::released;

@@ -43,7 +43,7 @@ LockModes::LockModes(ModeEquations& equations, Dynamics& dynamics, int nq, int n
       vdot_(static_cast<std::size_t>(nv)) {
   for (int i = 0; i < count(); ++i) {
     const Branching::Lock lock = forces_.lock(i);
-    any_friction_ = any_friction_ || lock.friction >= 0;
+    any_friction_ = any_friction_ || lock.friction >= 0 || lock.one_way;
     for (const int force : {lock.friction, lock.limit}) {
       if (force >= 0) lock_of_[static_cast<std::size_t>(force)] = i;
     }
@@ -60,7 +60,8 @@ bool LockModes::is_slow(int lock, const double* v) const {
 bool LockModes::keeps_mode(int force, const double* v) const {
   if (!owns(force)) return false;
   const int lock = lock_of_[static_cast<std::size_t>(force)];
-  return rests(lock) || (forces_.lock(lock).friction == force && is_slow(lock, v));
+  const Branching::Lock of = forces_.lock(lock);
+  return rests(lock) || ((of.friction == force || of.one_way) && is_slow(lock, v));
 }
 
 // The side on which the coordinate is in contact or touches a bound at the position of `dynamics`; otherwise 0.
@@ -100,8 +101,10 @@ const std::vector<double>& LockModes::distribute_holding_forces() {
 bool LockModes::exceed(const std::vector<double>& holding) const {
   for (int i = 0; i < count(); ++i) {
     if (!rests(i)) continue;
-    const double limit = forces_.lock(i).sticking_limit + forces_.slack(i);
-    if ((holding[i] > limit && modes_.contacts[i] >= 0) || (holding[i] < -limit && modes_.contacts[i] <= 0))
+    const DirectedLimit limit = forces_.lock(i).sticking_limit;
+    const double slack = forces_.slack(i);
+    if ((holding[i] > limit.against(-1) + slack && modes_.contacts[i] >= 0) ||
+        (holding[i] < -limit.against(1) - slack && modes_.contacts[i] <= 0))
       return true;
   }
   return false;
@@ -121,7 +124,7 @@ bool LockModes::recall(double t, double* y) {
 
 double LockModes::leaving_depth(int lock) const {
   const int side = touched_side(lock);
-  if (side == 0) return 0;
+  if (side == 0 || forces_.lock(lock).one_way) return 0;
   const Branching::Depth at = forces_.depth(lock, side);
   return std::max(0.0, at.depth) + leaving_fraction * at.tolerance;
 }
@@ -153,10 +156,12 @@ void LockModes::find_events_at_start(double t, const double* y) {
       if (reached && side * speed > 0 && !is_slow(i, v)) triggered_[i] = by_limit;
     }
     if (away) modes_.leaves_from[i] = 0;
-    if (lock.friction < 0 || !is_slow(i, v)) continue;
+    if ((lock.friction < 0 && !lock.one_way) || !is_slow(i, v)) continue;
     if (!evaluated) equations_.accelerations_at(t, y, vdot_.data());
     evaluated = true;
-    if (modes_.motions[i] * forces_.speed(i, vdot_.data()) < 0) triggered_[i] = by_friction;
+    const double acceleration = forces_.speed(i, vdot_.data());
+    if (lock.friction >= 0 && modes_.motions[i] * acceleration < 0) triggered_[i] = by_friction;
+    if (lock.one_way && touched_side(i) * acceleration > 0) triggered_[i] = by_limit;
   }
 }
 
@@ -220,8 +225,8 @@ bool LockModes::change_any(double t, double* y) {
   dynamics_.set_position(y);
   for (int i = 0; i < count(); ++i) {
     // A rebound may still be beyond the bound by rounding.
-    const bool rebounds =
-        modes_.contacts[i] == 0 && !is_slow(i, y + nq_) && touched_side(i) * forces_.speed(i, y + nq_) < 0;
+    const bool rebounds = !forces_.lock(i).one_way && modes_.contacts[i] == 0 && !is_slow(i, y + nq_) &&
+                          touched_side(i) * forces_.speed(i, y + nq_) < 0;
     if (triggered_[i] != by_limit || !rebounds) continue;
     triggered_[i] = nothing;
     modes_.leaves_from[i] = leaving_depth(i);
@@ -250,6 +255,7 @@ void LockModes::finish_change(double* y) {
 bool LockModes::has_wrong_speed(int lock, const double* v) const {
   const double speed = forces_.speed(lock, v);
   if (rests(lock)) return speed != 0;
+  if (forces_.lock(lock).one_way && touched_side(lock) * speed > 0) return is_slow(lock, v);
   return has_friction(lock) && modes_.motions[lock] * speed < 0 && is_slow(lock, v);
 }
 
@@ -265,7 +271,9 @@ void LockModes::stop(double* v) {
   const State modes = state();
   State stopped = modes;
   for (int i = 0; i < count(); ++i) {
-    if (!rests(i) && has_wrong_speed(i, v)) stopped.motions[i] = 0;
+    if (rests(i) || !has_wrong_speed(i, v)) continue;
+    if (has_friction(i)) stopped.motions[i] = 0;
+    if (forces_.lock(i).one_way) stopped.contacts[i] = touched_side(i);
   }
   set_state(stopped);
   forces_.stop(v);
@@ -307,13 +315,15 @@ int LockModes::on_boundary(double t, const double* y) {
     const Branching::Lock lock = forces_.lock(i);
     if (!rests(i)) {
       if (has_friction(i) && is_slow(i, v)) return lock.friction;
-      if (lock.limit >= 0 && touched_side(i) != 0) return lock.limit;
+      if (lock.limit >= 0 && touched_side(i) != 0 && (!lock.one_way || is_slow(i, v))) return lock.limit;
       continue;
     }
-    const double limit =
-        forces_.lock(i).sticking_limit - std::max(boundary_fraction * forces_.lock(i).sticking_limit, forces_.slack(i));
-    const bool may_rise = holding_[i] >= limit && modes_.contacts[i] >= 0;
-    const bool may_fall = holding_[i] <= -limit && modes_.contacts[i] <= 0;
+    const auto safe = [&](int direction) {
+      const double limit = lock.sticking_limit.against(direction);
+      return limit - std::max(boundary_fraction * limit, forces_.slack(i));
+    };
+    const bool may_rise = holding_[i] >= safe(-1) && modes_.contacts[i] >= 0;
+    const bool may_fall = holding_[i] <= -safe(1) && modes_.contacts[i] <= 0;
     if (may_rise || may_fall) return modes_.contacts[i] != 0 ? lock.limit : lock.friction;
   }
   return -1;
@@ -331,6 +341,8 @@ void LockModes::enter(double t, State next, bool logs) {
     if (modes_.contacts[i] != 0 && next.contacts[i] == 0) {
       log_.add({t, limit_indicator(i, modes_.contacts[i]), false});
     }
+    if (lock.one_way && modes_.contacts[i] == 0 && next.contacts[i] != 0)
+      log_.add({t, limit_indicator(i, next.contacts[i]), true});
   }
   for (int i = 0; i < count(); ++i) {
     if (next.contacts[i] != 0) next.leaves_from[i] = 0;

@@ -117,6 +117,8 @@ class LockModes {
   void record_doubtful(double t, bool logs);
   bool update(double t, const double* y, bool jumped, bool logs);
   bool settle(double t, const double* y, bool breaks_away, bool logs);
+  void decide_at(State& next, const std::vector<int>& undecided, bool breaks_away, double t, const double* y);
+  void decide_with_loads(State& next, const std::vector<int>& undecided, bool breaks_away, double t, const double* y);
   void decide(State& next, const std::vector<int>& undecided, bool breaks_away);
   bool change_any(double t, double* y);
   void force_away(double t);

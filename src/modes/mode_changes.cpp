@@ -21,6 +21,9 @@ constexpr double acceleration_tolerance = 1e-11;
 // A series of impacts ends in contact when its rebounds are lower than this times what counts as contact: lower ones
 // are lost in the rounding of the position. Their impulses would add up to that of the contact force.
 constexpr double lowest_rebound = 2;
+// Decisions where limits depend on loads, and the relative change of limits at which they are repeated no more.
+constexpr int most_decisions = 60;
+constexpr double load_tolerance = 1e-13;
 // Of contacts that are let go and closed again at the same instant.
 constexpr int most_returns = 20;
 
@@ -69,7 +72,8 @@ void LockModes::strike(double t, double* y, const std::vector<int>& returning) {
   for (Index i = 0; i < n; ++i) {
     if (meets[i] == 0) continue;
     ++counts_.impacts;
-    log_.add({t, limit_indicator(struck[i], contacts[i].side), true, !impact.found});
+    if (!forces_.lock(struck[i]).one_way)
+      log_.add({t, limit_indicator(struck[i], contacts[i].side), true, !impact.found});
     if (!impact.is_possible) modes_.unstoppable = limit_indicator(struck[i], contacts[i].side);
   }
   forces_.strike(struck, impact.impulses, v);
@@ -133,6 +137,7 @@ void LockModes::close_returning(double t, double* y) {
 // Whether a rebound with this speed would be lost in rounding, and more would follow. `dynamics` and vdot_ are those at
 // the impact; mobility: the acceleration per force.
 bool LockModes::ends_series(int lock, int side, double speed, double mobility) const {
+  if (forces_.lock(lock).one_way) return false;
   const double holding = forces_.holding_forces().values()[static_cast<std::size_t>(lock)];
   const double acceleration =
       modes_.contacts[lock] != 0 ? -side * holding * mobility : side * forces_.speed(lock, vdot_.data());
@@ -157,17 +162,64 @@ bool LockModes::settle(double t, const double* y, bool breaks_away, bool logs) {
     if (slow && (has_friction(i) || next.contacts[i] != 0)) undecided.push_back(i);
   }
   if (!undecided.empty()) {
-    const std::vector<int> contacts = std::move(next.contacts);
-    next.contacts.assign(contacts.size(), 0);
-    set_state(next);
-    equations_.accelerations_at(t, y, vdot_.data());
-    next.contacts = contacts;
-    set_state(before);
-    decide(next, undecided, breaks_away);
+    if (forces_.has_loads()) {
+      decide_with_loads(next, undecided, breaks_away, t, y);
+    } else {
+      decide_at(next, undecided, breaks_away, t, y);
+    }
   }
   record_doubtful(t, logs);
   enter(t, next, logs);
   return state() != before;
+}
+
+// next: as in decide(). Enters the present modes again.
+void LockModes::decide_at(State& next, const std::vector<int>& undecided, bool breaks_away, double t, const double* y) {
+  const State before = state();
+  const std::vector<int> contacts = std::move(next.contacts);
+  next.contacts.assign(contacts.size(), 0);
+  set_state(next);
+  equations_.accelerations_at(t, y, vdot_.data());
+  next.contacts = contacts;
+  set_state(before);
+  decide(next, undecided, breaks_away);
+}
+
+// The limits of friction depend on the modes that they decide on: the decision is repeated with the limits in the modes
+// decided on, until both agree. It begins with everything at rest, since what can remain at rest does.
+void LockModes::decide_with_loads(State& next, const std::vector<int>& undecided, bool breaks_away, double t,
+                                  const double* y) {
+  const State before = state();
+  const State open = next;
+  const auto limits = [&] {
+    VectorXd out(2 * static_cast<Index>(undecided.size()));
+    for (Index i = 0; i < out.size() / 2; ++i) {
+      const DirectedLimit limit = forces_.lock(undecided[static_cast<std::size_t>(i)]).sticking_limit;
+      out[2 * i] = limit.positive;
+      out[2 * i + 1] = limit.negative;
+    }
+    return out;
+  };
+  for (const int lock : undecided) {
+    if (has_friction(lock)) next.motions[lock] = 0;
+  }
+  VectorXd known = VectorXd::Zero(2 * static_cast<Index>(undecided.size()));
+  bool agree = false;
+  for (int round = 0; round < most_decisions && !agree; ++round) {
+    doubtful_.clear();
+    const State decided = next;
+    set_state(next);
+    equations_.accelerations_at(t, y, vdot_.data());
+    const VectorXd now = limits();
+    forces_.freeze_loads(true);
+    set_state(before);
+    next = open;
+    decide_at(next, undecided, breaks_away, t, y);
+    forces_.freeze_loads(false);
+    agree = next == decided && (now - known).cwiseAbs().maxCoeff() <= load_tolerance * now.cwiseAbs().maxCoeff();
+    known = now;
+  }
+  if (!agree) doubtful_.insert(doubtful_.end(), undecided.begin(), undecided.end());
 }
 
 // logs: a preview is without effect on the run.
@@ -191,14 +243,14 @@ void LockModes::decide(State& next, const std::vector<int>& undecided, bool brea
   const auto n = static_cast<Index>(undecided.size());
   VectorXd b(n);
   VectorXd limits(n);
-  const auto limit_to = [&](Index i, double limit) {
-    limits[i] = limit;
-    if (std::isfinite(bounds.lower[i])) bounds.lower[i] = -limit;
-    if (std::isfinite(bounds.upper[i])) bounds.upper[i] = limit;
+  const auto limit_to = [&](Index i, const DirectedLimit& limit, double part) {
+    limits[i] = part * limit.largest();
+    if (std::isfinite(bounds.lower[i])) bounds.lower[i] = -part * limit.against(1);
+    if (std::isfinite(bounds.upper[i])) bounds.upper[i] = part * limit.against(-1);
   };
   for (Index i = 0; i < n; ++i) {
     b[i] = -forces_.speed(undecided[i], vdot_.data());
-    limit_to(i, forces_.lock(undecided[i]).sticking_limit * (breaks_away ? 1 - break_away_fraction : 1));
+    limit_to(i, forces_.lock(undecided[i]).sticking_limit, breaks_away ? 1 - break_away_fraction : 1);
   }
   scale = scale.cwiseMax(W.cwiseAbs() * limits);
   std::vector<char> leaves(undecided.size(), 0);
@@ -212,9 +264,9 @@ void LockModes::decide(State& next, const std::vector<int>& undecided, bool brea
     for (Index i = 0; i < n; ++i) {
       if (leaves[i] != 0 || is_held(i)) continue;
       leaves[i] = 1;
-      const double slipping = forces_.lock(undecided[i]).slipping_limit;
-      if (!(limits[i] > slipping)) continue;
-      limit_to(i, slipping);
+      const DirectedLimit slipping = forces_.lock(undecided[i]).slipping_limit;
+      if (!(limits[i] > slipping.largest())) continue;
+      limit_to(i, slipping, 1);
       changed = true;
     }
   }

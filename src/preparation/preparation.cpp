@@ -9,6 +9,7 @@
 #include "analysis/singular_start.h"
 #include "dynamics/undefined_force.h"
 #include "formulation/targets.h"
+#include "linear/singular_values.h"
 #include "mechanism/graph.h"
 #include "preparation/inertia.h"
 #include "preparation/report.h"
@@ -238,7 +239,9 @@ struct Preparer {
   void find_mobility(const std::vector<int>& kept = {}) {
     try {
       for (std::size_t i = 0; i < out.islands.size(); ++i) {
-        if (kept.empty() || kept[i] == reassemble) analyze_island(i);
+        if (!kept.empty() && kept[i] != reassemble) continue;
+        analyze_island(i);
+        check_loads_of_friction(i);
       }
     } catch (const SingularMass& fault) {
       throw SceneError({describe_massless(scene, fault.what())});
@@ -259,6 +262,21 @@ struct Preparer {
     free->set_targets(Targets(free_mechanism).at(time, inputs));
     island.mobility = analyze_driven_mobility(mechanism, *dynamics[i], free_mechanism, *free, q,
                                               initial_direction(island, *dynamics[i]));
+  }
+
+  // Friction that depends on a force which redundant constraint equations leave undetermined is refused.
+  void check_loads_of_friction(std::size_t i) const {
+    const Mechanism& mechanism = out.reduced.islands[i];
+    Branching& forces = dynamics[i]->branching();
+    const int rank = out.islands[i].mobility.rank;
+    if (!forces.has_loads() || rank >= mechanism.rows) return;
+    dynamics[i]->set_position(out.islands[i].start.q.data());
+    dynamics[i]->factorize();
+    const SingularValues svd(dynamics[i]->J());
+    for (int k = rank; k < svd.U.cols(); ++k) {
+      const int friction = forces.friction_loaded_by(Eigen::VectorXd(svd.U.col(k)).data());
+      if (friction >= 0) throw SceneError({describe_undetermined_load(scene, loads[i], friction)});
+    }
   }
 
   // Returns the direction in which an island starts to move: its velocities or, at rest, accelerations without inputs.

@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Friction that depends on forces of the mechanism which depend on it. With the friction T of what slips, the equations
+// of motion are linear, and so are the forces that it is proportional to,
+//   rho = rho0 + K T,     T_j = -sigma_j sum of k_l |rho_l|,
+// sigma_j the direction of motion; the second are a few equations with kinks, which Newton's method solves. K costs one
+// solution of the equations of motion for each friction that slips. For small coefficients T is unique; for larger ones
+// there may be none or several (Painleve).
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "kinematics/friction_loads.h"
+#include "linear/dense_factor.h"
+
+namespace gelenk {
+
+template <class A>
+class LoadedFriction {
+ public:
+  // What slips against friction that depends on loads.
+  struct Slipping {
+    int force;      // among all forces with modes
+    int direction;  // in the user's sign
+  };
+  struct Load {
+    FrictionLoad is;
+    double factor = 0;  // friction per size in the present motion, if it is a bearing's [m, 1]
+    std::array<double, 3> force{};
+    double size() const { return size_of_load(force); }
+    // Of friction against motion in this direction, for a load that exerts friction by its bearing, not by a mesh.
+    double friction(int direction, double bearing_factor) const {
+      return (is.of == FrictionLoad::Of::mesh ? is.loss(direction, force[0]) : bearing_factor) * size();
+    }
+  };
+
+  LoadedFriction(const Model<A>& model, const Loads& loads, const Workspace<A>& ws, int forces)
+      : model_(model), ws_(ws), torque_(static_cast<std::size_t>(forces)) {
+    for (const FrictionLoad& load : friction_loads(model, loads)) loads_.push_back({load});
+    for (const Load& load : loads_) {
+      if (std::ranges::find(owners_, load.is.force) == owners_.end()) owners_.push_back(load.is.force);
+    }
+    const std::size_t n = owners_.size();
+    for (auto* of : {&responses_, &multipliers_, &holding_}) of->resize(n);
+    K_.resize(n * loads_.size());
+    matrix_.resize(n * n);
+    pivots_.resize(n);
+    rest_.resize(n);
+  }
+
+  bool empty() const { return loads_.empty(); }
+  std::vector<Load>& loads() { return loads_; }
+  const std::vector<Load>& loads() const { return loads_; }
+  // By force with modes: the friction in motion due to loads, in the user's sign.
+  const std::vector<double>& torque() const { return torque_; }
+  // Keeps the friction of what slips as it is, in the equations of motion: they are linear then.
+  void freeze(bool on) { is_frozen_ = on; }
+  bool is_frozen() const { return is_frozen_; }
+  // Of the last solve(): the friction that is not unique or does not exist; -1: none.
+  int undetermined() const { return undetermined_; }
+  bool any_slips() const { return !slipping_.empty(); }
+  const std::vector<Slipping>& slipping() const { return slipping_; }
+
+  // Finds the friction T of what slips and the loads. respond(force, vdot, lambda, holding): the response of the
+  // mechanism to a unit of the friction with this index alone, in the user's sign; -1: to everything else.
+  template <class Respond>
+  void solve(const std::vector<Slipping>& slipping, Respond respond) {
+    slipping_ = slipping;
+    undetermined_ = -1;
+    if (is_frozen_) return;
+    respond(-1, vdot_, lambda_, unused_);
+    kernels::wrenches_of(model_, ws_, vdot_.data(), lambda_.data(), false, wrenches_);
+    for (Load& load : loads_) load.force = transmitted(load, lambda_);
+    for (std::size_t j = 0; j < slipping_.size(); ++j) {
+      respond(slipping_[j].force, responses_[j], multipliers_[j], holding_[j]);
+      kernels::wrenches_of(model_, ws_, responses_[j].data(), multipliers_[j].data(), true, wrenches_);
+      for (std::size_t l = 0; l < loads_.size(); ++l) K(l, j) = transmitted(loads_[l], multipliers_[j]);
+    }
+    std::ranges::fill(torque_, 0.0);
+    iterate();
+  }
+
+  // The index of a friction of which these multipliers alone, of size 1, change the load; -1: none.
+  int affected_by(const double* multipliers) {
+    vdot_.assign(static_cast<std::size_t>(model_.nv), 0.0);
+    kernels::wrenches_of(model_, ws_, vdot_.data(), multipliers, true, wrenches_);
+    for (const Load& load : loads_) {
+      if (!load.is.may_be_undetermined && size_of_load(transmitted(load, multipliers)) > affecting)
+        return load.is.force;
+    }
+    return -1;
+  }
+
+  // The effect of changes of the mechanism on friction, and of these on the mechanism: completes the solution (vdot,
+  // lambda, holding) of linearized equations without it.
+  void complete(double* vdot, double* lambda, double* holding) {
+    if (slipping_.empty() || is_frozen_) return;
+    kernels::wrenches_of(model_, ws_, vdot, lambda, true, wrenches_);
+    set_matrix();
+    for (std::size_t j = 0; j < slipping_.size(); ++j) {
+      double sum = 0;
+      each_load(j, [&](std::size_t l, double factor) { sum += factor * along(l, transmitted(loads_[l], lambda)); });
+      rest_[j] = -slipping_[j].direction * sum;
+    }
+    solve_matrix();
+    for (std::size_t j = 0; j < slipping_.size(); ++j) {
+      add_to(vdot, responses_[j], rest_[j]);
+      add_to(lambda, multipliers_[j], rest_[j]);
+      if (holding != nullptr) add_to(holding, holding_[j], rest_[j]);
+    }
+  }
+
+ private:
+  // Newton's method converges within a few steps, or not at all.
+  static constexpr int most_iterations = 60;
+  static constexpr double tolerance = 4e-16;  // of friction
+  static constexpr double rounding = 1e-13;   // what Newton's method may not be able to reduce any more
+  static constexpr double least_pivot = 1e-300;
+  static constexpr double affecting = 1e-8;  // of multipliers of size 1; less is rounding
+
+  std::array<double, 3> transmitted(const Load& load, const std::vector<double>& lambda) const {
+    return transmitted(load, lambda.data());
+  }
+  std::array<double, 3> transmitted(const Load& load, const double* lambda) const {
+    return transmitted_force(load.is, model_, ws_, wrenches_.F, lambda);
+  }
+  std::array<double, 3>& K(std::size_t load, std::size_t slipping) { return K_[load * owners_.size() + slipping]; }
+  double& torque_of(std::size_t j) { return torque_[static_cast<std::size_t>(slipping_[j].force)]; }
+
+  // Calls visit(load, friction per size) for the loads of the friction of what slips.
+  template <class Visit>
+  void each_load(std::size_t j, Visit visit) const {
+    for (std::size_t l = 0; l < loads_.size(); ++l) {
+      const Load& load = loads_[l];
+      if (load.is.force != slipping_[j].force) continue;
+      visit(l,
+            load.is.of == FrictionLoad::Of::mesh ? load.is.loss(slipping_[j].direction, load.force[0]) : load.factor);
+    }
+  }
+  // The rate of the size of a load for a change of its force.
+  double along(std::size_t l, const std::array<double, 3>& change) const {
+    const double size = loads_[l].size();
+    if (!(size > 0)) return 0;
+    const std::array<double, 3>& f = loads_[l].force;
+    return (f[0] * change[0] + f[1] * change[1] + f[2] * change[2]) / size;
+  }
+  // Adds a change of the friction of what slips.
+  void add(std::size_t j, double change) {
+    for (std::size_t l = 0; l < loads_.size(); ++l) {
+      for (std::size_t k = 0; k < 3; ++k) loads_[l].force[k] += K(l, j)[k] * change;
+    }
+  }
+  // The derivative of the equations of T, factorized. Returns whether its determinant is positive, as it is for small
+  // coefficients.
+  bool set_matrix() {
+    const auto n = static_cast<Eigen::Index>(slipping_.size());
+    DenseMatrix of(matrix_.data(), n, n);
+    for (Eigen::Index j = 0; j < n; ++j) {
+      for (Eigen::Index i = 0; i < n; ++i) {
+        double sum = 0;
+        each_load(static_cast<std::size_t>(j),
+                  [&](std::size_t l, double factor) { sum += factor * along(l, K(l, static_cast<std::size_t>(i))); });
+        of(j, i) = (i == j ? 1 : 0) + slipping_[static_cast<std::size_t>(j)].direction * sum;
+      }
+    }
+    factorize_general(of, pivots_.data(), least_pivot);
+    bool is_positive = true;
+    for (Eigen::Index j = 0; j < n; ++j) is_positive = is_positive == ((of(j, j) > 0) == (pivots_[j] == j));
+    return is_positive;
+  }
+  // rest_ <- its solution.
+  void solve_matrix() {
+    const auto n = static_cast<Eigen::Index>(slipping_.size());
+    solve_general(DenseMatrix(matrix_.data(), n, n), pivots_.data(), DenseVector(rest_.data(), n));
+  }
+  void iterate() {
+    const std::size_t n = slipping_.size();
+    if (n == 0) return;
+    for (int k = 0; k < most_iterations; ++k) {
+      double left = 0;
+      double size = 0;
+      for (std::size_t j = 0; j < n; ++j) {
+        double sum = 0;
+        each_load(j, [&](std::size_t l, double factor) { sum += factor * loads_[l].size(); });
+        rest_[j] = -(torque_of(j) + slipping_[j].direction * sum);
+        left = std::max(left, std::abs(rest_[j]));
+        size = std::max(size, std::abs(sum));
+      }
+      const bool is_unique = set_matrix();
+      if (left <= tolerance * size || (k > 2 && left <= rounding * size)) {
+        if (!is_unique) undetermined_ = slipping_.front().force;
+        return;
+      }
+      solve_matrix();
+      for (std::size_t j = 0; j < n; ++j) {
+        torque_of(j) += rest_[j];
+        add(j, rest_[j]);
+      }
+    }
+    undetermined_ = slipping_.front().force;
+  }
+  static void add_to(double* to, const std::vector<double>& what, double factor) {
+    for (std::size_t i = 0; i < what.size(); ++i) to[i] += factor * what[i];
+  }
+
+  const Model<A>& model_;
+  const Workspace<A>& ws_;
+  std::vector<Load> loads_;
+  std::vector<int> owners_;  // frictions with loads
+  std::vector<Slipping> slipping_;
+  std::vector<double> torque_;
+  std::vector<double> vdot_, lambda_, unused_;
+  std::vector<std::vector<double>> responses_, multipliers_, holding_;  // by what slips: vdot, lambda, holding forces
+  std::vector<std::array<double, 3>> K_;                                // by load and what slips
+  std::vector<double> matrix_, rest_;
+  std::vector<int> pivots_;
+  kernels::JointWrenches<A> wrenches_;
+  bool is_frozen_ = false;
+  int undetermined_ = -1;
+};
+
+}  // namespace gelenk

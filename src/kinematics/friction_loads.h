@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Friction that is proportional to a force that the mechanism transmits: of bearings and guides to that of their joint,
+// of gears to the torque of the mesh. These forces depend on friction themselves (dynamics/loaded_friction.h).
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "kinematics/kernels.h"
+#include "kinematics/model.h"
+#include "kinematics/output_kernels.h"
+#include "kinematics/visit.h"
+
+namespace gelenk {
+
+// One of these forces, and the friction to which it belongs.
+struct FrictionLoad {
+  enum class Of { bearing, guide, mesh };
+  Of of = Of::bearing;
+  int force = 0;      // index of the friction among all forces with modes
+  int velocity = 0;   // of its coordinate: in the tree, or among those of the cut
+  double sign = 1;    // user's coordinate = sign times the mechanism's
+  int cut = -1;       // of a bearing that closes a loop
+  int link = -1;      // of a joint of the tree
+  int row = -1;       // of a mesh
+  double factor = 1;  // of the coordinate in that row
+  std::array<double, 2> losses{};
+  bool may_be_undetermined = false;  // the force of least norm counts where constraint equations are redundant
+
+  // Of a mesh: the friction per force, for motion in a direction in the user's sign; along: the force on the
+  // coordinate.
+  double loss(int direction, double along) const { return losses[direction * sign * along < 0 ? 0 : 1]; }
+};
+
+template <class A>
+std::vector<FrictionLoad> friction_loads(const Model<A>& model, const Loads& loads) {
+  std::vector<FrictionLoad> out;
+  int index = 0;
+  const auto add = [&](const auto& force, int cut) {
+    if constexpr (Sticks<std::decay_t<decltype(force.element)>>) {
+      FrictionLoad load{.force = index, .velocity = force.v, .sign = force.sign, .cut = cut};
+      for (std::size_t i = 1; i < model.links.size() && cut < 0; ++i) {
+        if (model.links[i].iv == force.v && model.links[i].nv == 1) load.link = static_cast<int>(i);
+      }
+      if (force.element.bearing) {
+        load.may_be_undetermined = force.element.bearing->reaction.index != Choice::none;
+        load.of = force.element.is_guide() ? FrictionLoad::Of::guide : FrictionLoad::Of::bearing;
+        out.push_back(load);
+      }
+      for (std::size_t r = 0; r < model.coordinate_rows.size() && cut < 0; ++r) {
+        const CoordinateRow& row = model.coordinate_rows[r];
+        if (!row.has_losses() || row.terms.front().v != force.v) continue;
+        load.of = FrictionLoad::Of::mesh;
+        load.may_be_undetermined = false;
+        load.row = model.first_coordinate_row + static_cast<int>(r);
+        load.factor = row.terms.front().factor;
+        load.losses = row.losses;
+        out.push_back(load);
+      }
+    }
+    ++index;
+  };
+  loads.tree.each_branching([&](const auto& force) { add(force, -1); });
+  for (std::size_t c = 0; c < loads.cuts.size(); ++c)
+    loads.cuts[c].each_branching([&](const auto& force) { add(force, static_cast<int>(c)); });
+  return out;
+}
+
+// In the plane, the angle of a cut revolute joint is a sum of angles of tree joints: its rate by velocity. Changes the
+// positions in ws; the angular parts of S are the same at all of them.
+template <class A>
+std::vector<std::pair<int, double>> turn_of_cut_joint(const Model<A>& model, int cut, Workspace<A>& ws) {
+  std::vector<std::pair<int, double>> out;
+  if constexpr (A::planar) {
+    const std::vector<double> q(static_cast<std::size_t>(model.nq));
+    kernels::positions(model, q.data(), ws);
+    const auto add_path = [&](const std::vector<int>& links, double sign) {
+      for (const int i : links) {
+        const auto& link = model.links[i];
+        for (int k = link.iv; k < link.iv + link.nv; ++k) {
+          if (ws.S[k].w != 0) out.emplace_back(k, sign * ws.S[k].w);
+        }
+      }
+    };
+    add_path(model.cuts[cut].path_b, 1);
+    add_path(model.cuts[cut].path_a, -1);
+  }
+  return out;
+}
+
+// The force of a load: of a mesh along the coordinate; of bearings and guides across their axis. F: the wrench of each
+// tree joint on its outer link; lambda: the multipliers.
+template <class A>
+std::array<typename A::Scalar, 3> transmitted_force(const FrictionLoad& load, const Model<A>& model,
+                                                    const Workspace<A>& ws, const std::vector<typename A::Force>& F,
+                                                    const typename A::Scalar* lambda) {
+  using T = typename A::Scalar;
+  if (load.of == FrictionLoad::Of::mesh) return {T(-load.factor) * lambda[load.row], T(0), T(0)};
+  if constexpr (A::planar) {
+    const typename A::Force at =
+        load.cut < 0 ? F[static_cast<std::size_t>(load.link)] : kernels::row_wrench(model, ws, load.cut, lambda);
+    if (load.of == FrictionLoad::Of::bearing) return {at.x, at.y, T(0)};
+    const typename A::Motion& axis = ws.S[static_cast<std::size_t>(load.velocity)];
+    return {axis.x * at.y - axis.y * at.x, T(0), T(0)};
+  } else {
+    const typename A::Motion& S = ws.S[static_cast<std::size_t>(load.velocity)];
+    const Vector3<T>& axis = load.of == FrictionLoad::Of::bearing ? S.w : S.v;
+    const Vector3<T>& f = F[static_cast<std::size_t>(load.link)].f;
+    const Vector3<T> across = f - axis.dot(f) * axis;
+    return {across[0], across[1], across[2]};
+  }
+}
+
+// Its size; where it vanishes, with the derivative 0.
+template <class T>
+T size_of_load(const std::array<T, 3>& force) {
+  using std::sqrt;
+  const T squared = force[0] * force[0] + force[1] * force[1] + force[2] * force[2];
+  return squared == T(0) ? T(0) : sqrt(squared);
+}
+
+// The friction per size of a load, for motion in a direction (1, -1) at the speed v, both in the user's sign.
+template <class T, class Friction>
+T factor_of_load(const FrictionLoad& load, const Friction& friction, int direction, const T& v, const T* u,
+                 const T& along) {
+  if (load.of != FrictionLoad::Of::mesh) return friction.load_factor(v, u);
+  return T(load.loss(direction, along < T(0) ? -1 : 1));
+}
+
+}  // namespace gelenk
