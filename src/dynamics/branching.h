@@ -55,6 +55,12 @@ class Branching {
   virtual bool has_loads() const = 0;
   // Keeps friction that depends on loads as it was at the last solve(), in motion and at rest.
   virtual void freeze_loads(bool on) = 0;
+  // The loads along a line, such as those of gears, whose sign matters: friction has a kink where it changes.
+  virtual int signed_loads() const = 0;
+  // Those of the last solve(), by which event indicators they are; while signs are held, beyond zero by rounding.
+  virtual void load_indicators(double* g) const = 0;
+  // Holds their signs, also beyond zero; null: they are those of the loads.
+  virtual void hold_load_signs(const bool* positive) = 0;
   // Of the last solve(): the index of a friction that is not unique, or does not exist, because it depends on loads too
   // much; -1: none.
   virtual int undetermined_friction() const = 0;

@@ -61,6 +61,9 @@ class JointModes final : public Branching {
   ContactRowsOf<A>& contact_rows() override { return contact_rows_; }
   bool has_loads() const override { return !loaded_.empty(); }
   void freeze_loads(bool on) override { loaded_.freeze(on); }
+  int signed_loads() const override { return loaded_.signed_count(); }
+  void load_indicators(double* g) const override { loaded_.indicators(g, load_rounding * force_size_); }
+  void hold_load_signs(const bool* positive) override { loaded_.hold_signs(positive); }
   int undetermined_friction() const override { return loaded_.undetermined(); }
   int friction_loaded_by(const double* multipliers) override { return loaded_.affected_by(multipliers); }
   LoadedFriction<A>& loaded() { return loaded_; }
@@ -249,6 +252,7 @@ class JointModes final : public Branching {
 
   // Part of the forces that may be rounding: far more than that of some hundred operations.
   static constexpr double slack_fraction = 4e-11;
+  static constexpr double load_rounding = 1e-13;  // of loads, relative to |L^-T f|
 
   bool is_in_contact(int lock) const {
     return held_ != nullptr && found_[lock].limit >= 0 && held_[found_[lock].limit] != 0;

@@ -29,16 +29,26 @@ class LoadedFriction {
     FrictionLoad is;
     double factor = 0;  // friction per size in the present motion, if it is a bearing's [m, 1]
     std::array<double, 3> force{};
-    double size() const { return size_of_load(force); }
-    // Of friction against motion in this direction, for a load that exerts friction by its bearing, not by a mesh.
+    bool has_sign = false;  // it is along a line
+    int held_sign = 0;      // 0: that of the force
+    double sign() const { return held_sign != 0 ? held_sign : force[0] < 0 ? -1 : 1; }
+    double size() const { return has_sign ? sign() * force[0] : size_of_load(force); }
+    // Friction per size against motion in this direction; bearing_factor: of a bearing or a guide.
+    double factor_against(int direction, double bearing_factor) const {
+      return is.of == FrictionLoad::Of::mesh ? is.loss(direction, sign()) : bearing_factor;
+    }
     double friction(int direction, double bearing_factor) const {
-      return (is.of == FrictionLoad::Of::mesh ? is.loss(direction, force[0]) : bearing_factor) * size();
+      return factor_against(direction, bearing_factor) * size();
     }
   };
 
   LoadedFriction(const Model<A>& model, const Loads& loads, const Workspace<A>& ws, int forces)
       : model_(model), ws_(ws), torque_(static_cast<std::size_t>(forces)) {
-    for (const FrictionLoad& load : friction_loads(model, loads)) loads_.push_back({load});
+    for (const FrictionLoad& load : friction_loads(model, loads)) {
+      loads_.push_back({load});
+      const bool is_planar_guide = A::planar && load.of == FrictionLoad::Of::guide;
+      loads_.back().has_sign = load.of == FrictionLoad::Of::mesh || is_planar_guide;
+    }
     for (const Load& load : loads_) {
       if (std::ranges::find(owners_, load.is.force) == owners_.end()) owners_.push_back(load.is.force);
     }
@@ -53,6 +63,18 @@ class LoadedFriction {
   bool empty() const { return loads_.empty(); }
   std::vector<Load>& loads() { return loads_; }
   const std::vector<Load>& loads() const { return loads_; }
+  // See Branching. rounding: of the forces.
+  int signed_count() const { return static_cast<int>(std::ranges::count_if(loads_, &Load::has_sign)); }
+  void indicators(double* g, double rounding) const {
+    for (const Load& load : loads_) {
+      if (load.has_sign) *g++ = load.force[0] + load.held_sign * rounding;
+    }
+  }
+  void hold_signs(const bool* positive) {
+    for (Load& load : loads_) {
+      if (load.has_sign) load.held_sign = positive == nullptr ? 0 : *positive++ ? 1 : -1;
+    }
+  }
   // By force with modes: the friction in motion due to loads, in the user's sign.
   const std::vector<double>& torque() const { return torque_; }
   // Keeps the friction of what slips as it is, in the equations of motion: they are linear then.
@@ -135,12 +157,12 @@ class LoadedFriction {
     for (std::size_t l = 0; l < loads_.size(); ++l) {
       const Load& load = loads_[l];
       if (load.is.force != slipping_[j].force) continue;
-      visit(l,
-            load.is.of == FrictionLoad::Of::mesh ? load.is.loss(slipping_[j].direction, load.force[0]) : load.factor);
+      visit(l, load.factor_against(slipping_[j].direction, load.factor));
     }
   }
   // The rate of the size of a load for a change of its force.
   double along(std::size_t l, const std::array<double, 3>& change) const {
+    if (loads_[l].has_sign) return loads_[l].sign() * change[0];
     const double size = loads_[l].size();
     if (!(size > 0)) return 0;
     const std::array<double, 3>& f = loads_[l].force;

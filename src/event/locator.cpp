@@ -22,7 +22,7 @@ constexpr int max_shortened_steps = 20;
 // Limit on steps repeated to find a contact that begins and ends within a step. Some trials are false alarms: an
 // implicit method evaluates the equations at iterates that its stages do not converge to. The step made in the end is
 // short, but correct.
-constexpr int max_touch_trials = 4;
+constexpr int max_touch_trials = 8;
 
 }  // namespace
 
@@ -30,6 +30,7 @@ Locator::Locator(EventSource& source, int size) : source_(source), course_(sourc
   if (course_.size() == 0) return;
   start_y_.resize(static_cast<std::size_t>(size));
   high_y_.resize(static_cast<std::size_t>(size));
+  searched_.resize(course_.size());
 }
 
 // end: of the step to come.
@@ -77,20 +78,44 @@ Step Locator::step_in_mode(Stepping& method, double end) {
   }
   if (step != Step::made) return step;
   course_.end(method.time(), method.state());
-  for (int k = 0; k < max_touch_trials && !course_.any_changed(); ++k) {
-    const double touch = has_left_mode(method.time()) ? source_.mode_exit_time() : course_.touch();
-    if (!(touch < method.time())) return step;
+  // A mode may also have ended and begun again within the step, or before the event at which it ends.
+  for (int k = 0; k < max_touch_trials; ++k) {
+    const bool ends_at_event = course_.any_changed();
+    if (ends_at_event) {
+      step = search_all(method);
+      if (step != Step::made) return step;
+      if (!course_.any_changed()) continue;
+    }
+    const double end_t = ends_at_event ? high_t_ : method.time();
+    const double touch = !ends_at_event && has_left_mode(end_t) ? source_.mode_exit_time() : course_.touch();
+    if (!(touch < end_t)) return ends_at_event ? end_at_event(method) : step;
     step = repeat_step(method, touch);
     if (step != Step::made) return step;
+    if (!ends_at_event || course_.any_changed()) continue;
+    course_.end(high_t_, high_y_.data());
+    return end_at_event(method);
   }
   if (!course_.any_changed()) return step;
+  step = search_all(method);
+  return step == Step::made && course_.any_changed() ? end_at_event(method) : step;
+}
+
+// After a step beyond zeros of indicators: leaves the earliest end beyond one of them in high_y_.
+Step Locator::search_all(Stepping& method) {
   save_high(method);
-  for (std::size_t i = 0; i < course_.size(); ++i) {
-    if (!course_.changed(i)) continue;
-    step = search(i, method);
+  std::ranges::fill(searched_, 0);
+  const auto next = [&] {
+    std::size_t i = 0;
+    while (i < course_.size() && (searched_[i] != 0 || !course_.changed(i))) ++i;
+    return i;
+  };
+  // Before an event, others may be beyond a zero from which they had returned at the end of the step.
+  for (std::size_t i = next(); i < course_.size(); i = next()) {
+    searched_[i] = 1;
+    const Step step = search(i, method);
     if (step != Step::made || !course_.any_changed()) return step;
   }
-  return end_at_event(method);
+  return Step::made;
 }
 
 void Locator::stop_at(double end, Stepping& method) {

@@ -47,6 +47,7 @@ class Locator {
 
  private:
   Step step_in_mode(Stepping& method, double end);
+  Step search_all(Stepping& method);
   Step search(std::size_t i, Stepping& method);
   Step repeat_step(Stepping& method, double end);
   bool has_left_mode(double end) const;
@@ -63,6 +64,7 @@ class Locator {
   // The earliest known end of a step that lies beyond an event.
   double high_t_ = 0;
   std::vector<double> start_y_, high_y_;
+  std::vector<char> searched_;  // by indicator
 };
 
 }  // namespace gelenk

@@ -55,7 +55,7 @@ double StepCourse::zero(std::size_t i) const { return start_t_ + cubic(i).zero()
 double StepCourse::touch() const {
   double first = INFINITY;
   for (std::size_t i = 0; i < size(); ++i) {
-    if (std::abs(start_g_[i]) <= smallest) continue;  // its mode begins here
+    if (std::abs(start_g_[i]) <= smallest || changed(i)) continue;  // its mode begins here, or ends
     const bool approaches = before_[i] ? start_gdot_[i] < 0 : start_gdot_[i] > 0;
     const Cubic course = cubic(i);
     if (!approaches || !course.has_extremum()) continue;

@@ -25,7 +25,11 @@ void EventModes::indicator_values(double t, const double* y, double* g, double* 
   dynamics_.set_position(y);
   dynamics_.set_velocity(y + nq_);
   locks_.indicators(vdot, g, gdot);
-  if (others_ == nullptr) return;
+  if (others_ == nullptr) {
+    forces_.load_indicators(g + own_indicators());
+    std::fill_n(gdot + own_indicators(), forces_.signed_loads(), NAN);
+    return;
+  }
   others_->indicator_values(t, y, g + own_indicators(), gdot + own_indicators());
   others_->redistribute(t, y, g, g + own_indicators());
 }
@@ -76,7 +80,9 @@ void EventModes::hold_mode(double t, const bool* positive) {
     sides_[i] = !held_ ? JointLoads::of_state : positive[2 * i] ? 1 : positive[2 * i + 1] ? -1 : 0;
   }
   forces_.hold(held_ || !locks_.empty() ? sides_.data() : nullptr);
-  if (others_ != nullptr) others_->hold_mode(t, held_ ? positive + own_indicators() : nullptr);
+  const bool* following = held_ ? positive + own_indicators() : nullptr;
+  if (others_ == nullptr) return forces_.hold_load_signs(following);
+  others_->hold_mode(t, following);
 }
 
 void EventModes::check(double t, const double* v) {
@@ -120,7 +126,8 @@ std::string EventModes::indeterminacy() const {
 
 void EventModes::found_event(double t, int indicator, bool positive) {
   if (indicator >= own_indicators()) {
-    others_->found_event(t, indicator - own_indicators(), positive);
+    // Where the load of friction changes its sign, no mode changes.
+    if (others_ != nullptr) others_->found_event(t, indicator - own_indicators(), positive);
   } else if (!locks_.found_event(indicator)) {
     log_.add({t, indicator, positive});
   }

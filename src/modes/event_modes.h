@@ -28,7 +28,10 @@ class EventModes final : public EventSource {
 
   // Two indicators for each force with modes. A stop or limit: for its upper and its lower bound, positive while it is
   // in contact. Friction: of motion in the positive and in the negative direction, positive during it.
-  int indicators() const override { return own_indicators() + (others_ == nullptr ? 0 : others_->indicators()); }
+  // There follow those of others, or of the loads of friction; contacts and such loads exclude each other.
+  int indicators() const override {
+    return own_indicators() + (others_ == nullptr ? forces_.signed_loads() : others_->indicators());
+  }
   int own_indicators() const { return 2 * static_cast<int>(sides_.size()); }
   // Adds the modes of contacts, whose indicators follow, and which change those of friction and limits, too; they must
   // outlive this.

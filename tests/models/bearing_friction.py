@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from mechanisms import GRAVITY, Array, Scene, body, frame, joint, rod, scene
@@ -60,9 +61,9 @@ def four_bar_with_bearings(coefficients: tuple[float, ...] = COEFFICIENTS) -> Sc
     )
 
 
-def slider_crank_with_guide(coefficient: float) -> Scene:
-    """Problem N07: a slider-crank of slender bars whose guide has friction."""
-    crank, rod_length, phi = 0.15, 0.56, 0.6
+def slider_crank_with_guide(coefficient: float, phi: float = 0.6, w: float = 12.0) -> Scene:
+    """Problem N07: a slider-crank of slender bars whose guide has friction, started at phi and w."""
+    crank, rod_length = 0.15, 0.56
     tilt = math.asin(crank * math.sin(phi) / rod_length)
     about = {"axis": [0, -1, 0]}
     return scene(
@@ -72,7 +73,7 @@ def slider_crank_with_guide(coefficient: float) -> Scene:
                 "revolute",
                 frame("ground"),
                 frame("crank"),
-                start={"phi": phi, "w": 12.0, "fixed": True},
+                start={"phi": phi, "w": w, "fixed": True},
                 **about,
             ),
             "B": joint(
@@ -184,12 +185,12 @@ def four_bar_truth(times: Array, coefficients: tuple[float, ...] = COEFFICIENTS)
     directions = np.sign(rates)
     while t < times[-1]:
 
-        def slow(k: int):  # noqa: ANN202 - an event of solve_ivp
+        def slow(k: int) -> Any:
             def event(_t: float, state: Array) -> float:
                 return float(directions[k] * joint_rates(kinematics(state[0]))[k] * state[1])
 
-            event.terminal = True
-            event.direction = -1
+            event.terminal = True  # type: ignore[attr-defined]
+            event.direction = -1  # type: ignore[attr-defined]
             return event
 
         solution = solve_ivp(

@@ -20,6 +20,8 @@ REST = 1e-9  # rad/s: what is slower than this may stick
 ROUNDING = 1e-10  # of forces at their limits, which are located to about 1e-12
 
 AFTER = 1e-9  # s
+MOST_EVENTS = 40  # in a segment
+UNLOADED = 1e-9  # N m: less in a mesh has no sign
 
 type Modes = tuple[Any, ...]
 
@@ -132,7 +134,7 @@ class DriveTrain:
 
     def indicators(self, modes: Modes, u: Array, phi: Array, w: Array) -> Array:
         """Return numbers that are all positive or zero while the modes last."""
-        a, forces = self.solve(modes, u, phi, w)
+        _, forces = self.solve(modes, u, phi, w)
         out: list[float] = []
         for e, mode, x in zip(self.elements, modes, forces, strict=True):
             if isinstance(e, Friction):
@@ -141,7 +143,7 @@ class DriveTrain:
                 out.append(float(x[0]) + e.static(u) if mode == 0 else self.speed(e, w))
             else:
                 direction, sign = mode
-                out.append(sign * x[0])
+                out.append(sign * x[0] + UNLOADED)
                 if direction == 0:
                     # The friction of a is limited by what its motion in either direction would cause.
                     up = e.bearing + e.loss(1, sign) * abs(x[0])
@@ -163,7 +165,11 @@ class DriveTrain:
 
     def modes_at(self, u: Array, phi: Array, w: Array) -> Modes:
         """Return the first consistent modes: what can remain at rest does."""
-        every = itertools.product(*(e.modes(self.speed(e, w)) for e in self.elements))
+
+        def moving(modes: Modes) -> int:
+            return sum((mode[0] if isinstance(mode, tuple) else mode) != 0 for mode in modes)
+
+        every = sorted(itertools.product(*(e.modes(self.speed(e, w)) for e in self.elements)), key=moving)
         found = next((modes for modes in every if self.is_consistent(modes, u, phi, w)), None)
         assert found is not None, f"no modes at {phi}, {w}"
         return found
@@ -181,7 +187,10 @@ class DriveTrain:
                 return start + (end - start) * (t - first) / segment
 
             t = k * segment
+            parts = 0
             while t < (k + 1) * segment - 1e-13:
+                parts += 1
+                assert parts <= MOST_EVENTS, f"events without end at t = {t}"
                 # Just after an event, where its own indicator is not zero any more.
                 modes = self.modes_at(u(t + AFTER), y[:n] + AFTER * y[n:], y[n:])
                 t, y = self.advance(modes, u, t, (k + 1) * segment, y)
@@ -210,6 +219,7 @@ class DriveTrain:
             method="DOP853",
             rtol=1e-12,
             atol=1e-13,
+            max_step=(stop - t) / 8,  # indicators may be negative for a while
             events=[event(i) for i in range(count)],
         )
         after = solution.y[:, -1]

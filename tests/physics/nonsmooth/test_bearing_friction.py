@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from functools import cache
 
@@ -104,10 +105,10 @@ def test_a_pendulum_rests_within_its_friction_circle(share: float, side: int) ->
 def test_friction_in_motion_follows_from_the_reaction_that_it_changes() -> None:
     """The reaction of a swinging point mass is known in closed form for any torque on it."""
     simulation = plant(with_sensors(pendulum(0.4, 3.0, coefficient=0.6), R=reaction("pivot")))
-    force = np.hypot(*(simulation.output(f"R.f[{i}]") for i in (1, 3)))
+    force = math.hypot(simulation.output("R.f[1]"), simulation.output("R.f[3]"))
     torque = simulation.output("pivot.friction.tau")
     assert torque == pytest.approx(-0.6 * 0.05 * force, rel=1e-14)
-    # Along the rod m (w^2 l + g cos phi), across it the torque over the length: not weight, as it falls freely.
+    # Along the rod m (w^2 l + g cos phi), across it the torque over the length.
     along = 2.0 * (3.0**2 * 0.5 + GRAVITY * math.cos(0.4))
     assert force == pytest.approx(math.hypot(along, torque / 0.5), rel=1e-13)
     acceleration = -GRAVITY * math.sin(0.4) / 0.5 + torque / (2.0 * 0.5**2)
@@ -190,7 +191,7 @@ def test_energy_is_lost_by_friction_alone() -> None:
     lost, before = 0.0, simulation.output("E.total")
     start = before
     edges = np.linspace(0.0, 0.17, 41)  # before the first reversal, at 0.178 s
-    for a, b in zip(edges[:-1], edges[1:], strict=True):
+    for a, b in itertools.pairwise(edges):
         for x, weight in zip(nodes, weights, strict=True):
             simulation.step_to((a + b) / 2 + x * (b - a) / 2)
             power = sum(simulation.output(f"{j}.friction.tau") * simulation.output(f"{j}.w") for j in "ABCD")
@@ -204,6 +205,6 @@ def test_energy_is_lost_by_friction_alone() -> None:
 
 def test_friction_that_determines_no_motion_is_refused_by_name() -> None:
     """A slider-crank whose guide jams: beyond a coefficient, no force of the guide agrees with the law."""
-    source = slider_crank_with_guide(20.0)
+    source = slider_crank_with_guide(20.0, 2.0, -12.0)
     with pytest.raises(gelenk.StepError, match=r"the friction of guide\.s depends so much on the load"):
         plant(source).step_to(2.0)
