@@ -1,21 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Friction, limits and one-way clutches together with each other, with gears that have losses, and with contacts.
 #include <algorithm>
-#include <optional>
 #include <string>
 
 #include "check/check.h"
-#include "element/registry.h"
+#include "element/locking.h"
 #include "util/text.h"
 
 namespace gelenk {
 namespace {
-
-template <class Element>
-const Element* found(const JointForces& forces) {
-  const auto& element = std::get<std::optional<Element>>(forces);
-  return element ? &*element : nullptr;
-}
 
 std::string path_of(const Joint& joint) { return "joints." + text::printable(joint.name); }
 
@@ -27,26 +20,19 @@ const Joint* joint_named(const Scene& scene, const std::string& name) {
 // The field with the friction that depends on forces of the mechanism; empty: there is none.
 std::string loaded_friction(const Scene& scene) {
   for (const Joint& joint : scene.joints) {
-    for (const JointForces& forces : joint.along) {
-      const JointFriction* friction = found<JointFriction>(forces);
-      if (friction != nullptr && friction->bearing) return path_of(joint) + ".friction.bearing";
-    }
+    if (std::ranges::any_of(joint.along, has_bearing)) return path_of(joint) + ".friction.bearing";
   }
   for (const Constraint& c : scene.constraints) {
-    const Gear* gear = std::get_if<Gear>(&c.is);
-    if (gear != nullptr && gear->has_losses()) return "constraints." + text::printable(c.name) + ".efficiency";
+    if (has_losses(c.is)) return "constraints." + text::printable(c.name) + ".efficiency";
   }
   return {};
 }
 
 void check_gear(const Scene& scene, const Constraint& c, Faults& faults) {
-  const Gear* gear = std::get_if<Gear>(&c.is);
-  if (gear == nullptr || !gear->has_losses()) return;
+  if (!has_losses(c.is)) return;
   const Joint* joint = joint_named(scene, c.joints.front());
   if (joint == nullptr) return;  // reported already
-  const bool has_friction = std::ranges::any_of(
-      joint->along, [](const JointForces& forces) { return found<JointFriction>(forces) != nullptr; });
-  if (has_friction) return;
+  if (std::ranges::any_of(joint->along, has_friction)) return;
   faults.add("constraints." + text::printable(c.name) + ".efficiency",
              "a joint " + text::quoted(joint->name) + " without friction",
              path_of(*joint) + ".friction, to which the losses of the gear are added (coulomb: 0 for these alone)");
@@ -56,11 +42,9 @@ void check_gear(const Scene& scene, const Constraint& c, Faults& faults) {
 
 void check_locking(const Scene& scene, Faults& faults) {
   for (const Joint& joint : scene.joints) {
-    for (const JointForces& forces : joint.along) {
-      if (found<JointLimit>(forces) == nullptr || found<JointOneWay>(forces) == nullptr) continue;
-      faults.add(path_of(joint) + ".one_way", "also a limit",
-                 "one of both: a one-way clutch and a limit need a joint each, with a body between them");
-    }
+    if (!std::ranges::any_of(joint.along, has_two_bounds)) continue;
+    faults.add(path_of(joint) + ".one_way", "also a limit",
+               "one of both: a one-way clutch and a limit need a joint each, with a body between them");
   }
   for (const Constraint& c : scene.constraints) check_gear(scene, c, faults);
   const std::string loaded = loaded_friction(scene);

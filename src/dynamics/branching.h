@@ -9,6 +9,7 @@
 
 #include "dynamics/contact_rows.h"
 #include "dynamics/holding_forces.h"
+#include "dynamics/load_dependence.h"
 
 namespace gelenk {
 
@@ -50,22 +51,8 @@ class Branching {
   };
   virtual int locks() const = 0;
   virtual Lock lock(int lock) const = 0;
-  // Whether friction depends on forces of the mechanism, which depend on it (loaded_friction.h). Then limits are those
-  // at the last solve().
-  virtual bool has_loads() const = 0;
-  // Keeps friction that depends on loads as it was at the last solve(), in motion and at rest.
-  virtual void freeze_loads(bool on) = 0;
-  // The loads along a line, such as those of gears, whose sign matters: friction has a kink where it changes.
-  virtual int signed_loads() const = 0;
-  // Those of the last solve(), by which event indicators they are; while signs are held, beyond zero by rounding.
-  virtual void load_indicators(double* g) const = 0;
-  // Holds their signs, also beyond zero; null: they are those of the loads.
-  virtual void hold_load_signs(const bool* positive) = 0;
-  // Of the last solve(): the index of a friction that is not unique, or does not exist, because it depends on loads too
-  // much; -1: none.
-  virtual int undetermined_friction() const = 0;
-  // The index of a friction of which these multipliers, without effect on the motion, change the load; -1: none.
-  virtual int friction_loaded_by(const double* multipliers) = 0;
+  // Friction that depends on loads: its limits are those at the last solve().
+  virtual LoadDependence& loads() = 0;
   // Contacts between shapes, which act by impulses.
   virtual ContactRows& contact_rows() = 0;
   // How far the coordinate is beyond its upper (side 1) or lower limit (side -1) at the current position, and how close

@@ -8,10 +8,10 @@
 
 #include "derivatives/forward_ad.h"
 #include "derivatives/recursive.h"
+#include "dynamics/held_branches.h"
 #include "dynamics/joint_modes.h"
 #include "dynamics/mass_factor.h"
 #include "dynamics/mass_weighted_jacobian.h"
-#include "kinematics/coordinate_derivatives.h"
 #include "kinematics/coordinate_rows.h"
 #include "kinematics/kernels.h"
 #include "kinematics/load_kernels.h"
@@ -63,12 +63,7 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
         biased_gamma_(model_.rows),
         unlocked_(model_.nv),
         holding_(modes_.locks()) {
-    if (!modes_.has_loads()) return;
-    loaded_lambda_.resize(static_cast<std::size_t>(model_.rows));
-    zero_rows_.resize(loaded_lambda_.size());
-    column_rows_.resize(loaded_lambda_.size());
-    column_.resize(static_cast<std::size_t>(model_.nv));
-    this->loaded_friction_.resize(static_cast<std::size_t>(modes_.count()));
+    if (!modes_.loads().empty()) zero_rows_.resize(static_cast<std::size_t>(model_.rows));
   }
 
   void set_position(const double* q) override {
@@ -122,7 +117,7 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
     if (modes_.locks() > 0) modes_.set_force_size(w_);
     if (extrapolated != nullptr) M_.multiply(extrapolated, extrapolated_.data());
     regularized_ = extrapolated != nullptr;
-    if (modes_.has_loads()) add_loaded_friction(w_);
+    if (!modes_.loads().empty()) add_loaded_friction(w_);
     if (model_.rows > 0) M_.add_right_side(biased_gamma(), w_.data());
     const bool locks = solve_whitened(w_.data(), biased_gamma(), regularized_ ? extrapolated_.data() : nullptr);
     std::ranges::copy(w_, vdot);
@@ -198,7 +193,7 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
     if (lambda == nullptr) lambda = ws_.lambda.data();
     const LinearizationPoint at{q_.data(),       v_.data(),        u, vdot, lambda, cut_reference_.data(),
                                 targets_.data(), modes_.held(true)};
-    const bool has_loads = modes_.has_loads();
+    const bool has_loads = !modes_.loads().empty();
     if (!by_duals && !has_loads) {
       if (!recursive_) recursive_ = std::make_unique<RecursiveJacobians<A>>(model_, ws_, loads_);
       (*recursive_)(at, inputs, out);
@@ -207,18 +202,21 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
       forward_ad_->hold(has_loads ? modes_.held() : nullptr);
       (*forward_ad_)(at, out);
     }
-    if (modes_.held() != nullptr && !has_loads) differentiate_held(u, out);
+    if (modes_.held() != nullptr && !has_loads) differentiate_held(loads_, modes_.held(), q_.data(), v_.data(), u, out);
   }
 
   void solve_linear(double* r, const double* c, double* l, double* holding) const override {
-    if (!modes_.loaded().any_slips()) return solve_unloaded(r, c, l, holding);
-    if (l == nullptr) l = loaded_lambda_.data();
+    const bool slips = modes_.loads().any_slips();
+    if (slips && l == nullptr) l = modes_.loads().scratch();
     solve_unloaded(r, c, l, holding);
-    modes_.loaded().complete(r, l, holding);
+    if (slips) modes_.loads().complete(r, l, holding);
   }
 
   void solve_linear_columns(double* r, const double* c, int columns) const override {
-    if (modes_.loaded().any_slips()) return solve_columns_with_loads(r, c, columns);
+    if (modes_.loads().any_slips()) {
+      const auto solve = [this](double* of, const double* rows) { solve_linear(of, rows, nullptr, nullptr); };
+      return modes_.loads().solve_columns(r, c, columns, solve);
+    }
     if (model_.rows > 0) M_.add_right_side(c, r, columns);
     M_.solve_transposed(r, columns);
     if (model_.rows > 0) Y_.solve_constrained(r, c, columns, regularized_);
@@ -292,39 +290,20 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
     if (locks) modes_.locked().clear(r);
     if (locks && holding != nullptr) modes_.holding_forces().in_users_signs(holding_, holding);
   }
-  void solve_columns_with_loads(double* r, const double* c, int columns) const {
-    const int rows = model_.rows;
-    for (int k = 0; k < columns; ++k) {
-      for (int i = 0; i < model_.nv; ++i) column_[i] = r[i * columns + k];
-      for (int i = 0; i < rows; ++i) column_rows_[i] = c[i * columns + k];
-      solve_linear(column_.data(), column_rows_.data(), nullptr, nullptr);
-      for (int i = 0; i < model_.nv; ++i) r[i * columns + k] = column_[i];
-    }
-  }
-
   // Adds the friction in motion that depends on loads to the generalized forces f.
   void add_loaded_friction(std::vector<double>& f) {
-    const auto respond = [&](int friction, std::vector<double>& vdot, std::vector<double>& lambda,
-                             std::vector<double>& holding) {
-      vdot.assign(f.size(), 0.0);
-      lambda.resize(static_cast<std::size_t>(model_.rows));
-      holding.assign(static_cast<std::size_t>(modes_.locks()), 0.0);
-      if (friction >= 0) {
-        modes_.add_along(friction, 1, vdot.data());
-        return solve_unloaded(vdot.data(), zero_rows_.data(), lambda.data(), holding.data());
-      }
-      std::ranges::copy(f, vdot.begin());
-      if (model_.rows > 0) M_.add_right_side(biased_gamma(), vdot.data());
-      solve_whitened(vdot.data(), biased_gamma(), regularized_ ? extrapolated_.data() : nullptr);
-      if (model_.rows > 0) Y_.multipliers(lambda.data());
-      M_.solve(vdot.data());
+    const auto free = [&](double* vdot, double* lambda) {
+      std::ranges::copy(f, vdot);
+      if (model_.rows > 0) M_.add_right_side(biased_gamma(), vdot);
+      solve_whitened(vdot, biased_gamma(), regularized_ ? extrapolated_.data() : nullptr);
+      if (model_.rows > 0) Y_.multipliers(lambda);
+      M_.solve(vdot);
     };
-    LoadedFriction<A>& loaded = modes_.loaded();
-    loaded.solve(modes_.find_slipping(), respond);
-    for (const auto& slips : loaded.slipping()) {
-      modes_.add_along(slips.force, loaded.torque()[static_cast<std::size_t>(slips.force)], f.data());
-    }
-    std::ranges::copy(loaded.torque(), this->loaded_friction_.begin());
+    const auto unit = [&](double* r, double* lambda, double* holding) {
+      solve_unloaded(r, zero_rows_.data(), lambda, holding);
+    };
+    modes_.add_loaded_friction(f, free, unit);
+    this->loaded_friction_ = modes_.loads().torque();
   }
 
   void fill_jacobian() {
@@ -335,16 +314,15 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
   // Solves the equations for w = L vdot, given the generalized forces f in its place. Returns whether coordinates are
   // locked; their forces are then in holding_.
   bool solve_whitened(double* f, const double* gamma, const double* extrapolated) const {
-    if (modes_.locks() > 0 && modes_.locks_any()) {
+    const bool locks = modes_.locks() > 0 && modes_.locks_any();
+    if (locks) {
       std::copy_n(f, model_.nv, unlocked_.begin());
       project(unlocked_.data(), gamma, extrapolated);
       modes_.locked().forces(unlocked_.data(), holding_.data());
       modes_.locked().add_forces(holding_.data(), f);
-      project(f, gamma, extrapolated);
-      return true;
     }
     project(f, gamma, extrapolated);
-    return false;
+    return locks;
   }
   void project(double* f, const double* gamma, const double* extrapolated) const {
     M_.solve_transposed(f);
@@ -366,20 +344,6 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
     for (int k = 0; k < model_.nv; ++k) f[k] = -tau_[k];
     loads_.tree.add(q_.data(), v_.data(), u, f, modes_.held());
     modes_.contact_rows().add_along(f);
-  }
-
-  // Replaces the derivatives on the branches of the state by those on the held branches.
-  void differentiate_held(const double* u, Jacobians& out) const {
-    const int* side = modes_.held();
-    loads_.tree.each_branching([&](const auto& force) {
-      const int inputs = count_of(own_inputs(force.element));
-      const auto held = derivatives_by_duals(force, q_.data(), v_.data(), u, inputs, side);
-      const auto free = derivatives_by_duals(force, q_.data(), v_.data(), u, inputs);
-      out.r_q()(force.v, force.q) += free[0] - held[0];
-      out.r_v()(force.v, force.v) += free[1] - held[1];
-      for (int i = 0; out.of_inputs && i < inputs; ++i) out.r_u(force.v, force.input + i) += free[2 + i] - held[2 + i];
-      ++side;
-    });
   }
 
   // gamma, with the constraint bias if one is set.
@@ -416,9 +380,7 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
   mutable JointModes<A> modes_;
   int max_rank_;
   bool regularized_ = false;  // the last solve() had an extrapolated vdot
-  std::vector<double> w_, extrapolated_, zero_, tau_, biased_gamma_;
-  std::vector<double> zero_rows_;
-  mutable std::vector<double> loaded_lambda_, column_, column_rows_;
+  std::vector<double> w_, extrapolated_, zero_, tau_, biased_gamma_, zero_rows_;
   mutable std::vector<double> unlocked_, holding_;  // generalized forces without those of locks; forces of the locks
   const double* constraint_bias_ = nullptr;
   mutable std::vector<double> J_;  // as last returned

@@ -59,37 +59,23 @@ class JointModes final : public Branching {
     for (const int input : input_numbers_) inputs_[static_cast<std::size_t>(input)] = u[input];
   }
   ContactRowsOf<A>& contact_rows() override { return contact_rows_; }
-  bool has_loads() const override { return !loaded_.empty(); }
-  void freeze_loads(bool on) override { loaded_.freeze(on); }
-  int signed_loads() const override { return loaded_.signed_count(); }
-  void load_indicators(double* g) const override { loaded_.indicators(g, load_rounding * force_size_); }
-  void hold_load_signs(const bool* positive) override { loaded_.hold_signs(positive); }
-  int undetermined_friction() const override { return loaded_.undetermined(); }
-  int friction_loaded_by(const double* multipliers) override { return loaded_.affected_by(multipliers); }
-  LoadedFriction<A>& loaded() { return loaded_; }
-  // What slips at the present velocities, of the friction that depends on loads; brings its factors up to date.
-  const std::vector<typename LoadedFriction<A>::Slipping>& find_slipping() {
-    slipping_.clear();
-    int index = 0;
-    each([&](const auto& force, const double* q, const double* v) {
-      if constexpr (Sticks<std::decay_t<decltype(force.element)>>) {
-        bool is_loaded = false;
-        for (auto& load : loaded_.loads()) {
-          if (load.is.force != index) continue;
-          is_loaded = true;
-          load.factor = force.element.load_factor(force.sign * v[force.v], inputs() + force.input);
-        }
-        const int side = held_ == nullptr ? force.side(q, v) : held_[index];
-        if (is_loaded && (side == 1 || side == -1)) slipping_.push_back({index, side});
-      }
-      ++index;
+  LoadedFriction<A>& loads() override { return loaded_; }
+  // Adds the friction in motion that depends on loads to the generalized forces f. free(vdot, lambda): the solution of
+  // the equations of motion with f alone; unit(f, lambda, holding): with the generalized forces f, overwritten by vdot,
+  // alone.
+  template <class Free, class Unit>
+  void add_loaded_friction(std::vector<double>& f, Free free, Unit unit) {
+    loaded_.solve(find_slipping(), [&](int friction, std::vector<double>& vdot, std::vector<double>& lambda,
+                                       std::vector<double>& holding) {
+      vdot.assign(f.size(), 0.0);
+      lambda.resize(static_cast<std::size_t>(state_.model.rows));
+      holding.assign(static_cast<std::size_t>(locks()), 0.0);
+      if (friction < 0) return free(vdot.data(), lambda.data());
+      add_along(friction, 1, vdot.data());
+      unit(vdot.data(), lambda.data(), holding.data());
     });
-    return slipping_;
-  }
-  // Adds a multiple of the friction with this index among the forces with modes, in the user's sign, to f.
-  void add_along(int force, double size, double* f) const {
-    const int lock = lock_of_[static_cast<std::size_t>(force)];
-    for (const auto& term : locks_.row(lock)) f[term.v] += found_[lock].sign * size * term.factor;
+    for (const auto& slips : loaded_.slipping())
+      add_along(slips.force, loaded_.torque()[static_cast<std::size_t>(slips.force)], f.data());
   }
   // Estimates the forces to which rounding is relative: the generalized forces f, and weights and forces of inertia,
   // which may cancel in f.
@@ -102,6 +88,7 @@ class JointModes final : public Branching {
     force_size_ = w.norm() + sqrt_mass_ * state_.loads.gravity.norm();
     M_.multiply(v.data(), w.data());
     force_size_ += w.norm() * v.cwiseAbs().maxCoeff();
+    loaded_.set_force_size(force_size_);
   }
   int count() const override {
     int n = state_.loads.tree.branchings();
@@ -230,6 +217,26 @@ class JointModes final : public Branching {
   }
 
  private:
+  // What slips at the present velocities, of the friction that depends on loads; brings its factors up to date.
+  const std::vector<typename LoadedFriction<A>::Slipping>& find_slipping() {
+    slipping_.clear();
+    int index = 0;
+    each([&](const auto& force, const double* q, const double* v) {
+      if constexpr (Sticks<std::decay_t<decltype(force.element)>>) {
+        const double factor = force.element.load_factor(force.sign * v[force.v], inputs() + force.input);
+        const int side = held_ == nullptr ? force.side(q, v) : held_[index];
+        if (loaded_.set_factor(index, factor) && (side == 1 || side == -1)) slipping_.push_back({index, side});
+      }
+      ++index;
+    });
+    return slipping_;
+  }
+  // Adds a multiple of the friction with this index among the forces with modes, in the user's sign, to f.
+  void add_along(int force, double size, double* f) const {
+    const int lock = lock_of_[static_cast<std::size_t>(force)];
+    for (const auto& term : locks_.row(lock)) f[term.v] += found_[lock].sign * size * term.factor;
+  }
+
   // Called by users of Branching alone.
   const double* inputs() const override { return inputs_.data(); }
   bool is_redundant() const override { return locks_.rank() < locks_.locked_count(); }
@@ -252,7 +259,6 @@ class JointModes final : public Branching {
 
   // Part of the forces that may be rounding: far more than that of some hundred operations.
   static constexpr double slack_fraction = 4e-11;
-  static constexpr double load_rounding = 1e-13;  // of loads, relative to |L^-T f|
 
   bool is_in_contact(int lock) const {
     return held_ != nullptr && found_[lock].limit >= 0 && held_[found_[lock].limit] != 0;

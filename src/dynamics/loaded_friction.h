@@ -12,13 +12,14 @@
 #include <cmath>
 #include <vector>
 
+#include "dynamics/load_dependence.h"
 #include "kinematics/friction_loads.h"
 #include "linear/dense_factor.h"
 
 namespace gelenk {
 
 template <class A>
-class LoadedFriction {
+class LoadedFriction final : public LoadDependence {
  public:
   // What slips against friction that depends on loads.
   struct Slipping {
@@ -60,28 +61,35 @@ class LoadedFriction {
     rest_.resize(n);
   }
 
-  bool empty() const { return loads_.empty(); }
-  std::vector<Load>& loads() { return loads_; }
+  bool empty() const override { return loads_.empty(); }
   const std::vector<Load>& loads() const { return loads_; }
-  // See Branching. rounding: of the forces.
-  int signed_count() const { return static_cast<int>(std::ranges::count_if(loads_, &Load::has_sign)); }
-  void indicators(double* g, double rounding) const {
+  int signed_count() const override { return static_cast<int>(std::ranges::count_if(loads_, &Load::has_sign)); }
+  void indicators(double* g) const override {
     for (const Load& load : loads_) {
-      if (load.has_sign) *g++ = load.force[0] + load.held_sign * rounding;
+      if (load.has_sign) *g++ = load.force[0] + load.held_sign * load_rounding * force_size_;
     }
   }
-  void hold_signs(const bool* positive) {
+  void hold_signs(const bool* positive) override {
     for (Load& load : loads_) {
       if (load.has_sign) load.held_sign = positive == nullptr ? 0 : *positive++ ? 1 : -1;
     }
   }
+  // |L^-T f| for the present forces f, to which rounding is relative.
+  void set_force_size(double size) { force_size_ = size; }
+  // Sets what the friction with this index is per size of the load of its bearing; returns whether it has loads.
+  bool set_factor(int force, double factor) {
+    bool any = false;
+    for (Load& load : loads_) {
+      if (load.is.force != force) continue;
+      load.factor = factor;
+      any = true;
+    }
+    return any;
+  }
   // By force with modes: the friction in motion due to loads, in the user's sign.
   const std::vector<double>& torque() const { return torque_; }
-  // Keeps the friction of what slips as it is, in the equations of motion: they are linear then.
-  void freeze(bool on) { is_frozen_ = on; }
-  bool is_frozen() const { return is_frozen_; }
-  // Of the last solve(): the friction that is not unique or does not exist; -1: none.
-  int undetermined() const { return undetermined_; }
+  void freeze(bool on) override { is_frozen_ = on; }
+  int undetermined() const override { return undetermined_; }
   bool any_slips() const { return !slipping_.empty(); }
   const std::vector<Slipping>& slipping() const { return slipping_; }
 
@@ -104,8 +112,12 @@ class LoadedFriction {
     iterate();
   }
 
-  // The index of a friction of which these multipliers alone, of size 1, change the load; -1: none.
-  int affected_by(const double* multipliers) {
+  // Room for multipliers.
+  double* scratch() {
+    multipliers_of_one_.resize(static_cast<std::size_t>(model_.rows));
+    return multipliers_of_one_.data();
+  }
+  int affected_by(const double* multipliers) override {
     vdot_.assign(static_cast<std::size_t>(model_.nv), 0.0);
     kernels::wrenches_of(model_, ws_, vdot_.data(), multipliers, true, wrenches_);
     for (const Load& load : loads_) {
@@ -134,13 +146,31 @@ class LoadedFriction {
     }
   }
 
+  // Solves for each column of r (nv x columns) and c (rows x columns), stored row by row, by solve_one(r, c),
+  // which calls complete().
+  template <class SolveOne>
+  void solve_columns(double* r, const double* c, int columns, SolveOne solve_one) {
+    const auto n = static_cast<std::size_t>(model_.nv);
+    const auto m = static_cast<std::size_t>(model_.rows);
+    const auto k = static_cast<std::size_t>(columns);
+    column_.resize(n);
+    column_rows_.resize(m);
+    for (std::size_t j = 0; j < k; ++j) {
+      for (std::size_t i = 0; i < n; ++i) column_[i] = r[i * k + j];
+      for (std::size_t i = 0; i < m; ++i) column_rows_[i] = c[i * k + j];
+      solve_one(column_.data(), column_rows_.data());
+      for (std::size_t i = 0; i < n; ++i) r[i * k + j] = column_[i];
+    }
+  }
+
  private:
   // Newton's method converges within a few steps, or not at all.
   static constexpr int most_iterations = 60;
   static constexpr double tolerance = 4e-16;  // of friction
   static constexpr double rounding = 1e-13;   // what Newton's method may not be able to reduce any more
   static constexpr double least_pivot = 1e-300;
-  static constexpr double affecting = 1e-8;  // of multipliers of size 1; less is rounding
+  static constexpr double load_rounding = 1e-13;  // of loads, relative to |L^-T f|
+  static constexpr double affecting = 1e-8;       // of multipliers of size 1; less is rounding
 
   std::array<double, 3> transmitted(const Load& load, const std::vector<double>& lambda) const {
     return transmitted(load, lambda.data());
@@ -234,11 +264,13 @@ class LoadedFriction {
   std::vector<Slipping> slipping_;
   std::vector<double> torque_;
   std::vector<double> vdot_, lambda_, unused_;
+  std::vector<double> column_, column_rows_, multipliers_of_one_;
   std::vector<std::vector<double>> responses_, multipliers_, holding_;  // by what slips: vdot, lambda, holding forces
   std::vector<std::array<double, 3>> K_;                                // by load and what slips
   std::vector<double> matrix_, rest_;
   std::vector<int> pivots_;
   kernels::JointWrenches<A> wrenches_;
+  double force_size_ = 0;
   bool is_frozen_ = false;
   int undetermined_ = -1;
 };

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string_view>
 #include <tuple>
+#include <variant>
 
 #include "element/registry.h"
 
@@ -16,6 +17,32 @@ inline std::string_view locking_element(const JointForces& forces) {
   if (std::get<std::optional<JointLimit>>(forces)) return JointLimit::group;
   if (std::get<std::optional<JointOneWay>>(forces)) return JointOneWay::group;
   return {};
+}
+
+inline bool has_friction(const JointForces& forces) {
+  return std::get<std::optional<JointFriction>>(forces).has_value();
+}
+// Whether the friction depends on the force that the joint transmits; and whether it is one across a guide.
+inline bool has_bearing(const JointForces& forces) {
+  const auto& friction = std::get<std::optional<JointFriction>>(forces);
+  return friction && friction->bearing;
+}
+inline bool is_loaded_guide(const JointForces& forces) {
+  const auto& friction = std::get<std::optional<JointFriction>>(forces);
+  return friction && friction->is_guide();
+}
+// Whether the position and the speed are bounded, which excludes each other.
+inline bool has_two_bounds(const JointForces& forces) {
+  return std::get<std::optional<JointLimit>>(forces) && std::get<std::optional<JointOneWay>>(forces);
+}
+// Whether a constraint loses power by friction of its first joint.
+inline bool has_losses(const AnyConstraint& constraint) {
+  return std::visit(
+      [](const auto& of) {
+        if constexpr (requires { of.has_losses(); }) return of.has_losses();
+        return false;
+      },
+      constraint);
 }
 
 // Removes these elements.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Test for planar motion.
+#include <algorithm>
 #include <cmath>
 #include <deque>
 #include <optional>
@@ -50,10 +51,7 @@ std::string loaded_guide(const Scene& scene, const Graph& graph, const MotionPla
   if (has_loops && std::abs(plane.normals[0].dot(scene.gravity)) <= in_plane * scene.gravity.norm()) return {};
   for (const Edge& edge : graph.edges) {
     const Joint& joint = scene.joints[edge.scene_joint];
-    for (const JointForces& forces : joint.along) {
-      const auto& friction = std::get<std::optional<JointFriction>>(forces);
-      if (friction && friction->is_guide()) return joint.name;
-    }
+    if (std::ranges::any_of(joint.along, is_loaded_guide)) return joint.name;
   }
   return {};
 }

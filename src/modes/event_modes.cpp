@@ -26,8 +26,8 @@ void EventModes::indicator_values(double t, const double* y, double* g, double* 
   dynamics_.set_velocity(y + nq_);
   locks_.indicators(vdot, g, gdot);
   if (others_ == nullptr) {
-    forces_.load_indicators(g + own_indicators());
-    std::fill_n(gdot + own_indicators(), forces_.signed_loads(), NAN);
+    forces_.loads().indicators(g + own_indicators());
+    std::fill_n(gdot + own_indicators(), forces_.loads().signed_count(), NAN);
     return;
   }
   others_->indicator_values(t, y, g + own_indicators(), gdot + own_indicators());
@@ -81,7 +81,7 @@ void EventModes::hold_mode(double t, const bool* positive) {
   }
   forces_.hold(held_ || !locks_.empty() ? sides_.data() : nullptr);
   const bool* following = held_ ? positive + own_indicators() : nullptr;
-  if (others_ == nullptr) return forces_.hold_load_signs(following);
+  if (others_ == nullptr) return forces_.loads().hold_signs(following);
   others_->hold_mode(t, following);
 }
 
@@ -117,7 +117,7 @@ std::string EventModes::refusal() const {
 }
 
 std::string EventModes::indeterminacy() const {
-  const int friction = forces_.undetermined_friction();
+  const int friction = forces_.loads().undetermined();
   if (friction < 0) return {};
   const std::string text = log_.report({0, 2 * friction, true}).text;
   return "the friction of " + text.substr(0, text.find(" slips")) +

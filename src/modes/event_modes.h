@@ -30,7 +30,7 @@ class EventModes final : public EventSource {
   // in contact. Friction: of motion in the positive and in the negative direction, positive during it.
   // There follow those of others, or of the loads of friction; contacts and such loads exclude each other.
   int indicators() const override {
-    return own_indicators() + (others_ == nullptr ? forces_.signed_loads() : others_->indicators());
+    return own_indicators() + (others_ == nullptr ? forces_.loads().signed_count() : others_->indicators());
   }
   int own_indicators() const { return 2 * static_cast<int>(sides_.size()); }
   // Adds the modes of contacts, whose indicators follow, and which change those of friction and limits, too; they must

@@ -162,7 +162,7 @@ bool LockModes::settle(double t, const double* y, bool breaks_away, bool logs) {
     if (slow && (has_friction(i) || next.contacts[i] != 0)) undecided.push_back(i);
   }
   if (!undecided.empty()) {
-    if (forces_.has_loads()) {
+    if (!forces_.loads().empty()) {
       decide_with_loads(next, undecided, breaks_away, t, y);
     } else {
       decide_at(next, undecided, breaks_away, t, y);
@@ -211,11 +211,11 @@ void LockModes::decide_with_loads(State& next, const std::vector<int>& undecided
     set_state(next);
     equations_.accelerations_at(t, y, vdot_.data());
     const VectorXd now = limits();
-    forces_.freeze_loads(true);
+    forces_.loads().freeze(true);
     set_state(before);
     next = open;
     decide_at(next, undecided, breaks_away, t, y);
-    forces_.freeze_loads(false);
+    forces_.loads().freeze(false);
     agree = next == decided && (now - known).cwiseAbs().maxCoeff() <= load_tolerance * now.cwiseAbs().maxCoeff();
     known = now;
   }

@@ -9,8 +9,8 @@
 #include "analysis/singular_start.h"
 #include "dynamics/undefined_force.h"
 #include "formulation/targets.h"
-#include "linear/singular_values.h"
 #include "mechanism/graph.h"
+#include "preparation/friction_loads.h"
 #include "preparation/inertia.h"
 #include "preparation/report.h"
 #include "preparation/start.h"
@@ -239,9 +239,8 @@ struct Preparer {
   void find_mobility(const std::vector<int>& kept = {}) {
     try {
       for (std::size_t i = 0; i < out.islands.size(); ++i) {
-        if (!kept.empty() && kept[i] != reassemble) continue;
-        analyze_island(i);
-        check_loads_of_friction(i);
+        if (kept.empty() || kept[i] == reassemble) analyze_island(i);
+        check_loads_of_friction(scene, loads[i], out.reduced.islands[i], out.islands[i], *dynamics[i]);
       }
     } catch (const SingularMass& fault) {
       throw SceneError({describe_massless(scene, fault.what())});
@@ -251,32 +250,17 @@ struct Preparer {
   void analyze_island(std::size_t i) {
     PreparedIsland& island = out.islands[i];
     const Mechanism& mechanism = out.reduced.islands[i];
-    const std::vector<double>& q = island.start.q;
     if (!mechanism.driven()) {
-      island.mobility = analyze_mobility(mechanism, *dynamics[i], q, initial_direction(island, *dynamics[i]));
+      island.mobility =
+          analyze_mobility(mechanism, *dynamics[i], island.start.q, initial_direction(island, *dynamics[i]));
       return;
     }
     Mechanism free_mechanism = without_drives(mechanism);
     if (mechanism.mass_needs_rows) give_inertia(free_mechanism);  // the drive may hold a part without inertia
     const auto free = make_dynamics(free_mechanism, loads[i]);
     free->set_targets(Targets(free_mechanism).at(time, inputs));
-    island.mobility = analyze_driven_mobility(mechanism, *dynamics[i], free_mechanism, *free, q,
+    island.mobility = analyze_driven_mobility(mechanism, *dynamics[i], free_mechanism, *free, island.start.q,
                                               initial_direction(island, *dynamics[i]));
-  }
-
-  // Friction that depends on a force which redundant constraint equations leave undetermined is refused.
-  void check_loads_of_friction(std::size_t i) const {
-    const Mechanism& mechanism = out.reduced.islands[i];
-    Branching& forces = dynamics[i]->branching();
-    const int rank = out.islands[i].mobility.rank;
-    if (!forces.has_loads() || rank >= mechanism.rows) return;
-    dynamics[i]->set_position(out.islands[i].start.q.data());
-    dynamics[i]->factorize();
-    const SingularValues svd(dynamics[i]->J());
-    for (int k = rank; k < svd.U.cols(); ++k) {
-      const int friction = forces.friction_loaded_by(Eigen::VectorXd(svd.U.col(k)).data());
-      if (friction >= 0) throw SceneError({describe_undetermined_load(scene, loads[i], friction)});
-    }
   }
 
   // Returns the direction in which an island starts to move: its velocities or, at rest, accelerations without inputs.

@@ -384,13 +384,6 @@ std::string describe_closed_contact(const Scene& scene, const Mechanism& mechani
          " is closed: derivatives exist for open contacts only";
 }
 
-std::string describe_undetermined_load(const Scene& scene, const Loads& loads, int force) {
-  const std::string& joint = scene.joints[branching_forces(loads)[static_cast<std::size_t>(force)].joint].name;
-  return (scene.file.empty() ? "" : scene.file + ": ") + "joints." + joint +
-         ".friction.bearing: found a force that redundant constraint equations leave undetermined; expected joints "
-         "with more degrees of freedom in the loop, or 'reaction: least_norm'";
-}
-
 std::string describe_mode_boundary(const Scene& scene, const Loads& loads, int force, double t) {
   const BranchingForce of = branching_forces(loads)[static_cast<std::size_t>(force)];
   return "t = " + text::rounded(t) + " s: joints." + scene.joints[of.joint].name + "." + std::string(of.group) +

@@ -75,9 +75,6 @@ std::string describe_event(const EventReport& event);
 // of contacts; empty: no contact is closed.
 std::string describe_closed_contact(const Scene& scene, const Mechanism& mechanism, const Dynamics& dynamics, double t);
 
-// Why friction (its index among the forces with modes of the island) is refused that depends on an undetermined force.
-std::string describe_undetermined_load(const Scene& scene, const Loads& loads, int force);
-
 // Why no derivatives exist where a force with modes (its index among those of the island) is between two of them.
 std::string describe_mode_boundary(const Scene& scene, const Loads& loads, int force, double t);
 

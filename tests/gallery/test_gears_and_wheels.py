@@ -59,6 +59,23 @@ def test_gear_shift() -> None:
     assert_stated("gear_shift", common, "rad/s")
 
 
+def test_worm_hoist() -> None:
+    """Losses of the worm gear brake the load evenly, and hold it at rest, where nothing else does."""
+    run = ran("worm_hoist")
+    weight, rotor, rest = 50 * 9.81 * 0.1 / 40, 0.02, (0.1 + 50 * 0.1**2) / 40**2  # seen at the worm
+    braking = (weight / 0.45 + 0.1) / (rotor + rest / 0.45)
+    end = 150 / braking
+    assert [text for _, text in run.events] == ["motor.phi sticks"]
+    assert run.events[0][0] == pytest.approx(end, abs=1e-8)
+    np.testing.assert_allclose(run["motor.w"], np.maximum(150 - braking * run.time, 0), atol=1e-6)
+    lifted = 0.1 / 40 * 150 * end / 2
+    assert run["lift.s"][-1] == pytest.approx(lifted, abs=1e-8)
+    held = run.time > end + 0.02
+    assert (run["motor.w"][held] == 0).all()
+    np.testing.assert_allclose(run["motor.friction.tau"][held], weight, rtol=1e-12)
+    assert_stated("worm_hoist", 1e3 * lifted, "mm")
+
+
 def test_differential() -> None:
     """In a circle, wheels turn as their distances from its center; the spider shares the torque evenly."""
     run = ran("differential")

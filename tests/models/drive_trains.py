@@ -21,7 +21,7 @@ ROUNDING = 1e-10  # of forces at their limits, which are located to about 1e-12
 
 AFTER = 1e-9  # s
 MOST_EVENTS = 40  # in a segment
-UNLOADED = 1e-9  # N m: less in a mesh has no sign
+UNLOADED = 1e-9  # N m: less in a mesh has no sign, and breaks nothing away
 
 type Modes = tuple[Any, ...]
 
@@ -138,9 +138,9 @@ class DriveTrain:
         out: list[float] = []
         for e, mode, x in zip(self.elements, modes, forces, strict=True):
             if isinstance(e, Friction):
-                out.append(e.static(u) - abs(x[0]) if mode == 0 else mode * self.speed(e, w))
+                out.append(e.static(u) - abs(x[0]) + UNLOADED if mode == 0 else mode * self.speed(e, w))
             elif isinstance(e, OneWay):
-                out.append(float(x[0]) + e.static(u) if mode == 0 else self.speed(e, w))
+                out.append(float(x[0]) + e.static(u) + UNLOADED if mode == 0 else self.speed(e, w))
             else:
                 direction, sign = mode
                 out.append(sign * x[0] + UNLOADED)
