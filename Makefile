@@ -23,7 +23,7 @@
 # make smoke    fuzz for one minute, if clang is installed, and run the native unit tests under sanitizers
 # make fuzz     fuzz the readers of scenes and saved states with libFuzzer, SECONDS_EACH=600; needs clang
 # make states   regenerate the fuzzers' seeds of FMU states, after the contents of a state have changed
-# make runtimes  build the FMU runtimes for other platforms with Zig, and install them as gelenk-runtimes; needs cargo; QUICK=1: not optimized
+# make runtimes  build the FMU runtimes for other platforms with Zig, and install them as gelenk-runtimes; needs cargo; QUICK=1: not optimized; COMPARE=1: only linux64, to compare compilers
 # make wheels   build the wheels of gelenk: build/wheels; those for other platforms after make runtimes
 # make platforms  run FMUs on Windows (Wine) and ARM (QEMU), as far as these are installed, and inspect the libraries; after make runtimes
 # make clean    remove everything that was built
@@ -193,6 +193,11 @@ $(VENV)/runtimes.stamp: $(VENV)/tools.stamp
 	@touch $@
 
 RUNTIMES_BUILD := build/runtimes
+COMPARE ?=
+ifneq ($(COMPARE),)
+runtimes: $(VENV)/runtimes.stamp $(VENV)/tools.stamp
+	PATH="$(abspath $(BIN)):$$PATH" $(BIN)/python cmake/runtimes.py $(RUNTIMES_BUILD) $(RUNTIMES_BUILD)/package --compare
+else
 runtimes: $(VENV)/runtimes.stamp $(VENV)/gelenk.stamp
 	PATH="$(abspath $(BIN)):$$PATH" $(BIN)/python cmake/runtimes.py $(RUNTIMES_BUILD) $(RUNTIMES_BUILD)/package \
 	  --linux64 "$$($(BIN)/python -P -c 'from gelenk.io import export; print(export.runtime_library("linux64").parent)')" \
@@ -200,6 +205,7 @@ runtimes: $(VENV)/runtimes.stamp $(VENV)/gelenk.stamp
 	rm -rf $(RUNTIMES_BUILD)/dist
 	SOURCE_DATE_EPOCH=315532800 $(PIP) wheel --no-build-isolation --no-deps -w $(RUNTIMES_BUILD)/dist $(RUNTIMES_BUILD)/package
 	$(PIP) install --force-reinstall --no-deps $(RUNTIMES_BUILD)/dist/gelenk_runtimes-*.whl
+endif
 
 # Built with what .venv has, and named after the oldest glibc that it needs.
 wheels: $(VENV)/runtimes.stamp $(VENV)/gelenk.stamp

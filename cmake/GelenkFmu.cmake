@@ -3,7 +3,8 @@
 # that several FMUs in one process do not interfere.
 file(GLOB fmu_sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/fmu/*.cpp)
 set(exports_map ${CMAKE_CURRENT_LIST_DIR}/fmu_exports.map)
-list(REMOVE_ITEM fmu_sources ${CMAKE_CURRENT_SOURCE_DIR}/fmu/glibc.cpp)  # see GelenkGlibc.cmake
+set(zig_source ${CMAKE_CURRENT_SOURCE_DIR}/fmu/zig.cpp)
+list(REMOVE_ITEM fmu_sources ${zig_source} ${CMAKE_CURRENT_SOURCE_DIR}/fmu/glibc.cpp)  # see GelenkGlibc.cmake
 
 gelenk_harden(${fmu_sources})
 set(fmu_once ${fmu_sources})
@@ -22,6 +23,10 @@ add_library(gelenk::gelenk_fmu ALIAS gelenk_fmu)
 target_link_libraries(gelenk_fmu PRIVATE gelenk_flags gelenk_core gelenk_fmi)
 target_link_options(gelenk_fmu PRIVATE $<$<CONFIG:Release>:-Wl,-s>)
 gelenk_static_cxx(gelenk_fmu)
+if(GELENK_ZIG AND NOT APPLE)  # whose own functions are used there
+  set_property(SOURCE ${zig_source} APPEND PROPERTY COMPILE_OPTIONS -fno-builtin)
+  target_sources(gelenk_fmu PRIVATE ${zig_source})
+endif()
 
 if(WIN32)  # the headers of FMI declare the exported functions
   set(GELENK_FMU_PLATFORM win64)

@@ -48,12 +48,13 @@ gelenk_precompile(fast)
 gelenk_precompiled(fast ${fast})
 
 # Loops in the kernels run over the few velocities of a joint or constraint equations of a loop. Vectorized loops take
-# longer (a fifth on a four-bar); straight-line code is still vectorized.
+# longer (a fifth on a four-bar); straight-line code is still vectorized, but not by Clang: it joins loads of components
+# that were just written one by one, for which processors wait (a fifth on an arm of seven joints).
 set(kernels ${core_sources})
 list(FILTER kernels INCLUDE REGEX "/(linear|kinematics|derivatives|dynamics)/([a-z]*_kernels|dynamics|articulated_factor|row_factor|sparse_factor|sparse_row_factor)\\.cpp$")
 list(REMOVE_ITEM kernels ${small})
 set_property(SOURCE ${kernels} APPEND PROPERTY COMPILE_OPTIONS
-  "$<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:GNU>>:-fno-tree-loop-vectorize>;$<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:Clang>>:-fno-vectorize>")
+  "$<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:GNU>>:-fno-tree-loop-vectorize>;$<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:Clang>>:-fno-vectorize;-fno-slp-vectorize;-mllvm;-disable-vector-combine>")
 
 # If several files instantiate a template, the linker keeps the copy of the first one. Files compiled for speed therefore
 # come first, except those that mostly instantiate functions of dual numbers and power series: no step needs these, and

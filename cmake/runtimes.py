@@ -46,6 +46,8 @@ PLATFORMS = {
     "win64": Platform(["x86_64-windows-gnu"], "gelenk_fmu.dll", ("LLVM", "MinGW-w64")),
     "darwin64": Platform(["x86_64-macos.11.0", "aarch64-macos.11.0"], "gelenk_fmu.dylib"),
 }
+# linux64 is shipped as GCC builds it. tests/platforms/test_speed.py compares the two compilers.
+COMPARED = "x86_64-linux-gnu.2.17"
 LICENSES = {
     "LLVM": ZIG.parent / "lib" / "libcxx" / "LICENSE.TXT",  # the C++ library
     "MinGW-w64": SOURCE / "licenses" / "runtimes" / "MinGW-w64.txt",
@@ -163,6 +165,7 @@ def main() -> None:
     parser.add_argument("package", type=Path, help="folder of the source of gelenk-runtimes")
     parser.add_argument("--platforms", nargs="*", default=list(PLATFORMS), choices=list(PLATFORMS))
     parser.add_argument("--linux64", type=Path, help="folder with the runtime built with GCC")
+    parser.add_argument("--compare", action="store_true", help="build linux64 only, which is not packed")
     parser.add_argument("--quick", action="store_true", help="do not optimize, to try the build itself")
     arguments = parser.parse_args()
     build = arguments.build.resolve()
@@ -173,6 +176,9 @@ def main() -> None:
     options = {"CMAKE_BUILD_TYPE": "Release"}
     if arguments.quick:
         options = {"CMAKE_BUILD_TYPE": "None", "CMAKE_CXX_FLAGS_NONE": "-O0"}
+    if arguments.compare:
+        print(library(COMPARED, build / COMPARED, source, options))
+        return
     for name in arguments.platforms:
         targets = PLATFORMS[name].targets
         libraries = [library(target, build / target, source, options) for target in targets]

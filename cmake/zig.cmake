@@ -33,6 +33,12 @@ foreach(language IN ITEMS C CXX)
   # Paths would differ between machines.
   string(APPEND CMAKE_${language}_FLAGS_INIT
     " -g0 -fno-sanitize=undefined -ffile-prefix-map=${CMAKE_SOURCE_DIR}=.")
+  # As with GCC: no calls that only set errno, so that sine and cosine of an angle are one call.
+  string(APPEND CMAKE_${language}_FLAGS_INIT " -fno-math-errno")
+  # Nor frame pointers, which Zig keeps; on macOS they are required.
+  if(NOT CMAKE_SYSTEM_NAME STREQUAL "Darwin")
+    string(APPEND CMAKE_${language}_FLAGS_INIT " -fomit-frame-pointer")
+  endif()
   # Return addresses are signed and indirect calls must lead to landing pads, on processors that verify this; others skip
   # these instructions. Systems do not enforce landing pads, as Zig's C++ library has none.
   if(CMAKE_SYSTEM_NAME STREQUAL "Linux" AND CMAKE_SYSTEM_PROCESSOR STREQUAL "aarch64")

@@ -24,6 +24,18 @@ ARM_LIBRARIES = Path("/usr/aarch64-linux-gnu")
 NO_RUNTIMES = "gelenk-runtimes is not installed: `make runtimes` builds and installs it"
 
 
+def zig(compiler: str, target: str, arguments: Sequence[str]) -> None:
+    """Run Zig's `cc` or `c++` for one of its targets."""
+    import ziglang
+
+    environment = dict(os.environ)
+    # Zig keeps the C library that `make runtimes` has compiled, which takes minutes.
+    for kind in ("GLOBAL", "LOCAL"):
+        environment.setdefault(f"ZIG_{kind}_CACHE_DIR", str(HERE.parents[1] / "build/runtimes/zig-cache"))
+    program = str(Path(ziglang.__file__).parent / "zig")
+    subprocess.run([program, compiler, "-target", target, *arguments], check=True, env=environment)
+
+
 @dataclass(frozen=True)
 class Machine:
     """One of them.
@@ -55,22 +67,13 @@ class Machine:
     def compiled(self, source: Path, folder: Path) -> Path:
         """A host as a program of this machine."""
         out = folder / f"{source.stem}-{self.platform}{'.exe' if self.platform == 'win64' else ''}"
-        command = ["cc"]
-        environment = dict(os.environ)
+        libraries = ["-lpthread"] if self.platform == "win64" else ["-lpthread", "-ldl", "-lm"]
+        includes = [f"-I{HEADERS}", f"-I{FMU_TESTS}"]
+        command = [*includes, "-O1", str(source), "-o", str(out), *libraries]
         if self.target:
-            import ziglang
-
-            # Zig keeps the C library that `make runtimes` has compiled, which takes minutes.
-            for kind in ("GLOBAL", "LOCAL"):
-                environment.setdefault(
-                    f"ZIG_{kind}_CACHE_DIR", str(HERE.parents[1] / "build/runtimes/zig-cache")
-                )
-            command = [str(Path(ziglang.__file__).parent / "zig"), "cc", "-target", self.target]
-        libraries = [] if self.platform == "win64" else ["-ldl", "-lm"]
-        subprocess.run(
-            [*command, "-O1", f"-I{HEADERS}", f"-I{FMU_TESTS}", str(source), "-o", str(out), "-lpthread",
-             *libraries], check=True, env=environment,
-        )  # fmt: skip
+            zig("cc", self.target, command)
+        else:
+            subprocess.run(["cc", *command], check=True)
         return out
 
     def path(self, file: Path) -> str:
