@@ -55,6 +55,11 @@ class Island {
     if (has_history()) discard_history();  // a replay with the new numbers would end elsewhere
   }
 
+  // Changes the state by (dq, dv) at `time`, and closes the loops there by the smallest change in the mass metric.
+  // Returns false if that fails; the island must then be placed elsewhere. Steps cannot be made afterwards.
+  bool place(const Eigen::VectorXd& change, double time);
+  Eigen::VectorXd state() const;  // (q, v)
+
   // Evaluates the equations up to the stage that an output requires.
   void realize(Stage stage);
   const Reading& reading() const { return *reading_; }

@@ -23,7 +23,7 @@ from gelenk.simulation.simulation import Simulation
 from gelenk.sweeps.design import Design
 from gelenk.sweeps.outputs import Outputs, recorded_names, selected
 from gelenk.sweeps.plan import Plan
-from gelenk.sweeps.settable import with_listed
+from gelenk.model.settable import with_listed
 from gelenk.sweeps.store import described, fingerprint
 from gelenk.sweeps.workers import Values
 
