@@ -15,7 +15,7 @@
 
 #include "bindings.h"
 #include "plant.h"
-#include "simulation/trajectory.h"
+#include "runs/trajectory.h"
 #include "util/archive.h"
 
 namespace nb = nanobind;

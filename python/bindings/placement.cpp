@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -24,6 +25,10 @@ using gelenk::Simulation;
 namespace {
 
 using Matrix = nb::ndarray<nb::numpy, double, nb::ndim<2>>;
+
+struct Held {
+  std::shared_ptr<const Placement::Position> position;
+};
 
 void read(Simulation& simulation, const std::vector<int>& outputs, std::vector<double>& out) {
   for (const double rate : Placement(simulation).rates()) out.push_back(rate);
@@ -61,6 +66,7 @@ Matrix follow_all(const std::vector<Plant*>& plants, const std::vector<std::stri
 }  // namespace
 
 void gelenk::bind_placement(nb::module_& m, nb::class_<Plant>& simulation) {
+  nb::class_<Held>(m, "Position", "Where a plant is.");
   simulation
       .def(
           "assemble", [](Plant& p, double time) { p.with([&](Simulation& s) { s.assemble(time); }); },
@@ -74,6 +80,16 @@ void gelenk::bind_placement(nb::module_& m, nb::class_<Plant>& simulation) {
           "After assemble(): move to these states, in the order of _states(). Raises UsageError; the simulation is "
           "then "
           "where it was.")
+      .def(
+          "position", [](Plant& p) { return Held{p.with([](Simulation& s) { return Placement(s).position(); })}; },
+          "After assemble(): where it is, for return_to().")
+      .def(
+          "return_to",
+          [](Plant& p, const Held& at) { p.with([&](Simulation& s) { Placement(s).return_to(*at.position); }); },
+          nb::arg("position"), "Move to where position() was called, of this plant or of a copy.")
+      .def(
+          "modes", [](Plant& p) { return p.with([](Simulation& s) { return Placement(s).modes(); }); },
+          "After assemble(): what has modes that change at events; empty: nothing.")
       .def(
           "rates", [](Plant& p) { return p.with([](Simulation& s) { return Placement(s).rates(); }); },
           "Time derivatives of the states.");

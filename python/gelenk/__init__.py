@@ -43,8 +43,8 @@ if TYPE_CHECKING:
         vjp,
     )
     from gelenk.io import export_fmu, import_urdf
-    from gelenk.learning import environment
-    from gelenk.linear import LinearModel, OperatingPoint, linearize
+    from gelenk.learning import environment, vector_environment
+    from gelenk.linear import LinearModel, OperatingPoint, control_system, linearize
     from gelenk.modal import Mode, Modes, modes
     from gelenk.model import Assemblies, Branch, Inspection, Scene, assemblies, inspect, load
     from gelenk.simulation import Result, Simulation, live_view, simulate, view
@@ -82,6 +82,7 @@ __all__ = [
     "View",
     "__version__",
     "assemblies",
+    "control_system",
     "environment",
     "equilibrium",
     "export_fmu",
@@ -97,6 +98,7 @@ __all__ = [
     "sensitivity",
     "simulate",
     "sweep",
+    "vector_environment",
     "view",
     "vjp",
 ]
@@ -110,8 +112,8 @@ _get, _dir = _lazy.lazy(
         ".errors": [name for name in __all__ if name.endswith(("Error", "Warning"))],
         ".gradients": ["DifferentiatedRun", "Fit", "Optimum", "fit", "jvp", "optimize", "sensitivity", "vjp"],
         ".io": ["export_fmu", "import_urdf"],
-        ".learning": ["environment"],
-        ".linear": ["LinearModel", "OperatingPoint", "linearize"],
+        ".learning": ["environment", "vector_environment"],
+        ".linear": ["LinearModel", "OperatingPoint", "control_system", "linearize"],
         ".modal": ["Mode", "Modes", "modes"],
         ".model": ["Assemblies", "Branch", "Inspection", "Scene", "assemblies", "inspect", "load"],
         ".simulation": ["Result", "Simulation", "live_view", "simulate", "view"],

@@ -249,8 +249,16 @@ std::vector<MotionLaw::Derivatives> Island::targets() const {
   return out;
 }
 
-Eigen::VectorXd Island::state() const {
-  return Eigen::Map<const Eigen::VectorXd>(y_.data(), static_cast<Eigen::Index>(y_.size()));
+Island::Position Island::position() const {
+  return {.y = Eigen::Map<const Eigen::VectorXd>(y_.data(), static_cast<Eigen::Index>(y_.size())),
+          .cut_q = equations_->revolutions().coordinates()};
+}
+
+void Island::place(const Position& at, double time) {
+  y_.assign(at.y.begin(), at.y.end());
+  time_ = time;
+  realized_ = Stage::position;
+  equations_->start(at.cut_q, time_, y_.data());
 }
 
 bool Island::place(const Eigen::VectorXd& change, double time) {

@@ -58,7 +58,13 @@ class Island {
   // Changes the state by (dq, dv) at `time`, and closes the loops there by the smallest change in the mass metric.
   // Returns false if that fails; the island must then be placed elsewhere. Steps cannot be made afterwards.
   bool place(const Eigen::VectorXd& change, double time);
-  Eigen::VectorXd state() const;  // (q, v)
+  // (q, v), and the coordinates of the cut joints with full turns counted.
+  struct Position {
+    Eigen::VectorXd y;
+    std::vector<double> cut_q;
+  };
+  Position position() const;
+  void place(const Position& at, double time);
 
   // Evaluates the equations up to the stage that an output requires.
   void realize(Stage stage);

@@ -20,9 +20,29 @@ using Eigen::VectorXd;
 constexpr double longest_part = 0.1;
 // Relative to the states: rounding errors of closing the loops. Newton's method is continued until it no longer gains.
 constexpr double accuracy = 1e-11;
+// An iteration that begins this close ends at rounding errors, since convergence is quadratic.
+constexpr double last_iteration = 1e-9;
 constexpr int max_iterations = 10'000;
 
 }  // namespace
+
+struct Placement::Position {
+  std::vector<Island::Position> islands;
+  double time;
+};
+
+std::shared_ptr<const Placement::Position> Placement::position() const {
+  auto out = std::make_shared<Position>();
+  for (const auto& island : impl_.islands) out->islands.push_back(island->position());
+  out->time = impl_.time;
+  return out;
+}
+
+void Placement::return_to(const Position& at) {
+  if (at.islands.size() != impl_.islands.size()) throw UsageError("the position is not of this plant");
+  for (std::size_t i = 0; i < at.islands.size(); ++i) impl_.islands[i]->place(at.islands[i], at.time);
+  impl_.time = at.time;
+}
 
 bool Placement::has_loops() const {
   return std::ranges::any_of(impl_.islands, [](const auto& island) { return island->prepared().mechanism.rows > 0; });
@@ -71,9 +91,7 @@ void Placement::move_to(std::span<const double> x, double time) {
   if (!std::ranges::all_of(x, [](double value) { return std::isfinite(value); }) || !std::isfinite(time))
     throw UsageError("states: found a number that is not finite");
   StateDerivatives(simulation_).prepare();
-  const double before = s.time;
-  std::vector<VectorXd> start;
-  for (const auto& island : s.islands) start.push_back(island->state());
+  const std::shared_ptr<const Position> before = position();
   try {
     const bool loops = has_loops();
     double last = INFINITY;
@@ -85,15 +103,12 @@ void Placement::move_to(std::span<const double> x, double time) {
       const bool whole = !loops || size <= longest_part;
       if (k > 0 && whole && (size == 0 || (size <= accuracy * scale && !(size < last / 2)))) return;
       move(whole ? dx : VectorXd(dx * (longest_part / size)), time);
-      if (!loops) return;
+      if (!loops || (whole && size <= last_iteration * scale)) return;
       last = whole ? size : INFINITY;
     }
     throw UsageError("its loops cannot be closed there");
   } catch (const std::exception& fault) {
-    for (std::size_t i = 0; i < s.islands.size(); ++i) {
-      s.islands[i]->place(start[i] - s.islands[i]->state(), before);
-    }
-    s.time = before;
+    return_to(*before);
     const auto* known = dynamic_cast<const UsageError*>(&fault);
     throw UsageError(std::string("the mechanism cannot be moved to the given states: ") +
                      (known != nullptr ? known->what() : "its states do not determine it on the way there"));
@@ -109,6 +124,15 @@ void Placement::follow(const Simulation& other, std::span<const double> x) {
   if (from.input_size != impl_.input_size) throw UsageError("it has other natural units than with the values given");
   impl_.u = from.u;
   move_to(x, from.time);
+}
+
+std::string Placement::modes() const {
+  for (const auto& island : impl_.islands) {
+    if (!island->formulation().modes().locks().empty()) return "friction or limits";
+    const ContactMotion& contacts = island->formulation().contacts();
+    if (contacts.touch() != nullptr || contacts.steps().are_used()) return "contacts";
+  }
+  return {};
 }
 
 std::vector<double> Placement::rates() {

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "simulation/simulation.h"
@@ -24,6 +26,14 @@ class Placement {
   // The same at the states, the time and the inputs of another simulation of the same scene with other numbers. Throws
   // UsageError also if it has other states.
   void follow(const Simulation& other, std::span<const double> x);
+
+  // Where it is. The way to other states, and so their rounding errors, depend on where one begins.
+  struct Position;
+  std::shared_ptr<const Position> position() const;
+  void return_to(const Position& at);
+
+  // What has modes that change at events, for messages; empty: nothing.
+  std::string modes() const;
 
   // Time derivatives of the states [SI units per s].
   std::vector<double> rates();

@@ -50,13 +50,14 @@ class Sample:
     D: Array
 
 
-def advance(samples: list[Sample], h: float, largest: Array) -> tuple[Array, float]:
+def advance(samples: list[Sample], h: float, largest: Array, fastest: Array) -> tuple[Array, float]:
     """Integrate from the unit matrix for the states, and from zero for inputs and parameters, over one step.
 
     Args:
         samples: at the nodes of the step.
         h: its length [s].
-        largest: absolute values of B in the whole run.
+        largest: changes of the integrals of B in a communication step, with the largest B of the run.
+        fastest: the same of the states, shape (states,).
 
     Returns:
         tuple[NDArray, float]: [F, G], shape (states, states + columns), and the estimated relative error, of
@@ -77,11 +78,11 @@ def advance(samples: list[Sample], h: float, largest: Array) -> tuple[Array, flo
     stages = np.linalg.solve(unknowns, known).reshape(3, n, n + columns)
     rates = np.stack([first, *(s.A @ S + f for s, S, f in zip(samples[1:], stages, forces[1:], strict=True))])
     sizes = np.maximum(np.abs(start), np.abs(stages).max(axis=0))
-    sizes[:, n:] += h * largest
+    sizes[:, n:] += largest
     noise = np.hstack([np.zeros((n, n)), np.stack([s.noise for s in samples]).max(axis=0)])
     error = _error(rates, h, sizes, noise)
     motion = np.stack([s.rates for s in samples])[:, :, None]
-    return stages[-1], max(error, _error(motion, h, np.abs(np.stack([s.x for s in samples])).max(axis=0)[:, None]))
+    return stages[-1], max(error, _error(motion, h, (np.abs(samples[0].x) + fastest)[:, None]))
 
 
 def _error(rates: Array, h: float, sizes: Array, noise: Array | float = 0.0) -> float:
@@ -95,5 +96,5 @@ def _error(rates: Array, h: float, sizes: Array, noise: Array | float = 0.0) -> 
     embedded = h * np.maximum(np.abs(np.tensordot(WEIGHTS - _EMBEDDED, rates, 1)) - noise, 0.0)
     change = h * np.abs(rates).max(axis=0)
     error = embedded * np.minimum(1.0, embedded / np.maximum(change, 1e-300))
-    scale = sizes + change + 1e-3 * (sizes + change).max(axis=0)
+    scale = sizes + 1e-3 * sizes.max(axis=0)
     return float((error / np.maximum(scale, 1e-300)).max())

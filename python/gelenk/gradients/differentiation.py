@@ -126,7 +126,8 @@ class Differentiator:
         self._indices = [plant._output[name] for name in names]
         self._states: list[int] = plant._core._states()[0]
         self._columns = [plant._input.get(name, -1) for name in inputs_by]
-        self._largest = np.zeros((len(self._states), len(by)))
+        self._largest, self._fastest = np.zeros((len(self._states), len(by))), np.zeros(len(self._states))
+        self._whole = 0.0  # the communication step [s]
         self._neighbors = Neighbors(
             scene, [renamed.get(name, name) for name in self._parameters], plant, self._indices
         )
@@ -150,7 +151,7 @@ class Differentiator:
                 last = self._sample()
             if not points:
                 points.append(last)
-            self._parts = 0
+            self._parts, self._whole = 0, end - begin
             matrix, last = self._advanced(last, begin, end, 0)
             steps.append(matrix)
             points.append(last)
@@ -204,9 +205,10 @@ class Differentiator:
         flat = core._linearize()
         x = core.read_outputs(self._states)
         A = flat[0].reshape((n, n), order="F")
-        B = flat[1].reshape((n, -1), order="F")
-        C = flat[2].reshape((-1, n), order="F")[self._indices]
-        D = flat[3].reshape((len(self._plant._signals), -1), order="F")[self._indices]
+        inputs, signals = len(self._plant.inputs), len(self._plant._signals)
+        B = flat[1].reshape((n, inputs), order="F")
+        C = flat[2].reshape((signals, n), order="F")[self._indices]
+        D = flat[3].reshape((signals, inputs), order="F")[self._indices]
         for name, row in zip(self.outputs, np.hstack([C, D]), strict=True):
             if np.isnan(row).any():
                 raise UsageError(
@@ -235,8 +237,9 @@ class Differentiator:
             self._step(at, to)
             samples.append(self._sample())
         for sample in samples:
-            np.maximum(self._largest, np.abs(sample.B), out=self._largest)
-        matrix, error = advance(samples, end - begin, self._largest)
+            np.maximum(self._largest, self._whole * np.abs(sample.B), out=self._largest)
+            np.maximum(self._fastest, self._whole * np.abs(sample.rates), out=self._fastest)
+        matrix, error = advance(samples, end - begin, self._largest, self._fastest)
         if error <= self._accuracy:
             if depth >= BISECTIONS_AT_KINK:
                 self._check_jump(samples, begin)

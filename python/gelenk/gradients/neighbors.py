@@ -135,7 +135,7 @@ class Neighbors:
                     "abruptly, so that derivatives by it are not known"
                 )
             found[:, k] = fourth
-            noise[:, k] = ROUNDING * np.abs(own).max(axis=0) / side.step
+            noise[:, k] = _rounding(own, side.step)
         return found, noise
 
     def _chosen(self, scene: Scene, name: str) -> _Side:
@@ -203,6 +203,12 @@ def _difference(fourth: Array, lower: Array, rows: Array, step: float, sizes: Ar
     """
     if not len(fourth):
         return 0.0
-    rounding = ROUNDING * np.abs(rows).max(axis=0) / step
+    rounding = _rounding(rows, step)
     apart = np.maximum(np.abs(fourth - lower) - 10 * rounding, 0.0)
     return float((apart / (np.maximum(np.abs(fourth), sizes) + rounding + 1e-300)).max())
+
+
+def _rounding(rows: Array, step: float) -> Array:
+    """Return bounds on the rounding errors of derivatives; entries that are small may be differences of larger ones."""
+    sizes = np.abs(rows).max(axis=0)
+    return ROUNDING * (sizes + 0.01 * sizes.max(initial=0.0)) / step
