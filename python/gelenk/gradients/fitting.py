@@ -20,6 +20,8 @@ from gelenk.simulation.plant import Plant
 
 type Array = NDArray[np.float64]
 
+# Relative change of the sum of squares at which the search ends: parameters are then within 1e-3 of their deviations.
+FTOL = 1e-8
 # Singular values of the Jacobian, scaled by the parameters, below this part of the largest one: derivatives are known to
 # 1e-9, so a combination of parameters that acts so little cannot be told from one that does not act.
 RANK_TOLERANCE = 1e-7
@@ -123,7 +125,7 @@ def fit(
     problem.at(problem.guess)  # what is wrong with the guess is an error, later values are only avoided
     found = optimize.least_squares(
         problem.residuals, problem.guess, problem.jacobian, bounds=(problem.low, problem.high),
-        x_scale=problem.sizes, xtol=1e-10, ftol=1e-12, gtol=1e-12,
+        x_scale=problem.sizes, xtol=1e-10, ftol=FTOL, gtol=1e-12,
     )  # fmt: skip
     run = problem.at(found.x)
     J = problem.jacobian(found.x) * problem.sizes
