@@ -69,7 +69,7 @@ class VectorEnvironment(gymnasium.vector.VectorEnv[Array, Array, Array]):
         rows = np.empty((n, len(task.observations)))
         events, errors = self._fleet.step(given, rows)
         self._count += 1
-        over = self._ended
+        over = self._ended.copy()
         resets = bool(over.any())
         if resets:  # its last episode has ended: a new one begins, and the action is not used
             self._reset(np.flatnonzero(over), rows, None)

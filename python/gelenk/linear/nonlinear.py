@@ -111,7 +111,7 @@ class Equations:
         #: Their values at the start.
         self.start = plant._core.read_outputs(self._states)
         self._home = plant._core.position()
-        self._has_loops = plant.size.rows > 0
+        self._has_loops = plant.size.constraint_equations > 0
         self._positions: dict[tuple[int, ...], _core.Position] = {}
         coordinates = len(plant._core.independent_coordinates)
         self._coordinates = np.arange(len(self._states)) < coordinates
