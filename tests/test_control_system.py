@@ -18,15 +18,18 @@ def test_a_simulation_of_python_control_agrees_with_ours(four_bar: gelenk.Scene)
     system = gelenk.control_system(four_bar, outputs=["A.phi", "D.phi", "C.phi"])
     times = np.linspace(0, 1.0, 101)
     ours = gelenk.simulate(
-        four_bar.with_parameters({"solver.tolerance": 1e-11}), stop=1.0, step=0.01, inputs={"drive.tau": 10.0},
-        outputs=["A.phi", "D.phi", "C.phi"],
+        four_bar.with_parameters({"solver.tolerance": 1e-11}), stop=1.0, step=0.01,
+        inputs={"drive.tau": 10.0},        outputs=["A.phi", "D.phi", "C.phi"],
     )  # fmt: skip
     theirs = control.input_output_response(
-        system, times, np.full((1, 101), 10.0), system.x0, solve_ivp_method="DOP853", solve_ivp_kwargs={"rtol": 1e-10, "atol": 1e-10},
+        system, times, np.full((1, 101), 10.0), system.x0, solve_ivp_method="DOP853",
+        solve_ivp_kwargs={"rtol": 1e-10, "atol": 1e-10},
     )  # fmt: skip
     assert ours["A.phi"][-1] > 2 * np.pi
     for name, row in zip(["A.phi", "D.phi", "C.phi"], theirs.outputs, strict=True):
-        assert row == pytest.approx(ours[name], abs=1e-7)  # tolerances of 1e-10, which errors exceed by two orders
+        assert row == pytest.approx(
+            ours[name], abs=1e-7
+        )  # tolerances of 1e-10, which errors exceed by two orders
 
 
 @pytest.mark.parametrize(
@@ -40,7 +43,12 @@ def test_its_linearization_is_ours(root: Path, name: str, at: dict[str, float], 
     scene = gelenk.load(root / "scenes" / f"{name}.yaml")
     system = gelenk.control_system(scene)
     with pytest.warns(gelenk.OperatingPointWarning):
-        ours = gelenk.linearize(scene, at={**at, **u}, states=system.state_labels, outputs=[s.name for s in gelenk.Simulation(scene).outputs])
+        ours = gelenk.linearize(
+            scene,
+            at={**at, **u},
+            states=system.state_labels,
+            outputs=[s.name for s in gelenk.Simulation(scene).outputs],
+        )
     x = [at.get(label, start) for label, start in zip(system.state_labels, system.x0, strict=True)]
     theirs = system.linearize(x, list(u.values()), eps=1e-6)
     for matrix in "ABCD":  # one-sided differences of python-control
@@ -63,7 +71,9 @@ def test_evaluations_have_no_side_effects(four_bar: gelenk.Scene) -> None:
 
 
 def test_states_that_cannot_be_reached_are_named(root: Path) -> None:
-    """Pivots 3.2 m apart: the crank of 0.5 m cannot point away from bars of 1.75 m and 1.5 m, 3.25 m together."""
+    """Pivots 3.2 m apart: the crank of 0.5 m cannot point away from bars of 1.75 m and 1.5 m, 3.25 m
+    together.
+    """
     data = gelenk.load(root / "scenes" / "four_bar.yaml").to_dict()
     data["joints"]["D"]["parent"]["position"] = [3.2, 0, 0]
     system = gelenk.control_system(data, outputs=["A.phi"])

@@ -33,11 +33,12 @@ def test_five_parameters_of_a_four_bar_lie_in_their_confidence_intervals(
 ) -> None:
     """200 trials with five 95 % intervals each; of 1000 intervals 950 contain the true value, within 4 %.
 
-    If trials were all alike, the standard deviation of the share would be 1.5 %, by independent intervals 0.7 %.
+    If trials were all alike, the standard deviation of the share would be 1.5 %, by independent intervals
+    0.7 %.
     """
     rng = np.random.default_rng(26)
     guess = {name: value * (1 + 0.005 * (-1) ** k) for k, (name, value) in enumerate(TRUE.items())}
-    hits = {name: 0 for name in TRUE}
+    hits = dict.fromkeys(TRUE, 0)
     trials = 200
     for _ in range(trials):
         noisy = {name: curve + NOISE[name] * rng.normal(size=len(curve)) for name, curve in curves.items()}
@@ -64,8 +65,8 @@ def carts(**more: Any) -> dict[str, Any]:
         "gelenk": 1, "gravity": [0, 0, 0],
         "bodies": {"cart": {"mass": 2.0}, "load": {"mass": 1.0}},
         "joints": {
-            "track": {"type": "prismatic", "axis": [1, 0, 0], "parent": "ground", "child": "cart", "stiffness": 30.0},
-            "bolt": {"type": "weld", "parent": "cart", "child": "load"},
+            "track": {"type": "prismatic", "axis": [1, 0, 0], "parent": "ground", "child": "cart",
+            "stiffness": 30.0}, "bolt": {"type": "weld", "parent": "cart", "child": "load"},
         },
         "motors": {"drive": {"joint": "track"}}, "parameters": ["cart.mass", "load.mass", "track.stiffness"],
         "experiment": {"stop": 1.0, "step": 0.05},
@@ -89,7 +90,9 @@ def test_inputs_bounds_and_missing_values() -> None:
     run = gelenk.simulate(carts(), inputs={"drive.f": 5.0}, outputs=["track.s", "track.v"])
     curve = run["track.s"].copy()
     curve[3:7] = np.nan
-    found = gelenk.fit(carts(), {"track.s": curve, "track.v": run["track.v"]}, {"drive.f": 3.0, "cart.m": (1.5, 1.0, 3.0)})
+    found = gelenk.fit(
+        carts(), {"track.s": curve, "track.v": run["track.v"]}, {"drive.f": 3.0, "cart.m": (1.5, 1.0, 3.0)}
+    )
     assert found.values == pytest.approx({"drive.f": 5.0, "cart.m": 2.0}, rel=1e-6)
     bounded = gelenk.fit(carts(), {"track.s": curve}, {"cart.m": (1.5, 1.0, 1.8)}, inputs={"drive.f": 5.0})
     assert bounded.at_bounds == ("cart.m",)
@@ -125,7 +128,10 @@ def test_the_crank_that_brings_a_coupler_curve_nearest_to_a_given_one(four_bar: 
 
     def curve(run: Any, crank: float) -> tuple[Any, Any]:
         at = run["A.phi"] + run["B.phi"]
-        return (crank * np.cos(run["A.phi"]) + 1.75 * np.cos(at), crank * np.sin(run["A.phi"]) + 1.75 * np.sin(at))
+        return (
+            crank * np.cos(run["A.phi"]) + 1.75 * np.cos(at),
+            crank * np.sin(run["A.phi"]) + 1.75 * np.sin(at),
+        )
 
     wanted = gelenk.simulate(data, **options)
     target = wanted["B.phi"]
@@ -143,6 +149,7 @@ def test_the_crank_that_brings_a_coupler_curve_nearest_to_a_given_one(four_bar: 
 
 def test_designs_that_cannot_be_assembled_are_avoided(four_bar: gelenk.Scene) -> None:
     """The shorter the ground link's opposite, the better: until the loop cannot be closed."""
+
     def short(run: Any) -> Any:
         return -run["D.phi"][0], {"D.phi": np.eye(len(run.time))[0] * -1}
 

@@ -39,8 +39,10 @@ def test_the_design_is_the_one_with_which_the_path_was_made(names: dict[str, Any
 
 
 def test_the_filter_is_consistent_and_better_than_the_encoders(names: dict[str, Any]) -> None:
-    """The mean of chi-squared with 4 degrees of freedom is 4; successive errors are correlated over some 10 steps, so
-    that 100 of them have the deviation sqrt(8 / 10) = 0.9 of ten independent ones: three of these are allowed."""
+    """The mean of chi-squared with 4 degrees of freedom is 4; successive errors are correlated over some 10
+    steps, so that 100 of them have the deviation sqrt(8 / 10) = 0.9 of ten independent ones: three of these
+    are allowed.
+    """
     assert np.mean(names["consistency"]) == pytest.approx(4.0, abs=2.7)
     measured = np.std(names["measurements"], axis=0)
     assert (np.std(names["errors"], axis=0)[:2] < 0.6 * measured).all()

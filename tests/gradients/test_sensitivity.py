@@ -30,13 +30,14 @@ SLIDER: dict[str, Any] = {
 
 
 def slider(**joint: Any) -> dict[str, Any]:
-    track = SLIDER["joints"]["track"] | joint
-    return SLIDER | {"joints": {"track": track}, "parameters": [f"track.{key}" for key in joint if key != "start"
-                                                                and not isinstance(joint[key], dict)] + ["mass.mass"]}  # fmt: skip
+    """A mass on a track with these keys, which are parameters if they are numbers."""
+    numbers = [f"track.{key}" for key, value in joint.items() if isinstance(value, float)]
+    joints = {"track": SLIDER["joints"]["track"] | joint}
+    return SLIDER | {"joints": joints, "parameters": [*numbers, "mass.mass"]}
 
 
 def central(scene: gelenk.Scene, name: str, relative: float, outputs: list[str], **options: Any) -> Any:
-    """The derivatives of a run by a parameter or input: central differences of order 4, relative step `relative`."""
+    """The derivatives of a run by a parameter or input: central differences of order 4."""
     given = dict(options.pop("inputs", {}))
     listed, renamed = with_listed(scene, [name])
     parameter = renamed.get(name, name)
@@ -54,7 +55,8 @@ def central(scene: gelenk.Scene, name: str, relative: float, outputs: list[str],
 
 
 def test_an_oscillator_has_the_derivatives_of_its_closed_form() -> None:
-    """x = x0 cos(w t) + v0/w sin(w t) with w = sqrt(k/m); dx/dk = dx/dw / (2 m w), dx/dm = -dx/dw w / (2 m)."""
+    """X = x0 cos(w t) + v0/w sin(w t) with w = sqrt(k/m); dx/dk = dx/dw / (2 m w), dx/dm = -dx/dw w / (2
+    m)."""
     run = gelenk.sensitivity(
         slider(stiffness=50.0), ["track.stiffness", "mass.mass", "track.s_start", "track.v_start"],
         outputs=["track.s", "track.v"],
@@ -63,7 +65,8 @@ def test_an_oscillator_has_the_derivatives_of_its_closed_form() -> None:
     cos, sin = np.cos(w * t), np.sin(w * t)
     by_w = -x0 * t * sin + v0 * (t * cos / w - sin / w**2)
     expected = {
-        "track.stiffness": by_w / (2 * m * w), "mass.mass": -by_w * w / (2 * m), "track.s_start": cos, "track.v_start": sin / w,
+        "track.stiffness": by_w / (2 * m * w), "mass.mass": -by_w * w / (2 * m), "track.s_start": cos,
+        "track.v_start": sin / w,
     }  # fmt: skip
     # rk4 in steps of 10 ms: (w h)^5 / 120 a step are 3e-7 of the amplitude in the phase; 2e-7 were measured.
     for name, exact in expected.items():
@@ -72,14 +75,14 @@ def test_an_oscillator_has_the_derivatives_of_its_closed_form() -> None:
 
 
 BARS = [
-    "crank.mass", "coupler.com[1]", "rocker.com[1]", "B.parent.position[1]", "C.child.position[1]", "A.damping",
-    "A.phi_start", "A.w_start", "gravity[3]", "drive.tau",
+    "crank.mass", "coupler.com[1]", "rocker.com[1]", "B.parent.position[1]", "C.child.position[1]",
+    "A.damping", "A.phi_start", "A.w_start", "gravity[3]", "drive.tau",
 ]  # fmt: skip
 
 
 def test_through_loops_they_agree_with_central_differences(four_bar: gelenk.Scene) -> None:
-    # Steps of 0.25 ms, so that rk4 is exact to 1e-10. Differences of order 4 with relative steps of 2e-4: their error is
-    # below 1e-8 (from half of the step) except by the length of the crank, with 4e-8.
+    # Steps of 0.25 ms, so that rk4 is exact to 1e-10. Differences of order 4 with relative steps of 2e-4:
+    # their error is below 1e-8 (from half of the step) except by the length of the crank, with 4e-8.
     fine = four_bar.with_parameters({"solver.integrator": "rk4", "solver.step": 2.5e-4})
     outputs = ["A.phi", "D.phi", "C.w", "A.a"]
     options: dict[str, Any] = {"stop": 0.8, "step": 0.02, "inputs": {"drive.tau": 6.0}}
@@ -101,11 +104,17 @@ def test_through_loops_they_agree_with_central_differences(four_bar: gelenk.Scen
         ("five_bar", [], ["*.phi"]),
     ],
 )
-def test_shipped_scenes_agree_with_central_differences(root: Path, name: str, by: list[str], outputs: list[str]) -> None:
+def test_shipped_scenes_agree_with_central_differences(
+    root: Path, name: str, by: list[str], outputs: list[str]
+) -> None:
     scene = gelenk.load(root / "scenes" / f"{name}.yaml").with_parameters({"solver.tolerance": 1e-11})
     known = scene.parameters
     masses = [p for p in known if p.endswith(".m")][:2]
-    starts = [p for p in known if p.endswith(("phi_start", "s_start", ".w_start")) and known[p.split(".")[0] + ".fixed"]][:1]
+    starts = [
+        p
+        for p in known
+        if p.endswith(("phi_start", "s_start", ".w_start")) and known[p.split(".")[0] + ".fixed"]
+    ][:1]
     chosen = list(dict.fromkeys([p for p in by if p in known] + masses + starts + ["gravity[3]"]))
     options: dict[str, Any] = {"stop": 0.2, "step": 0.02}
     run = gelenk.sensitivity(scene, chosen, outputs=outputs, **options)
@@ -118,11 +127,14 @@ def test_shipped_scenes_agree_with_central_differences(root: Path, name: str, by
 
 
 def test_sliding_friction_has_the_derivative_of_its_closed_form() -> None:
-    """s = s0 + v0 t - f t^2 / (2 m) while it slides."""
+    """S = s0 + v0 t - f t^2 / (2 m) while it slides."""
     run = gelenk.sensitivity(
-        slider(friction={"coulomb": 0.4}), ["track.friction.coulomb", "track.v_start"], outputs=["track.s"], stop=1.0
+        slider(friction={"coulomb": 0.4}),
+        ["track.friction.coulomb", "track.v_start"],
+        outputs=["track.s"],
+        stop=1.0,
     )
-    assert run.derivative("track.s", "track.friction.coulomb") == pytest.approx(-run.time**2 / 4, abs=1e-9)
+    assert run.derivative("track.s", "track.friction.coulomb") == pytest.approx(-(run.time**2) / 4, abs=1e-9)
     assert run.derivative("track.s", "track.v_start") == pytest.approx(run.time, abs=1e-9)
 
 
@@ -153,11 +165,16 @@ def test_a_value_at_the_end_of_its_range_is_differentiated_from_inside() -> None
 
 def test_inputs_that_jump_are_followed() -> None:
     """A force that is held in each step of 0.1 s: v = v0 + sum of F h / m, s accordingly."""
+
     def force(t: float) -> float:
         return 2.0 * math.sin(20 * t)
 
     run = gelenk.sensitivity(
-        slider(damping=0.0), ["drive.f", "mass.mass"], outputs=["track.s", "track.v"], inputs={"drive.f": force}, step=0.1
+        slider(damping=0.0),
+        ["drive.f", "mass.mass"],
+        outputs=["track.s", "track.v"],
+        inputs={"drive.f": force},
+        step=0.1,
     )
     impulses = np.concatenate([[0], np.cumsum([0.1 * force(t) for t in run.time[:-1]])])
     assert run.derivative("track.v", "mass.mass") == pytest.approx(-impulses / 4, abs=1e-10)
@@ -195,11 +212,14 @@ def test_products_with_vectors_agree_with_differences_and_with_each_other(four_b
 
 
 def test_a_prescribed_motion_leaves_no_states_and_derivatives_by_lengths(root: Path) -> None:
-    """The rocker of a four-bar whose crank turns at 3 rad/s: from the two triangles at the diagonal between B and D."""
+    """The rocker of a four-bar whose crank turns at 3 rad/s, from the two triangles between B and D."""
+    motion = {"type": "motion", "joint": "A", "polynomial": [math.pi / 2, 3.0]}
     data = gelenk.load(root / "scenes" / "four_bar.yaml").to_dict()
-    data |= {"motors": {}, "constraints": {"crank": {"type": "motion", "joint": "A", "polynomial": [math.pi / 2, 3.0]}}}
+    data |= {"motors": {}, "constraints": {"crank": motion}}
     data["joints"]["A"]["start"] = {"phi": math.pi / 2}
-    run = gelenk.sensitivity(data, ["B.parent.position[1]", "C.child.position[1]"], outputs=["A.phi", "D.phi"], stop=1.0, step=0.05)
+    run = gelenk.sensitivity(
+        data, ["B.parent.position[1]", "C.child.position[1]"], outputs=["A.phi", "D.phi"], stop=1.0, step=0.05
+    )
     assert run.F.shape == (20, 0, 0)
 
     def rocker(crank: float, length: float) -> Any:

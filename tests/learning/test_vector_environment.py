@@ -18,8 +18,8 @@ gymnasium = pytest.importorskip("gymnasium")
 @pytest.fixture
 def task(root: Path) -> dict[str, Any]:
     return {
-        "scene": root / "scenes" / "cart_pole.yaml", "actions": {"drive.f": (-10.0, 10.0)}, "step": 0.02, "stop": 1.0,
-        "observations": ["track.s", "track.v", "hinge.phi", "hinge.w"],
+        "scene": root / "scenes" / "cart_pole.yaml", "actions": {"drive.f": (-10.0, 10.0)}, "step": 0.02,
+        "stop": 1.0, "observations": ["track.s", "track.v", "hinge.phi", "hinge.w"],
         "starts": [{"hinge.phi_start": 0.02 * k} for k in range(4)],
     }  # fmt: skip
 
@@ -111,9 +111,15 @@ def test_a_step_that_fails_ends_the_episode_of_its_instance(task: dict[str, Any]
     ("call", "sentence"),
     [
         (lambda task: gelenk.vector_environment(instances=0, **task, reward=upright), "instances: found 0"),
-        (lambda task: gelenk.vector_environment(instances=2, **task, reward=upright).step([[0], [0]]), "before reset"),
+        (
+            lambda task: gelenk.vector_environment(instances=2, **task, reward=upright).step([[0], [0]]),
+            "before reset",
+        ),
         (lambda task: made(task).reset(options={"start": 9}), "start: found 9, expected 0 to 3"),
-        (lambda task: made(task, reward=lambda *_: 0.0).step(np.ones((2, 1))), "reward: found an array of shape ()"),
+        (
+            lambda task: made(task, reward=lambda *_: 0.0).step(np.ones((2, 1))),
+            "reward: found an array of shape ()",
+        ),
         (lambda task: made(task).reset(seed=[1, 2]), "seed: expected one number"),
     ],
 )

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 from gelenk._lazy import lazy
 
 if TYPE_CHECKING:
+    from gelenk.gradients.differentiation import sensitivity
     from gelenk.gradients.fitting import Fit, fit
     from gelenk.gradients.optimization import Optimum, optimize
     from gelenk.gradients.run import DifferentiatedRun, jvp, vjp
-    from gelenk.gradients.differentiation import sensitivity
 
 __all__ = ["DifferentiatedRun", "Fit", "Optimum", "fit", "jvp", "optimize", "sensitivity", "vjp"]
 

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 type Array = NDArray[np.float64]
 
-# Lobatto IIIA of order 6 (Hairer, Norsett & Wanner, Solving Ordinary Differential Equations I, II.7): collocation at
-# both ends of a step and between.
+# Lobatto IIIA of order 6 (Hairer, Norsett & Wanner, Solving Ordinary Differential Equations I, II.7):
+# collocation at both ends of a step and between.
 NODES = np.array([0.0, 0.5 - np.sqrt(5) / 10, 0.5 + np.sqrt(5) / 10, 1.0])
 
 

@@ -3,14 +3,15 @@
 
 from __future__ import annotations
 
+import itertools
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gelenk.errors import StartWarning, StepError, UsageError
+from gelenk.errors import StartWarning, UsageError
 from gelenk.gradients.collocation import NODES, Sample, advance
 from gelenk.gradients.neighbors import Neighbors
 from gelenk.gradients.run import DifferentiatedRun
@@ -25,7 +26,8 @@ type Array = NDArray[np.float64]
 
 MOST_BISECTIONS = 40  # one after another, where there is a kink
 MOST_PARTS = 1000  # of a communication step
-# A step that was bisected this often contains a kink. If accelerations change in it by more than this part, they jump.
+# A step that was bisected this often contains a kink. If accelerations change in it by more than this part,
+# they jump.
 BISECTIONS_AT_KINK, LARGEST_CHANGE = 14, 1e-3
 
 
@@ -42,10 +44,10 @@ def sensitivity(
 ) -> DifferentiatedRun:
     """Simulate a scene together with the derivatives of its outputs by parameters, start values and inputs.
 
-    The variational equations are integrated along the run, with the exact Jacobians of the equations of motion
-    by states and inputs, through closed loops; those by parameters are found by a formula of fourth order at
-    each state. The derivatives are those of the exact solution, so that the integrator should be as accurate
-    as they have to be. Where a run is not differentiable, it is refused.
+    The variational equations are integrated along the run, with the exact Jacobians of the equations of
+    motion by states and inputs, through closed loops; those by parameters are found by a formula of fourth
+    order at each state. The derivatives are those of the exact solution, so that the integrator should be as
+    accurate as they have to be. Where a run is not differentiable, it is refused.
 
     Args:
         scene: anything `gelenk.load` accepts.
@@ -63,7 +65,8 @@ def sensitivity(
 
     Raises:
         SceneError, AssemblyError, UsageError: the scene, a name or a value is invalid; or derivatives do not
-            exist, because there is an event in the run (a limit, a stop, friction that begins or ends to hold,
+            exist, because there is an event in the run (a limit, a stop, friction that begins or ceases to
+            hold,
             a singular position), or accelerations jump. The message says when.
         StepError: a step failed.
 
@@ -112,7 +115,9 @@ class Differentiator:
         self._signals: dict[str, InputFunction] = functions(inputs, [s.name for s in plant.inputs])
         known = [*scene.parameters, *(s.name for s in plant.inputs)]
         whole = [*known, *(s.name for s in Simulation(scene.with_outputs(None)).inputs)]
-        faults = [unknown(name, "parameter or input", whole) for name in by if renamed.get(name, name) not in whole]
+        faults = [
+            unknown(name, "parameter or input", whole) for name in by if renamed.get(name, name) not in whole
+        ]
         if faults:
             raise UsageError("\n".join(faults))
         inputs_by = [name for name in by if name not in renamed and name not in scene.parameters]
@@ -175,8 +180,8 @@ class Differentiator:
         for name in names:
             if is_motion(name):
                 raise UsageError(
-                    f"{name}: it prescribes a motion, by which derivatives are not available; differentiate by "
-                    "parameters of the motion, such as start values"
+                    f"{name}: it prescribes a motion, by which derivatives are not available; differentiate "
+                    "by parameters of the motion, such as start values"
                 )
         if names and scene.parameters["solver.start"] == "equilibrium":
             raise UsageError(
@@ -227,12 +232,12 @@ class Differentiator:
         self._parts += 1
         if self._parts > MOST_PARTS:
             raise UsageError(
-                f"t = {begin:.9g} s: the derivatives do not converge in {MOST_PARTS} parts of a step; they vary too "
-                "fast, or not smoothly. A shorter step or a larger `accuracy` may help"
+                f"t = {begin:.9g} s: the derivatives do not converge in {MOST_PARTS} parts of a step; "
+                "they vary too fast, or not smoothly. A shorter step or a larger `accuracy` may help"
             )
         saved = self._plant.save()
         samples = [first]
-        for a, b in zip(NODES[:-1], NODES[1:], strict=True):
+        for a, b in itertools.pairwise(NODES.tolist()):
             at, to = begin + a * (end - begin), (end if b == 1 else begin + b * (end - begin))
             self._step(at, to)
             samples.append(self._sample())
@@ -275,7 +280,8 @@ class Differentiator:
         if events:
             time, text = events[0]
             raise UsageError(
-                f"t = {time:.9g} s: {text}; derivatives through this event are not available, end the run before it"
+                f"t = {time:.9g} s: {text}; derivatives through this event are not available, end the "
+                "run before it"
             )
 
     def _check_jump(self, samples: list[Sample], time: float) -> None:
@@ -283,7 +289,8 @@ class Differentiator:
         size = np.abs(rates).max(initial=0.0)
         if np.ptp(rates, axis=0).max(initial=0.0) > LARGEST_CHANGE * size:
             raise UsageError(
-                f"t = {time:.9g} s: the accelerations jump, so that derivatives are not known beyond this time"
+                f"t = {time:.9g} s: the accelerations jump, so that derivatives beyond this time are "
+                "not known"
             )
 
 

@@ -9,23 +9,25 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gelenk.errors import AssemblyError, GelenkError, SceneError, StepError, UsageError
-from gelenk.gradients.run import DifferentiatedRun
+from gelenk.errors import AssemblyError, SceneError, StepError, UsageError
 from gelenk.gradients.differentiation import sensitivity
-from gelenk.model.scene import Scene, Source, load
+from gelenk.gradients.run import DifferentiatedRun
+from gelenk.model.scene import Source, load
 from gelenk.model.settable import with_listed
 from gelenk.model.values import Value
 from gelenk.simulation.inputs import Inputs
-from gelenk.simulation.plant import Plant
 
 type Array = NDArray[np.float64]
 
-# Relative change of the sum of squares at which the search ends: parameters are then within 1e-3 of their deviations.
+# Relative change of the sum of squares at which the search ends: parameters are then within 1e-3 of their
+# deviations.
 FTOL = 1e-8
-# Singular values of the Jacobian, scaled by the parameters, below this part of the largest one: derivatives are known to
-# 1e-9, so a combination of parameters that acts so little cannot be told from one that does not act.
+# Singular values of the Jacobian, scaled by the parameters, below this part of the largest one: derivatives
+# are known to 1e-9, so a combination of parameters that acts so little cannot be told from one that does not
+# act.
 RANK_TOLERANCE = 1e-7
-# Of a unit vector in the null space: a parameter with a smaller part in it does not belong to the combination.
+# Of a unit vector in the null space: a parameter with a smaller part in it does not belong to the
+# combination.
 SMALLEST_PART = 1e-3
 
 
@@ -86,9 +88,9 @@ def fit(
 ) -> Fit:
     """Find parameters with which a simulation follows measured curves: weighted nonlinear least squares.
 
-    Uses `scipy.optimize.least_squares` with the derivatives of `gelenk.sensitivity`. Confidence intervals follow
-    from the linear model at the solution and from the distribution of Student (Bates & Watts, Nonlinear
-    Regression Analysis and Its Applications, 1988, ch. 2).
+    Uses `scipy.optimize.least_squares` with the derivatives of `gelenk.sensitivity`. Confidence intervals
+    follow from the linear model at the solution and from the distribution of Student (Bates & Watts,
+    Nonlinear Regression Analysis and Its Applications, 1988, ch. 2).
 
     Args:
         scene: anything `gelenk.load` accepts.
@@ -137,15 +139,20 @@ def fit(
     known_noise = deviation is not None
     if not known_noise:
         covariance = covariance * noise**2
-    quantile = stats.norm.ppf((1 + confidence) / 2) if known_noise else stats.t.ppf((1 + confidence) / 2, max(freedom, 1))
+    quantile = (
+        stats.norm.ppf((1 + confidence) / 2)
+        if known_noise
+        else stats.t.ppf((1 + confidence) / 2, max(freedom, 1))
+    )
     names = problem.names
     lost = tuple(name for name, missing in zip(names, undetermined, strict=True) if missing)
     deviations = np.where(undetermined, np.inf, np.sqrt(np.diag(covariance)))
+    low, high = found.x - quantile * deviations, found.x + quantile * deviations
     return Fit(
         dict(zip(names, found.x.tolist(), strict=True)),
         dict(zip(names, deviations.tolist(), strict=True)),
         covariance,
-        {n: (float(x - quantile * d), float(x + quantile * d)) for n, x, d in zip(names, found.x, deviations, strict=True)},
+        dict(zip(names, zip(low.tolist(), high.tolist(), strict=True), strict=True)),
         confidence, lost,
         tuple(n for n, side in zip(names, found.active_mask, strict=True) if side),
         noise, problem.apart(run), run, problem.runs, str(found.message),
@@ -171,7 +178,8 @@ class _Problem:
     """Residuals and their Jacobian as functions of the unknowns."""
 
     def __init__(
-        self, scene: Source, measured: Mapping[str, ArrayLike], unknowns: Mapping[str, float | tuple[float, float, float]],
+        self, scene: Source, measured: Mapping[str, ArrayLike], unknowns: Mapping[str, float | tuple[float,
+        float, float]],
         step: float | None, deviation: Mapping[str, float] | float | None,
         parameters: Mapping[str, Value] | None, inputs: Inputs | None, accuracy: float,
     ) -> None:  # fmt: skip
@@ -186,8 +194,8 @@ class _Problem:
         for name, curve in self._measured.items():
             if curve.shape != (points,) or points < 2:
                 raise UsageError(
-                    f"{name}: found an array of shape {curve.shape}, expected ({max(points, 2)},), as many values for "
-                    "each output"
+                    f"{name}: found an array of shape {curve.shape}, expected ({max(points, 2)},), as many "
+                    "values for each output"
                 )
         loaded = load(scene)
         self._step = loaded.step if step is None else step
@@ -218,7 +226,8 @@ class _Problem:
                 raise UsageError(f"{twice[0]}: given twice, in unknowns and in inputs")
             inputs = {**(inputs or {}), **constants}
         return sensitivity(
-            self._scene, self.names, outputs=list(self._measured), parameters={**self._parameters, **settable},
+            self._scene, self.names, outputs=list(self._measured),
+            parameters={**self._parameters, **settable},
             inputs=inputs, stop=self._stop, step=self._step, accuracy=self._accuracy,
         )  # fmt: skip
 
@@ -253,7 +262,9 @@ def _bounded(name: str, given: float | Sequence[float]) -> tuple[float, float, f
     if numbers.shape == (1,):
         return float(numbers[0]), -np.inf, np.inf
     if numbers.shape != (3,) or not numbers[1] < numbers[2] or not numbers[1] <= numbers[0] <= numbers[2]:
-        raise UsageError(f"{name}: found {given}, expected a guess, or (guess, low, high) with low <= guess <= high")
+        raise UsageError(
+            f"{name}: found {given}, expected a guess, or (guess, low, high) with low <= guess <= high"
+        )
     return float(numbers[0]), float(numbers[1]), float(numbers[2])
 
 

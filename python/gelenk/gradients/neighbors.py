@@ -43,9 +43,9 @@ BACKWARD = Formula(
     tuple(-k for k in FORWARD.points), tuple(-w for w in FORWARD.weights), tuple(-w for w in FORWARD.lower)
 )
 
-# Of the two formulas relative to the derivative. The error of that of fourth order is about the square of it, so the
-# step is chosen for 1e-12, as the masses, lengths and stiffnesses of a mechanism enter by low powers; along a run,
-# where nothing is chosen, 1e-7 is accepted, relative to the largest derivative so far.
+# Of the two formulas relative to the derivative. The error of that of fourth order is about the square of
+# it, so the step is chosen for 1e-12, as the masses, lengths and stiffnesses of a mechanism enter by low
+# powers; along a run, where nothing is chosen, 1e-7 is accepted, relative to the largest derivative so far.
 CHOSEN_DIFFERENCE, ACCEPTED_DIFFERENCE = 1e-6, 3e-4
 FIRST_STEP, LAST_STEP = 4e-3, 1e-5  # relative to the value; rounding errors are 1e-15 divided by it
 ROUNDING = 1e-13  # of rates and outputs, relative, with closed loops
@@ -74,7 +74,9 @@ class Neighbors:
     result is compared with that of another formula.
     """
 
-    def __init__(self, scene: Scene, names: Sequence[str], leader: Simulation, outputs: Sequence[int]) -> None:
+    def __init__(
+        self, scene: Scene, names: Sequence[str], leader: Simulation, outputs: Sequence[int]
+    ) -> None:
         """Choose steps.
 
         Args:
@@ -109,8 +111,8 @@ class Neighbors:
         """Return the derivatives of the rates of the states, and of the outputs, at the leader's states x.
 
         Returns:
-            tuple[NDArray, NDArray]: the derivatives, shape (states + outputs, parameters), and bounds on their
-            rounding errors.
+            tuple[NDArray, NDArray]: the derivatives, shape (states + outputs, parameters), and bounds on
+            their rounding errors.
 
         Raises:
             UsageError: a plant cannot be placed there, or depends on its parameter abruptly.
@@ -157,7 +159,9 @@ class Neighbors:
             step /= 4
         raise UsageError(f"{name}: the start cannot be differentiated by it{fault}")
 
-    def _beside(self, scene: Scene, name: str, value: float, step: float, formula: Formula) -> list[Simulation]:
+    def _beside(
+        self, scene: Scene, name: str, value: float, step: float, formula: Formula
+    ) -> list[Simulation]:
         found = []
         leader = self._leader._core
         for point in formula.points:
@@ -205,6 +209,6 @@ def _difference(fourth: Array, lower: Array, rows: Array, step: float, sizes: Ar
 
 
 def _rounding(rows: Array, step: float) -> Array:
-    """Return bounds on the rounding errors of derivatives; entries that are small may be differences of larger ones."""
+    """Return bounds on rounding errors of derivatives; small entries may be differences of larger ones."""
     sizes = np.abs(rows).max(axis=0)
     return ROUNDING * (sizes + 0.01 * sizes.max(initial=0.0)) / step

@@ -88,7 +88,13 @@ def optimize(
     ...     weights[-1] = -1
     ...     return -run["A.phi"][-1], {"A.phi": weights}
     >>> best = gelenk.optimize(
-    ...     four_bar, {"crank.m": (1.0, 0.5, 2.0)}, fast, outputs=["A.phi"], inputs={"drive.tau": 5.0}, stop=0.2, step=0.02
+    ...     four_bar,
+    ...     {"crank.m": (1.0, 0.5, 2.0)},
+    ...     fast,
+    ...     outputs=["A.phi"],
+    ...     inputs={"drive.tau": 5.0},
+    ...     stop=0.2,
+    ...     step=0.02,
     ... )
     >>> best.values["crank.m"], best.at_bounds
     (0.5, ('crank.m',))
@@ -139,6 +145,6 @@ def optimize(
     margin = 1e-9 * sizes
     return Optimum(
         dict(zip(names, x.tolist(), strict=True)), value, dict(zip(names, gradient.tolist(), strict=True)),
-        tuple(n for n, v, a, b, m in zip(names, x, low, high, margin, strict=True) if v - a <= m or b - v <= m),
+        tuple(np.array(names)[(x - low <= margin) | (high - x <= margin)].tolist()),
         run, counts["runs"], counts["failed"], bool(found.success), str(found.message),
     )  # fmt: skip

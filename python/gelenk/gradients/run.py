@@ -19,8 +19,8 @@ type Array = NDArray[np.float64]
 class DifferentiatedRun:
     """A run, linearized step by step: what `gelenk.sensitivity` returns.
 
-    With the independent states x, parameters p and inputs u, dx[k + 1] = F[k] dx[k] + G[k] du[k] + P[k] dp and
-    dy[k] = C[k] dx[k] + D[k] du[k - 1] + Q[k] dp.
+    With the independent states x, parameters p and inputs u, dx[k + 1] = F[k] dx[k] + G[k] du[k] + P[k] dp
+    and dy[k] = C[k] dx[k] + D[k] du[k - 1] + Q[k] dp.
 
     Attributes:
         time: times of the outputs [s], shape (points,).

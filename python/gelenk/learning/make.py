@@ -76,18 +76,18 @@ def vector_environment(
 ) -> gymnasium.vector.VectorEnv[Array, Array, Array]:
     """Return many environments of Gymnasium that are stepped together, in one process.
 
-    Each instance is what `gelenk.environment` makes, to the bit; an instance is a saved state, not a plant of its
-    own. An episode that has ended is followed by the next one in the next step, whose action is not used
-    (`AutoresetMode.NEXT_STEP`). Integrators with a memory (ida, cvode) repeat their last steps when an instance
-    is restored, so that rk4 and the explicit methods are faster.
+    Each instance is what `gelenk.environment` makes, to the bit; an instance is a saved state, not a plant
+    of its own. An episode that has ended is followed by the next one in the next step, whose action is not
+    used (`AutoresetMode.NEXT_STEP`). Integrators with a memory (ida, cvode) repeat their last steps when an
+    instance is restored, so that rk4 and the explicit methods are faster.
 
     Args:
         scene: anything `gelenk.load` accepts.
         instances: how many.
         actions: as in `gelenk.environment`.
         observations: as in `gelenk.environment`.
-        reward: function of the observations after a step, shape (instances, observations), and of the actions,
-            shape (instances, actions); returns the rewards, shape (instances,).
+        reward: function of the observations after a step, shape (instances, observations), and of the
+            actions, shape (instances, actions); returns the rewards, shape (instances,).
         terminated: function of the observations that returns which of them end their episode.
         step: time between actions [s].
         stop: time after which an episode is truncated [s].

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, override
+from typing import Any, ClassVar, override
 
 import gymnasium
 import numpy as np
@@ -23,7 +23,7 @@ type Flags = NDArray[np.bool_]
 class VectorEnvironment(gymnasium.vector.VectorEnv[Array, Array, Array]):
     """Instances of a scene, each with its own agent. The loop over them is compiled."""
 
-    metadata = {"autoreset_mode": gymnasium.vector.AutoresetMode.NEXT_STEP}
+    metadata: ClassVar[dict[str, Any]] = {"autoreset_mode": gymnasium.vector.AutoresetMode.NEXT_STEP}
 
     def __init__(self, scenes: Sequence[Scene], task: Task, instances: int) -> None:
         self.num_envs = instances
@@ -51,7 +51,9 @@ class VectorEnvironment(gymnasium.vector.VectorEnv[Array, Array, Array]):
         chosen = dict(options or {})
         mask = np.asarray(chosen.get("reset_mask", np.ones(self.num_envs, np.bool_)), np.bool_)
         if mask.shape != (self.num_envs,) or not (self._begun or mask.all()):
-            raise UsageError(f"reset_mask: expected {self.num_envs} flags, all of them set at the first reset")
+            raise UsageError(
+                f"reset_mask: expected {self.num_envs} flags, all of them set at the first reset"
+            )
         rows = np.empty((self.num_envs, len(self._task.observations))) if mask.all() else self._seen.copy()
         starts = self._reset(np.flatnonzero(mask), rows, chosen.get("start"))
         self._seen, self._begun = rows, True

@@ -36,11 +36,12 @@ def control_system(
     outputs: Sequence[str] | None = None,
     parameters: Mapping[str, Value] | None = None,
 ) -> control.NonlinearIOSystem:
-    """Return a scene as a nonlinear system of python-control, for its simulations, designs and block diagrams.
+    """Return a scene as a nonlinear system of python-control, for its simulations, designs and block
+    diagrams.
 
-    The states are independent coordinates and velocities, as those of `gelenk.linearize`. Rates and outputs are
-    functions of time, states and inputs alone: the same arguments give the same bits, and no evaluation affects
-    another. Loops are closed on the branch of the start.
+    The states are independent coordinates and velocities, as those of `gelenk.linearize`. Rates and outputs
+    are functions of time, states and inputs alone: the same arguments give the same bits, and no evaluation
+    affects another. Loops are closed on the branch of the start.
 
     Args:
         scene: anything `gelenk.load` accepts.
@@ -49,11 +50,12 @@ def control_system(
         parameters: values that differ from those of the scene, by name.
 
     Returns:
-        control.NonlinearIOSystem: its inputs and outputs have "_" for "." (drive_f); the attribute `x0` has the
-        states at the start.
+        control.NonlinearIOSystem: its inputs and outputs have "_" for "." (drive_f); the attribute `x0` has
+        the states at the start.
 
     Raises:
-        SceneError, AssemblyError, UsageError: the scene, a name or a value is invalid; the scene has friction,
+        SceneError, AssemblyError, UsageError: the scene, a name or a value is invalid; the scene has
+        friction,
             limits or contacts, which differential equations alone do not describe, or a prescribed motion.
     """
     import control
@@ -93,7 +95,8 @@ class Equations:
         motions = [name for name in every if is_motion(name)]
         if motions:
             raise UsageError(
-                f"{motions[0]}: it prescribes a motion, which needs the derivatives of an input; replace it by a force"
+                f"{motions[0]}: it prescribes a motion, which needs the derivatives of an input; replace it "
+                "by a force"
             )
         with scene.located():
             plant._core.assemble(0.0)
