@@ -138,6 +138,7 @@ IMPORTS: dict[str, set[str]] = {"model": set()}
 IMPORTS["viewer"] = {"model"}
 IMPORTS["simulation"] = {"model", "viewer"}
 IMPORTS["sweeps"] = {"simulation", *IMPORTS["simulation"]}
+IMPORTS["gradients"] = {"simulation", *IMPORTS["simulation"]}
 IMPORTS["learning"] = {"simulation", *IMPORTS["simulation"]}
 IMPORTS["io"] = {"simulation", *IMPORTS["simulation"]}
 IMPORTS["linear"] = {"simulation", *IMPORTS["simulation"]}

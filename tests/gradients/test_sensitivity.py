@@ -55,8 +55,7 @@ def central(scene: gelenk.Scene, name: str, relative: float, outputs: list[str],
 
 
 def test_an_oscillator_has_the_derivatives_of_its_closed_form() -> None:
-    """X = x0 cos(w t) + v0/w sin(w t) with w = sqrt(k/m); dx/dk = dx/dw / (2 m w), dx/dm = -dx/dw w / (2
-    m)."""
+    """With w = sqrt(k/m) x = x0 cos(w t) + v0/w sin(w t): dx/dk = dx/dw / (2 m w), dx/dm = -w/(2 m) dx/dw."""
     run = gelenk.sensitivity(
         slider(stiffness=50.0), ["track.stiffness", "mass.mass", "track.s_start", "track.v_start"],
         outputs=["track.s", "track.v"],
@@ -259,5 +258,5 @@ def test_wrong_directions_say_what_is_expected() -> None:
         gelenk.jvp(run, inputs={"drive.f": [1, 2, 3]})
     with pytest.raises(gelenk.UsageError, match=r"track.s: found an array of shape \(3,\), expected \(11,\)"):
         gelenk.vjp(run, {"track.s": [1, 2, 3]})
-    with pytest.raises(gelenk.UsageError, match="drive.f: no such parameter"):
+    with pytest.raises(gelenk.UsageError, match=r"drive.f: no such parameter"):
         gelenk.jvp(run, {"drive.f": 1.0})
