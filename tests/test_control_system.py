@@ -57,7 +57,7 @@ def test_its_linearization_is_ours(root: Path, name: str, at: dict[str, float], 
 
 
 def test_evaluations_have_no_side_effects(four_bar: gelenk.Scene) -> None:
-    """To the bit: whatever was evaluated before, and by another system of the same scene."""
+    """To the bit, in any order, and by another system of the same scene."""
     system, other = gelenk.control_system(four_bar), gelenk.control_system(four_bar)
     rng = np.random.default_rng(2)
     points = [(rng.uniform(0, 1), rng.uniform(-8, 8, 2), rng.uniform(-5, 5, 1)) for _ in range(20)]
@@ -98,7 +98,7 @@ def test_what_has_events_is_refused(root: Path, change: dict[str, Any], sentence
         gelenk.control_system(data)
 
 
-def test_wrong_names_are_told(four_bar: gelenk.Scene) -> None:
+def test_wrong_names_are_reported(four_bar: gelenk.Scene) -> None:
     with pytest.raises(gelenk.UsageError, match=r"nothing\.x: no such output"):
         gelenk.control_system(four_bar, outputs=["nothing.x"])
     with pytest.raises(gelenk.UsageError, match=r"nothing\.x: no such input"):

@@ -137,9 +137,8 @@ PACKAGE = ROOT / "python" / "gelenk"
 IMPORTS: dict[str, set[str]] = {"model": set()}
 IMPORTS["viewer"] = {"model"}
 IMPORTS["simulation"] = {"model", "viewer"}
-IMPORTS["sweeps"] = {"simulation", *IMPORTS["simulation"]}
-IMPORTS["gradients"] = {"simulation", *IMPORTS["simulation"]}
-IMPORTS["learning"] = {"simulation", *IMPORTS["simulation"]}
+for package in ("sweeps", "gradients", "learning"):
+    IMPORTS[package] = {"simulation", *IMPORTS["simulation"]}
 IMPORTS["io"] = {"simulation", *IMPORTS["simulation"]}
 IMPORTS["linear"] = {"simulation", *IMPORTS["simulation"]}
 IMPORTS["modal"] = {"linear", *IMPORTS["linear"]}

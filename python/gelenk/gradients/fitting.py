@@ -23,7 +23,7 @@ type Array = NDArray[np.float64]
 # deviations.
 FTOL = 1e-8
 # Singular values of the Jacobian, scaled by the parameters, below this part of the largest one: derivatives
-# are known to 1e-9, so a combination of parameters that acts so little cannot be told from one that does not
+# are known to 1e-9, so a combination of parameters that acts so little cannot be distinguished from one that does not
 # act.
 RANK_TOLERANCE = 1e-7
 # Of a unit vector in the null space: a parameter with a smaller part in it does not belong to the
@@ -132,17 +132,17 @@ def fit(
     run = problem.at(found.x)
     J = problem.jacobian(found.x) * problem.sizes
     left = problem.residuals(found.x)
-    freedom = len(left) - len(found.x)
+    surplus = len(left) - len(found.x)
     undetermined, covariance = _identified(J)
     covariance *= np.outer(problem.sizes, problem.sizes)
-    noise = float(np.sqrt(left @ left / freedom)) if freedom > 0 else float("nan")
+    noise = float(np.sqrt(left @ left / surplus)) if surplus > 0 else float("nan")
     known_noise = deviation is not None
     if not known_noise:
         covariance = covariance * noise**2
     quantile = (
         stats.norm.ppf((1 + confidence) / 2)
         if known_noise
-        else stats.t.ppf((1 + confidence) / 2, max(freedom, 1))
+        else stats.t.ppf((1 + confidence) / 2, max(surplus, 1))
     )
     names = problem.names
     lost = tuple(name for name, missing in zip(names, undetermined, strict=True) if missing)
