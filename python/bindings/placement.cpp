@@ -35,47 +35,33 @@ void read(Simulation& simulation, const std::vector<int>& outputs, std::vector<d
   for (const int i : outputs) out.push_back(simulation.output(i));
 }
 
-// Assembled plants that are placed beside another one.
-class Followers {
- public:
-  // names: of the plants, for messages. outputs: indices of those that are read.
-  Followers(std::vector<Plant*> plants, std::vector<std::string> names, std::vector<int> outputs)
-      : plants_(std::move(plants)), names_(std::move(names)), outputs_(std::move(outputs)) {
-    if (names_.size() != plants_.size()) throw nb::index_error("there are not as many names as plants");
-    for (Plant* plant : plants_) {
-      const auto size = static_cast<int>(plant->fixed().outputs().size());
-      if (std::ranges::any_of(outputs_, [&](int i) { return i < 0 || i >= size; }))
-        throw nb::index_error("an index of an output is out of range");
-      plant->with([&](Simulation& s) { placements_.emplace_back(s); });
+// Moves all plants to the states, the inputs and the time of `leader`; a row for each: the rates of the states, then
+// the outputs. names: of the plants, for messages.
+Matrix follow_all(const std::vector<Plant*>& plants, const std::vector<std::string>& names, Plant& leader,
+                  const std::vector<double>& x, const std::vector<int>& outputs) {
+  for (const Plant* plant : plants) {
+    const auto size = static_cast<int>(plant->fixed().outputs().size());
+    if (std::ranges::any_of(outputs, [&](int i) { return i < 0 || i >= size; }))
+      throw nb::index_error("an index of an output is out of range");
+  }
+  if (names.size() != plants.size()) throw nb::index_error("there are not as many names as plants");
+  auto* values = new std::vector<double>;
+  const nb::capsule owner(values, [](void* p) noexcept { delete static_cast<std::vector<double>*>(p); });
+  for (std::size_t k = 0; k < plants.size(); ++k) {
+    try {
+      plants[k]->with([&](Simulation& s) {
+        Placement(s).follow(leader.fixed(), x);
+        read(s, outputs, *values);
+      });
+    } catch (const gelenk::UsageError& fault) {
+      throw gelenk::UsageError(names[k] + ": " + fault.what());
+    } catch (const gelenk::StepError& fault) {
+      throw gelenk::UsageError(names[k] + ": " + fault.what());
     }
   }
-
-  // Moves all plants to the states, the inputs and the time of `leader`; a row for each: the rates of the states, then
-  // the outputs.
-  Matrix follow(Plant& leader, const std::vector<double>& x) {
-    auto* values = new std::vector<double>;
-    const nb::capsule owner(values, [](void* p) noexcept { delete static_cast<std::vector<double>*>(p); });
-    for (std::size_t k = 0; k < plants_.size(); ++k) {
-      try {
-        plants_[k]->with([&](Simulation& s) {
-          placements_[k].follow(leader.fixed(), x);
-          read(s, outputs_, *values);
-        });
-      } catch (const gelenk::UsageError& fault) {
-        throw gelenk::UsageError(names_[k] + ": " + fault.what());
-      } catch (const gelenk::StepError& fault) {
-        throw gelenk::UsageError(names_[k] + ": " + fault.what());
-      }
-    }
-    return Matrix(values->data(), {plants_.size(), x.size() + outputs_.size()}, owner);
-  }
-
- private:
-  std::vector<Plant*> plants_;
-  std::vector<std::string> names_;
-  std::vector<int> outputs_;
-  std::vector<Placement> placements_;
-};
+  const std::size_t columns = x.size() + outputs.size();
+  return Matrix(values->data(), {plants.size(), columns}, owner);
+}
 
 }  // namespace
 
@@ -107,12 +93,8 @@ void gelenk::bind_placement(nb::module_& m, nb::class_<Plant>& simulation) {
       .def(
           "rates", [](Plant& p) { return p.with([](Simulation& s) { return Placement(s).rates(); }); },
           "Time derivatives of the states.");
-  nb::class_<Followers>(m, "Followers", "Assembled plants that are placed beside another one.")
-      .def(nb::init<std::vector<Plant*>, std::vector<std::string>, std::vector<int>>(), nb::arg("plants"),
-           nb::arg("names"), nb::arg("outputs"), nb::keep_alive<1, 2>(),
-           "plants: must outlive this. names: for messages. outputs: indices of those that are read.")
-      .def("follow", &Followers::follow, nb::arg("leader"), nb::arg("x"),
-           "Move to the states x, the inputs and the time of `leader`; a row for each plant: the time derivatives of "
-           "the "
-           "states, then the outputs. Raises UsageError with the name of a plant that cannot follow.");
+  m.def("follow_all", follow_all, nb::arg("plants"), nb::arg("names"), nb::arg("leader"), nb::arg("x"),
+        nb::arg("outputs"),
+        "Move assembled plants to the states, inputs and time of another one; a row for each: the time derivatives of "
+        "the states, then the outputs. Raises UsageError with the name of a plant that cannot follow.");
 }

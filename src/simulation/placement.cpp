@@ -20,17 +20,9 @@ using Eigen::VectorXd;
 constexpr double longest_part = 0.1;
 // Relative to the states: rounding errors of closing the loops. Newton's method is continued until it no longer gains.
 constexpr double accuracy = 1e-11;
-// An iteration that is expected to come this close is the last one.
-constexpr double enough = 1e-14;
-// Of successive iterations with the same matrices; slower ones need new matrices.
-constexpr double slow_ratio = 0.05;
+// An iteration that begins this close ends at rounding errors, since convergence is quadratic.
+constexpr double last_iteration = 1e-9;
 constexpr int max_iterations = 10'000;
-
-// What an iteration is expected to leave: convergence is quadratic with new matrices, else linear, as before.
-double expected_rest(double size, double last, bool renews) {
-  if (renews) return 10 * size * size;
-  return std::isfinite(last) ? size * (size / last) : INFINITY;
-}
 
 }  // namespace
 
@@ -72,17 +64,11 @@ VectorXd Placement::remaining(std::span<const double> x) const {
 // Islands without loops take the states as they are.
 void Placement::move(const VectorXd& dx, double time) {
   Simulation::Impl& s = impl_;
-  if (ways_.empty()) {
-    for (std::size_t i = 0; i < s.islands.size(); ++i) {
-      const bool has_rows = s.islands[i]->prepared().mechanism.rows > 0;
-      ways_.push_back(has_rows ? s.sensitivity->displacements(static_cast<int>(i)) : Eigen::MatrixXd());
-    }
-  }
   for (std::size_t i = 0; i < s.islands.size(); ++i) {
     const Mechanism& mechanism = s.islands[i]->prepared().mechanism;
     VectorXd change = VectorXd::Zero(mechanism.nq + mechanism.nv);
     if (mechanism.rows > 0) {
-      change = ways_[i] * dx;
+      change = s.sensitivity->displacement(static_cast<int>(i), dx);
     } else {
       for (std::size_t k = 0; k < s.states.size(); ++k) {
         const Sensitivity::Place at = s.sensitivity->place(k);
@@ -108,7 +94,7 @@ void Placement::move_to(std::span<const double> x, double time) {
   const std::shared_ptr<const Position> before = position();
   try {
     const bool loops = has_loops();
-    double last = ways_.empty() ? 0 : INFINITY;
+    double last = INFINITY;
     for (int k = 0; k < max_iterations; ++k) {
       const VectorXd dx = remaining(x);
       const double size = dx.size() == 0 ? 0 : dx.cwiseAbs().maxCoeff();
@@ -116,17 +102,13 @@ void Placement::move_to(std::span<const double> x, double time) {
       for (std::size_t i = 0; i < x.size(); ++i) scale = std::max(scale, std::abs(x[i]));
       const bool whole = !loops || size <= longest_part;
       if (k > 0 && whole && (size == 0 || (size <= accuracy * scale && !(size < last / 2)))) return;
-      if (!whole || !(size < slow_ratio * last)) ways_.clear();
-      const double expected =
-          ways_.empty() ? 10 * size * size : size * std::min(1.0, size / last);  // quadratic, linear
       move(whole ? dx : VectorXd(dx * (longest_part / size)), time);
-      if (!loops || (whole && expected <= enough * scale)) return;
+      if (!loops || (whole && size <= last_iteration * scale)) return;
       last = whole ? size : INFINITY;
     }
     throw UsageError("its loops cannot be closed there");
   } catch (const std::exception& fault) {
     return_to(*before);
-    ways_.clear();
     const auto* known = dynamic_cast<const UsageError*>(&fault);
     throw UsageError(std::string("the mechanism cannot be moved to the given states: ") +
                      (known != nullptr ? known->what() : "its states do not determine it on the way there"));

@@ -43,8 +43,6 @@ class Placement {
   void move(const Eigen::VectorXd& dx, double time);
   bool has_loops() const;
 
-  std::vector<Eigen::MatrixXd>
-      ways_;  // by island: changes with the states (Sensitivity::displacements); empty: unknown
   Simulation& simulation_;
   Simulation::Impl& impl_;
 };

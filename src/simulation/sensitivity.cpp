@@ -43,19 +43,18 @@ Sensitivity::Place Sensitivity::place(std::size_t state) const {
           .is_coordinate = is_coordinate};
 }
 
-MatrixXd Sensitivity::displacements(int island) {
+Eigen::VectorXd Sensitivity::displacement(int island, const Eigen::VectorXd& dx) {
   friction_ = FrictionTreatment::off;
   set_point(island);
   const Mechanism& mechanism = islands_[island]->prepared().mechanism;
-  const auto n = static_cast<Index>(states_.size());
-  MatrixXd dq = MatrixXd::Zero(mechanism.nq, n);
-  MatrixXd dv = MatrixXd::Zero(mechanism.nv, n);
-  for (Index s = 0; s < n; ++s) {
-    const Place at = place(static_cast<std::size_t>(s));
-    if (at.island == island) (at.is_coordinate ? dq : dv)(at.component, s) = at.sign;
+  MatrixXd dq = MatrixXd::Zero(mechanism.nq, 1);
+  MatrixXd dv = MatrixXd::Zero(mechanism.nv, 1);
+  for (std::size_t s = 0; s < states_.size(); ++s) {
+    const Place at = place(s);
+    if (at.island == island) (at.is_coordinate ? dq : dv)(at.component, 0) = at.sign * dx[static_cast<Index>(s)];
   }
-  const MatrixXd du = MatrixXd::Zero(static_cast<Index>(u_.size()), n);
-  return sensitivities_[island]->state_derivative(dq, dv, du).y.topRows(mechanism.nq + mechanism.nv);
+  const MatrixXd du = MatrixXd::Zero(static_cast<Index>(u_.size()), 1);
+  return sensitivities_[island]->state_derivative(dq, dv, du).y.col(0).head(mechanism.nq + mechanism.nv);
 }
 
 ConstrainedSensitivity& Sensitivity::set_point(int island) {

@@ -49,9 +49,9 @@ class Sensitivity {
   // inputs.
   Eigen::MatrixX2d in_time(const std::vector<double>& udot, const std::vector<double>& uddot);
 
-  // The changes (dq, dv) of an island, by columns, with each of the states; friction and limits do not hold it. Throws
-  // as above.
-  Eigen::MatrixXd displacements(int island);
+  // The change (dq, dv) of an island if its states change by dx (states) to first order; friction and limits do not
+  // hold it. Throws as above.
+  Eigen::VectorXd displacement(int island, const Eigen::VectorXd& dx);
 
   int faulty_island() const { return current_island_; }
   // The place of a state in the (q, v) of its island, and the sign with which it appears there.

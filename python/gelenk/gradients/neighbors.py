@@ -95,7 +95,7 @@ class Neighbors:
         self._plants = [plant._core for side in self._sides for plant in side.plants]
         self._largest = np.zeros((len(self._states) + len(self._outputs), len(self._names)))
         labels = [name for name, side in zip(names, self._sides, strict=True) for _ in side.plants]
-        self._followers = _core.Followers(self._plants, labels, self._outputs)
+        self._labels = labels
 
     def start(self) -> Array:
         """Return the derivatives of the states at the start, shape (states, parameters).
@@ -121,7 +121,7 @@ class Neighbors:
         noise = np.zeros_like(found)
         if not self._plants:
             return found, noise
-        rows = self._followers.follow(self._leader._core, x.tolist())
+        rows = _core.follow_all(self._plants, self._labels, self._leader._core, x.tolist(), self._outputs)
         first = 0
         for k, side in enumerate(self._sides):
             own = rows[first : first + len(side.plants)]
@@ -180,8 +180,8 @@ class Neighbors:
     def _is_smooth(self, name: str, side: _Side, size: float) -> bool:
         x = self._leader._core.read_outputs(self._states)
         copies = [plant._core for plant in side.plants]
-        followers = _core.Followers(copies, [name] * len(copies), self._outputs)
-        rows = followers.follow(self._leader._core, x.tolist())
+        labels = [name] * len(copies)
+        rows = _core.follow_all(copies, labels, self._leader._core, x.tolist(), self._outputs)
         for table in (rows, side.starts):
             fourth, lower = side.derivative(table)
             # A derivative may be zero just here.
