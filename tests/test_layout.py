@@ -39,13 +39,13 @@ BELOW["analysis"] = {"assembly", *BELOW["assembly"]}
 BELOW["preparation"] = {"analysis", "formulation", *BELOW["analysis"], *BELOW["formulation"]}
 BELOW["outputs"] = {"dynamics", *BELOW["dynamics"]}
 BELOW["simulation"] = {"integrator", "outputs", "preparation", *BELOW["integrator"], *BELOW["preparation"]}
-BELOW["runs"] = {"simulation", *BELOW["simulation"]}
-BELOW["inspection"] = {"simulation", *BELOW["simulation"]}
+BELOW["runs"] = BELOW["inspection"] = {"simulation", *BELOW["simulation"]}
 BELOW["modelDescription"] = {"scene_file", "simulation", *BELOW["scene_file"], *BELOW["simulation"]}
 BELOW["fmu/runtime"] = {"modelDescription", *BELOW["modelDescription"]}
 BELOW["fmu/export"] = {"modelDescription", "scene_schema", "inspection", *BELOW["modelDescription"]}
 BELOW["fmu"] = {"fmu/runtime", *BELOW["fmu/runtime"]}
-BELOW["bindings"] = {"scene_schema", "inspection", "runs", "fmu/runtime", "fmu/export", *BELOW["modelDescription"]}
+BELOW["bindings"] = {"scene_schema", "inspection", "runs", "fmu/runtime", "fmu/export"}
+BELOW["bindings"] |= BELOW["modelDescription"]
 
 FOLDERS = {room: ROOT / "src" / room for room in BELOW} | {
     "modelDescription": ROOT / "modelDescription",

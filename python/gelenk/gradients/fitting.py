@@ -23,8 +23,7 @@ type Array = NDArray[np.float64]
 # deviations.
 FTOL = 1e-8
 # Singular values of the Jacobian, scaled by the parameters, below this part of the largest one: derivatives
-# are known to 1e-9, so a combination of parameters that acts so little cannot be distinguished from one that does not
-# act.
+# are known to 1e-9, so a combination of parameters that acts so little may as well not act.
 RANK_TOLERANCE = 1e-7
 # Of a unit vector in the null space: a parameter with a smaller part in it does not belong to the
 # combination.
