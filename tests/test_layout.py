@@ -137,10 +137,8 @@ PACKAGE = ROOT / "python" / "gelenk"
 IMPORTS: dict[str, set[str]] = {"model": set()}
 IMPORTS["viewer"] = {"model"}
 IMPORTS["simulation"] = {"model", "viewer"}
-for package in ("sweeps", "gradients", "learning"):
+for package in ("sweeps", "gradients", "learning", "io", "linear"):
     IMPORTS[package] = {"simulation", *IMPORTS["simulation"]}
-IMPORTS["io"] = {"simulation", *IMPORTS["simulation"]}
-IMPORTS["linear"] = {"simulation", *IMPORTS["simulation"]}
 IMPORTS["modal"] = {"linear", *IMPORTS["linear"]}
 IMPORTS["equilibria"] = {"linear", *IMPORTS["linear"]}
 IMPORTS["chart"] = {"io", "modal", "equilibria", *IMPORTS["modal"]}
