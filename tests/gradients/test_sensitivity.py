@@ -154,7 +154,7 @@ def test_sliding_friction_has_the_derivative_of_its_closed_form() -> None:
     ("coulomb", "sentence"), [(0.41, r"t = 1\.46341\d* s: .*track"), (0.4, r"t = 1\.5 s: ")]
 )
 def test_where_friction_begins_to_hold_the_run_is_refused(coulomb: float, sentence: str) -> None:
-    """It comes to rest at t = m v0 / f: within a step, or at a communication point, where accelerations jump."""
+    """It comes to rest at t = m v0 / f: in a step, or where one ends and accelerations jump."""
     with pytest.raises(gelenk.UsageError, match=sentence):
         gelenk.sensitivity(
             slider(friction={"coulomb": coulomb}), ["mass.mass"], outputs=["track.s"], stop=2.0

@@ -14,8 +14,9 @@ from gelenk.gradients.differentiation import sensitivity
 from gelenk.gradients.run import DifferentiatedRun
 from gelenk.model.scene import Source, load
 from gelenk.model.settable import with_listed
-from gelenk.model.values import Value
+from gelenk.model.values import Value, check_names
 from gelenk.simulation.inputs import Inputs
+from gelenk.simulation.simulation import Simulation
 
 type Array = NDArray[np.float64]
 
@@ -201,7 +202,9 @@ class _Problem:
         self._stop = (points - 1) * self._step
         self._deviation = _deviations(deviation, self._measured)
         self._scene, self._parameters, self._inputs = loaded, dict(parameters or {}), inputs
-        self._renamed_scene, self._renamed = with_listed(loaded, self.names)
+        listed, self._renamed = with_listed(loaded, self.names)
+        known = [*listed.parameters, *(s.name for s in Simulation(loaded.with_outputs(None)).inputs)]
+        check_names([self._renamed.get(name, name) for name in self.names], known, "parameter or input")
         self._accuracy = accuracy
         self._last: tuple[bytes, DifferentiatedRun] | None = None
         self.runs = 0
