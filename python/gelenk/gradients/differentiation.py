@@ -6,7 +6,6 @@ from __future__ import annotations
 import itertools
 import warnings
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -147,7 +146,8 @@ class Differentiator:
             UsageError, StepError: see `sensitivity`.
         """
         m, units = len(self._inputs), {s.name: s.unit for s in self._plant.outputs}
-        points, steps = [], []
+        points: list[Sample] = []
+        steps: list[Array] = []
         values = [self._values()]
         last: Sample | None = None
         for k in range(len(times) - 1):
@@ -296,7 +296,7 @@ class Differentiator:
 
 def _columns(matrix: Array, indices: Sequence[int]) -> Array:
     """Select columns; -1 is a column of zeros, of an input that acts on nothing that is computed."""
-    found: Any = np.zeros((len(matrix), len(indices)))
+    found: Array = np.zeros((len(matrix), len(indices)))
     for k, index in enumerate(indices):
         if index >= 0:
             found[:, k] = matrix[:, index]

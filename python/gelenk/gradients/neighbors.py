@@ -211,4 +211,5 @@ def _difference(fourth: Array, lower: Array, rows: Array, step: float, sizes: Ar
 def _rounding(rows: Array, step: float) -> Array:
     """Return bounds on rounding errors of derivatives; small entries may be differences of larger ones."""
     sizes = np.abs(rows).max(axis=0)
-    return ROUNDING * (sizes + 0.01 * sizes.max(initial=0.0)) / step
+    bounds: Array = ROUNDING * (sizes + 0.01 * sizes.max(initial=0.0)) / step
+    return bounds

@@ -60,12 +60,11 @@ def prepared(scenes: Sequence[Scene], task: Task) -> list[Start]:
     return found
 
 
-def spaces(task: Task) -> tuple[gymnasium.spaces.Box, gymnasium.spaces.Box]:
+def spaces(task: Task) -> tuple[gymnasium.Space[Array], gymnasium.Space[Array]]:
     """Return the spaces of actions and of observations."""
-    return (
-        gymnasium.spaces.Box(task.bounds[:, 0], task.bounds[:, 1], dtype=np.float64),
-        gymnasium.spaces.Box(-np.inf, np.inf, (len(task.observations),), dtype=np.float64),
-    )
+    actions: Any = gymnasium.spaces.Box(task.bounds[:, 0], task.bounds[:, 1], dtype=np.float64)
+    observations: Any = gymnasium.spaces.Box(-np.inf, np.inf, (len(task.observations),), dtype=np.float64)
+    return actions, observations
 
 
 class Environment(gymnasium.Env[Array, Array]):

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, ClassVar, override
+from typing import Any, override
 
 import gymnasium
 import numpy as np
@@ -23,9 +23,8 @@ type Flags = NDArray[np.bool_]
 class VectorEnvironment(gymnasium.vector.VectorEnv[Array, Array, Array]):
     """Instances of a scene, each with its own agent. The loop over them is compiled."""
 
-    metadata: ClassVar[dict[str, Any]] = {"autoreset_mode": gymnasium.vector.AutoresetMode.NEXT_STEP}
-
     def __init__(self, scenes: Sequence[Scene], task: Task, instances: int) -> None:
+        self.metadata = {"autoreset_mode": gymnasium.vector.AutoresetMode.NEXT_STEP}
         self.num_envs = instances
         self._task = task
         self._starts = prepared(scenes, task)
@@ -36,6 +35,7 @@ class VectorEnvironment(gymnasium.vector.VectorEnv[Array, Array, Array]):
         self._count = np.zeros(instances, np.int64)
         self._ended: Flags = np.zeros(instances, np.bool_)
         self._begun = False
+        self._seen: Array = np.zeros((instances, len(task.observations)))
         self.single_action_space, self.single_observation_space = spaces(task)
         self.action_space = batch_space(self.single_action_space, instances)
         self.observation_space = batch_space(self.single_observation_space, instances)
@@ -62,7 +62,7 @@ class VectorEnvironment(gymnasium.vector.VectorEnv[Array, Array, Array]):
         return rows.copy(), {"start": numbers, "_start": mask}
 
     @override
-    def step(self, actions: Array) -> tuple[Array, Array, Flags, Flags, dict[str, Any]]:
+    def step(self, actions: Array) -> tuple[Array, Array, Any, Any, dict[str, Any]]:
         """Hold the actions for a step; see `gelenk.vector_environment`."""
         if not self._begun:
             raise UsageError("step: called before reset")
