@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # The native targets: the core, the FMU runtime, the export tool. Sources are globbed, so new files need no edit here.
 set(modules util field math shape joint element scene check scene_file scene_schema mechanism linear cone collision kinematics derivatives dynamics contact touch assembly analysis event modes formulation integrator
-  preparation outputs simulation inspection)
+  preparation outputs simulation runs inspection)
 list(TRANSFORM modules PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/src/)
 list(TRANSFORM modules APPEND /*.cpp OUTPUT_VARIABLE patterns)
 file(GLOB core_sources CONFIGURE_DEPENDS ${patterns} ${CMAKE_CURRENT_SOURCE_DIR}/modelDescription/*.cpp

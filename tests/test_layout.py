@@ -39,12 +39,13 @@ BELOW["analysis"] = {"assembly", *BELOW["assembly"]}
 BELOW["preparation"] = {"analysis", "formulation", *BELOW["analysis"], *BELOW["formulation"]}
 BELOW["outputs"] = {"dynamics", *BELOW["dynamics"]}
 BELOW["simulation"] = {"integrator", "outputs", "preparation", *BELOW["integrator"], *BELOW["preparation"]}
-BELOW["inspection"] = {"simulation", *BELOW["simulation"]}
+BELOW["runs"] = BELOW["inspection"] = {"simulation", *BELOW["simulation"]}
 BELOW["modelDescription"] = {"scene_file", "simulation", *BELOW["scene_file"], *BELOW["simulation"]}
 BELOW["fmu/runtime"] = {"modelDescription", *BELOW["modelDescription"]}
 BELOW["fmu/export"] = {"modelDescription", "scene_schema", "inspection", *BELOW["modelDescription"]}
 BELOW["fmu"] = {"fmu/runtime", *BELOW["fmu/runtime"]}
-BELOW["bindings"] = {"scene_schema", "inspection", "fmu/runtime", "fmu/export", *BELOW["modelDescription"]}
+BELOW["bindings"] = {"scene_schema", "inspection", "runs", "fmu/runtime", "fmu/export"}
+BELOW["bindings"] |= BELOW["modelDescription"]
 
 FOLDERS = {room: ROOT / "src" / room for room in BELOW} | {
     "modelDescription": ROOT / "modelDescription",
@@ -136,10 +137,8 @@ PACKAGE = ROOT / "python" / "gelenk"
 IMPORTS: dict[str, set[str]] = {"model": set()}
 IMPORTS["viewer"] = {"model"}
 IMPORTS["simulation"] = {"model", "viewer"}
-IMPORTS["sweeps"] = {"simulation", *IMPORTS["simulation"]}
-IMPORTS["learning"] = {"simulation", *IMPORTS["simulation"]}
-IMPORTS["io"] = {"simulation", *IMPORTS["simulation"]}
-IMPORTS["linear"] = {"simulation", *IMPORTS["simulation"]}
+for package in ("sweeps", "gradients", "learning", "io", "linear"):
+    IMPORTS[package] = {"simulation", *IMPORTS["simulation"]}
 IMPORTS["modal"] = {"linear", *IMPORTS["linear"]}
 IMPORTS["equilibria"] = {"linear", *IMPORTS["linear"]}
 IMPORTS["chart"] = {"io", "modal", "equilibria", *IMPORTS["modal"]}

@@ -33,6 +33,7 @@ PACKAGES = (
     "chart",
     "cli",
     "equilibria",
+    "gradients",
     "io",
     "learning",
     "linear",

@@ -34,4 +34,9 @@ class Plant {
 // Runs over many communication points: a method of Simulation, and the class Batch (runs.cpp).
 void bind_runs(nanobind::module_& m, nanobind::class_<Plant>& simulation);
 
+// Simulations at given states: methods of Simulation, and follow_all() (placement.cpp).
+void bind_placement(nanobind::module_& m, nanobind::class_<Plant>& simulation);
+// Many instances that are stepped together: the class Fleet (fleet.cpp).
+void bind_fleet(nanobind::module_& m);
+
 }  // namespace gelenk

@@ -20,7 +20,7 @@
 #include "scene_file/read.h"
 #include "simulation/parameters.h"
 #include "simulation/start_report.h"
-#include "simulation/trajectory.h"
+#include "runs/trajectory.h"
 #include "util/text.h"
 
 namespace nb = nanobind;

@@ -353,6 +353,8 @@ void gelenk::bind_simulation(nb::module_& m) {
   bind_readings(simulation);
   bind_reports(simulation);
   bind_runs(m, simulation);
+  bind_placement(m, simulation);
+  bind_fleet(m);
   simulation.def(nb::init<const gelenk::Scene&>(), nb::arg("scene"))
       .def(
           "initialize",

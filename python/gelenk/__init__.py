@@ -7,8 +7,8 @@
 >>> fmu = gelenk.export_fmu(scene, "FourBar.fmu")
 
 Packages: `model` (scenes), `io` (URDF import, FMU export), `simulation`, `linear` (linear models), `modal`
-(modes of vibration), `equilibria`, `sweeps` (many runs), `learning`, `chart` (work-precision diagrams),
-`cli`; each is imported at first use.
+(modes of vibration), `equilibria`, `sweeps` (many runs), `gradients` (derivatives of runs, fits, designs),
+`learning`, `chart` (work-precision diagrams), `cli`; each is imported at first use.
 """
 
 from __future__ import annotations
@@ -32,9 +32,19 @@ if TYPE_CHECKING:
         StepError,
         UsageError,
     )
+    from gelenk.gradients import (
+        DifferentiatedRun,
+        Fit,
+        Optimum,
+        fit,
+        jvp,
+        optimize,
+        sensitivity,
+        vjp,
+    )
     from gelenk.io import export_fmu, import_urdf
-    from gelenk.learning import environment
-    from gelenk.linear import LinearModel, OperatingPoint, linearize
+    from gelenk.learning import environment, vector_environment
+    from gelenk.linear import LinearModel, OperatingPoint, control_system, linearize
     from gelenk.modal import Mode, Modes, modes
     from gelenk.model import Assemblies, Branch, Inspection, Scene, assemblies, inspect, load
     from gelenk.simulation import Result, Simulation, live_view, simulate, view
@@ -47,9 +57,11 @@ __all__ = [
     "Assemblies",
     "AssemblyError",
     "Branch",
+    "DifferentiatedRun",
     "Equilibrium",
     "EquilibriumError",
     "ExportError",
+    "Fit",
     "GelenkError",
     "Inspection",
     "LinearModel",
@@ -57,6 +69,7 @@ __all__ = [
     "Modes",
     "OperatingPoint",
     "OperatingPointWarning",
+    "Optimum",
     "Result",
     "Scene",
     "SceneError",
@@ -69,18 +82,25 @@ __all__ = [
     "View",
     "__version__",
     "assemblies",
+    "control_system",
     "environment",
     "equilibrium",
     "export_fmu",
+    "fit",
     "import_urdf",
     "inspect",
+    "jvp",
     "linearize",
     "live_view",
     "load",
     "modes",
+    "optimize",
+    "sensitivity",
     "simulate",
     "sweep",
+    "vector_environment",
     "view",
+    "vjp",
 ]
 
 # A package must not have the name of a function, which it would hide: hence `simulation`, `equilibria`
@@ -90,9 +110,10 @@ _get, _dir = _lazy.lazy(
     {
         ".equilibria": ["Equilibrium", "equilibrium"],
         ".errors": [name for name in __all__ if name.endswith(("Error", "Warning"))],
+        ".gradients": ["DifferentiatedRun", "Fit", "Optimum", "fit", "jvp", "optimize", "sensitivity", "vjp"],
         ".io": ["export_fmu", "import_urdf"],
-        ".learning": ["environment"],
-        ".linear": ["LinearModel", "OperatingPoint", "linearize"],
+        ".learning": ["environment", "vector_environment"],
+        ".linear": ["LinearModel", "OperatingPoint", "control_system", "linearize"],
         ".modal": ["Mode", "Modes", "modes"],
         ".model": ["Assemblies", "Branch", "Inspection", "Scene", "assemblies", "inspect", "load"],
         ".simulation": ["Result", "Simulation", "live_view", "simulate", "view"],

@@ -249,6 +249,31 @@ std::vector<MotionLaw::Derivatives> Island::targets() const {
   return out;
 }
 
+Island::Position Island::position() const {
+  return {.y = Eigen::Map<const Eigen::VectorXd>(y_.data(), static_cast<Eigen::Index>(y_.size())),
+          .cut_q = equations_->revolutions().coordinates()};
+}
+
+void Island::place(const Position& at, double time) {
+  y_.assign(at.y.begin(), at.y.end());
+  time_ = time;
+  realized_ = Stage::position;
+  equations_->start(at.cut_q, time_, y_.data());
+}
+
+bool Island::place(const Eigen::VectorXd& change, double time) {
+  Eigen::Map<Eigen::VectorXd>(y_.data(), change.size()) += change;
+  time_ = time;
+  realized_ = Stage::position;
+  if (mechanism().rows == 0) {
+    dynamics_->normalize(y_.data());
+  } else if (!equations_->project_onto_constraints(time_, y_.data())) {
+    return false;
+  }
+  equations_->start(equations_->revolutions().coordinates(), time_, y_.data());
+  return true;
+}
+
 RunCounts Island::counts() const {
   RunCounts out = equations_->mode_counts();
   out.steps = integrator_ ? integrator_->steps() : 0;

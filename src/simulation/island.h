@@ -70,6 +70,18 @@ class Island {
 
  private:
   friend class Probe;
+  friend class Placement;
+
+  // Changes the state by (dq, dv) at `time`, and closes the loops there by the smallest change in the mass metric.
+  // Returns false if that fails; the island must then be placed elsewhere. Steps cannot be made afterwards.
+  bool place(const Eigen::VectorXd& change, double time);
+  // (q, v), and the coordinates of the cut joints with full turns counted.
+  struct Position {
+    Eigen::VectorXd y;
+    std::vector<double> cut_q;
+  };
+  Position position() const;
+  void place(const Position& at, double time);
 
   bool may_have_history() const { return integrator_ && integrator_->may_have_history(); }
   bool will_have_history() const { return integrator_ && integrator_->will_have_history(); }

@@ -32,6 +32,31 @@ int Sensitivity::component_of(const StateVariable& state) const {
   return s.component + (s.level == 0 ? place.iq : place.iv);
 }
 
+Sensitivity::Place Sensitivity::place(std::size_t state) const {
+  const StateVariable& of = states_[state];
+  const JointPlace& joint = place_of(of);
+  const Signal& signal = signals_[of.output];
+  const bool is_coordinate = signal.level == 0;
+  return {.island = joint.island,
+          .component = component_of(of),
+          .sign = (is_coordinate ? joint.q_sign : joint.v_sign)[signal.component],
+          .is_coordinate = is_coordinate};
+}
+
+Eigen::VectorXd Sensitivity::displacement(int island, const Eigen::VectorXd& dx) {
+  friction_ = FrictionTreatment::off;
+  set_point(island);
+  const Mechanism& mechanism = islands_[island]->prepared().mechanism;
+  MatrixXd dq = MatrixXd::Zero(mechanism.nq, 1);
+  MatrixXd dv = MatrixXd::Zero(mechanism.nv, 1);
+  for (std::size_t s = 0; s < states_.size(); ++s) {
+    const Place at = place(s);
+    if (at.island == island) (at.is_coordinate ? dq : dv)(at.component, 0) = at.sign * dx[static_cast<Index>(s)];
+  }
+  const MatrixXd du = MatrixXd::Zero(static_cast<Index>(u_.size()), 1);
+  return sensitivities_[island]->state_derivative(dq, dv, du).y.col(0).head(mechanism.nq + mechanism.nv);
+}
+
 ConstrainedSensitivity& Sensitivity::set_point(int island) {
   current_island_ = island;
   const Island& from = *islands_[island];
@@ -71,12 +96,9 @@ void Sensitivity::add(int i, const MatrixXd& directions, DirectionalDerivative& 
   MatrixXd dq = MatrixXd::Zero(mechanism.nq, n);
   MatrixXd dv = MatrixXd::Zero(mechanism.nv, n);
   for (std::size_t s = 0; s < states_.size(); ++s) {
-    const JointPlace& place = place_of(states_[s]);
-    if (place.island != i) continue;
-    const Signal& signal = signals_[states_[s].output];
-    const bool coordinate = signal.level == 0;
-    const double sign = (coordinate ? place.q_sign : place.v_sign)[signal.component];
-    (coordinate ? dq : dv).row(component_of(states_[s])) = sign * directions.row(static_cast<Index>(s));
+    const Place at = place(s);
+    if (at.island != i) continue;
+    (at.is_coordinate ? dq : dv).row(at.component) = at.sign * directions.row(static_cast<Index>(s));
   }
   const MatrixXd du = directions.bottomRows(static_cast<Index>(u_.size()));
   const MovedState moved = sensitivities_[i]->state_derivative(dq, dv, du);

@@ -49,7 +49,19 @@ class Sensitivity {
   // inputs.
   Eigen::MatrixX2d in_time(const std::vector<double>& udot, const std::vector<double>& uddot);
 
+  // The change (dq, dv) of an island if its states change by dx (states) to first order; friction and limits do not
+  // hold it. Throws as above.
+  Eigen::VectorXd displacement(int island, const Eigen::VectorXd& dx);
+
   int faulty_island() const { return current_island_; }
+  // The place of a state in the (q, v) of its island, and the sign with which it appears there.
+  struct Place {
+    int island = 0;
+    int component = 0;
+    double sign = 1;
+    bool is_coordinate = false;  // otherwise a velocity
+  };
+  Place place(std::size_t state) const;
 
  private:
   ConstrainedSensitivity& set_point(int island);

@@ -126,6 +126,7 @@ class Simulation {
   friend class StateDerivatives;  // state_derivatives.h
   friend class StartReport;       // start_report.h
   friend class Probe;             // probe.h
+  friend class Placement;         // placement.h
 
   struct Impl;
   std::unique_ptr<Impl> impl_;

@@ -141,14 +141,18 @@ void StateDerivatives::take_states(const IndependentOutputs& independent) {
   }
 }
 
+void StateDerivatives::prepare() {
+  Simulation::Impl& s = impl_;
+  if (!s.initialized) throw UsageError("derivatives cannot be computed before initialize()");
+  if (s.sensitivity) return;
+  s.sensitivity = std::make_unique<Sensitivity>(s.prepared.reduced, s.islands, *s.readings, s.outputs, s.states,
+                                                s.independent_by_island, s.u.now());
+}
+
 template <class Evaluate>
 auto StateDerivatives::differentiate(Evaluate evaluate) {
   Simulation::Impl& s = impl_;
-  if (!s.initialized) throw UsageError("derivatives cannot be computed before initialize()");
-  if (!s.sensitivity) {
-    s.sensitivity = std::make_unique<Sensitivity>(s.prepared.reduced, s.islands, *s.readings, s.outputs, s.states,
-                                                  s.independent_by_island, s.u.now());
-  }
+  prepare();
   for (const auto& island : s.islands) {
     island->realize(Stage::velocity);
     const std::string closed =

@@ -26,6 +26,8 @@ class StateDerivatives {
   // velocity.
   void take_states(const IndependentOutputs& independent);
 
+  // Allocates what all of the following use. Throws UsageError before initialize().
+  void prepare();
   // Derivatives at the present state and inputs, in SI units. All throw NotDifferentiable if the states do not
   // determine the mechanism there. The Jacobians of all outputs and state derivatives with respect to states and
   // inputs.

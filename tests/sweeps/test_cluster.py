@@ -145,3 +145,13 @@ def test_a_sweep_that_takes_too_long_ends(four_bar: gelenk.Scene, client: Any) -
     errors = found["error"].values.tolist()
     assert set(errors) == {"", "the run was not made within the time of the sweep, 2 s"}
     assert np.isnan(found["A.phi.last"].values).tolist() == [bool(error) for error in errors]
+
+
+def test_jobs_of_a_batch_system_are_workers(four_bar: gelenk.Scene) -> None:
+    """Through the scripts of dask-jobqueue, run by a shell instead of a batch system."""
+    local = pytest.importorskip("dask_jobqueue.local")
+    distributed = pytest.importorskip("distributed")
+    options = {"cores": 1, "processes": 1, "memory": "1GB", "scheduler_options": {"dashboard_address": ":0"}}
+    with local.LocalCluster(**options) as cluster, distributed.Client(cluster) as client:
+        cluster.scale(1)
+        assert made(four_bar, cluster=client).equals(made(four_bar))

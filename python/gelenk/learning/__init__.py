@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 from gelenk._lazy import lazy
 
 if TYPE_CHECKING:
-    from gelenk.learning.make import environment
+    from gelenk.learning.make import environment, vector_environment
 
-__all__ = ["environment"]
+__all__ = ["environment", "vector_environment"]
 
 if not TYPE_CHECKING:
-    __getattr__, __dir__ = lazy(__name__, {".make": ["environment"]})
+    __getattr__, __dir__ = lazy(__name__, {".make": ["environment", "vector_environment"]})

@@ -12,6 +12,7 @@ import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
+from gelenk import _core
 from gelenk.model.scene import Scene
 from gelenk.simulation.simulation import Simulation
 
@@ -40,27 +41,43 @@ class Task:
     step: float
     stop: float
 
+    @property
+    def steps(self) -> int:
+        """Number of steps of an episode that is not terminated."""
+        return math.ceil(self.stop / self.step * (1 - 1e-12))
+
+
+type Start = tuple[Simulation, _core.Channels, bytes]
+
+
+def prepared(scenes: Sequence[Scene], task: Task) -> list[Start]:
+    """Return, for each start, a plant, its channels and its saved state."""
+    found = []
+    for scene in scenes:
+        plant = Simulation(scene.with_outputs(list(task.observations)))
+        plant.initialize()
+        found.append((plant, plant.channels(task.actions, (), task.observations), plant.save()))
+    return found
+
+
+def spaces(task: Task) -> tuple[gymnasium.Space[Array], gymnasium.Space[Array]]:
+    """Return the spaces of actions and of observations."""
+    actions: Any = gymnasium.spaces.Box(task.bounds[:, 0], task.bounds[:, 1], dtype=np.float64)
+    observations: Any = gymnasium.spaces.Box(-np.inf, np.inf, (len(task.observations),), dtype=np.float64)
+    return actions, observations
+
 
 class Environment(gymnasium.Env[Array, Array]):
     """A scene on whose inputs an agent acts."""
 
     def __init__(self, scenes: Sequence[Scene], task: Task) -> None:
         self._task = task
-        self._starts = []
-        for scene in scenes:
-            plant = Simulation(scene.with_outputs(list(task.observations)))
-            plant.initialize()
-            channels = plant.channels(task.actions, (), task.observations)
-            self._starts.append((plant, channels, plant.save()))
+        self._starts = prepared(scenes, task)
         self._plant, self._channels, _ = self._starts[0]
         self._low, self._high = task.bounds[:, 0].copy(), task.bounds[:, 1].copy()
-        self._times = np.zeros(2)  # of the start and the end of a step
         self._count = 0
-        self._steps = math.ceil(task.stop / task.step * (1 - 1e-12))
-        self.action_space = gymnasium.spaces.Box(task.bounds[:, 0], task.bounds[:, 1], dtype=np.float64)
-        self.observation_space = gymnasium.spaces.Box(
-            -np.inf, np.inf, (len(task.observations),), dtype=np.float64
-        )
+        self._steps = task.steps
+        self.action_space, self.observation_space = spaces(task)
 
     @override
     def reset(
@@ -80,7 +97,7 @@ class Environment(gymnasium.Env[Array, Array]):
     def step(self, action: Array) -> tuple[Array, float, bool, bool, dict[str, Any]]:
         """Hold the action for a step; see `gelenk.environment`."""
         task = self._task
-        given = np.clip(np.asarray(action, np.float64), task.bounds[:, 0], task.bounds[:, 1])
+        given = np.minimum(np.maximum(np.asarray(action, np.float64), self._low), self._high)
         times = np.array([self._count, self._count + 1]) * task.step
         rows = np.empty((1, len(task.observations)))
         _, events, _, error = self._plant._core.record(self._channels, times, given.reshape(1, -1), rows, 0.0)

@@ -11,11 +11,13 @@ from numpy.typing import NDArray
 
 from gelenk.errors import UsageError
 from gelenk.extras import extra
-from gelenk.model.scene import Source, load
+from gelenk.model.scene import Scene, Source, load
 from gelenk.model.values import Value, check_names
 
 if TYPE_CHECKING:
     import gymnasium
+
+    from gelenk.learning.gym import Task
 
 type Array = NDArray[np.float64]
 
@@ -55,7 +57,64 @@ def environment(
             installed.
     """
     extra("gymnasium", "environments are those of Gymnasium")
-    from gelenk.learning.gym import Environment, Task
+    from gelenk.learning.gym import Environment
+
+    return Environment(*_task(scene, actions, observations, reward, terminated, step, stop, starts))
+
+
+def vector_environment(
+    scene: Source,
+    instances: int,
+    *,
+    actions: Mapping[str, tuple[float, float]],
+    observations: Sequence[str],
+    reward: Callable[[Array, Array], Array],
+    terminated: Callable[[Array], NDArray[np.bool_]] | None = None,
+    step: float | None = None,
+    stop: float | None = None,
+    starts: Sequence[Mapping[str, Value]] = ({},),
+) -> gymnasium.vector.VectorEnv[Array, Array, Array]:
+    """Return many environments of Gymnasium that are stepped together, in one process.
+
+    Each instance is what `gelenk.environment` makes, to the bit; an instance is a saved state, not a plant
+    of its own. An episode that has ended is followed by the next one in the next step, whose action is not
+    used (`AutoresetMode.NEXT_STEP`). Integrators with a memory (ida, cvode) repeat their last steps when an
+    instance is restored, so that rk4 and the explicit methods are faster.
+
+    Args:
+        scene: anything `gelenk.load` accepts.
+        instances: how many.
+        actions: as in `gelenk.environment`.
+        observations: as in `gelenk.environment`.
+        reward: function of the observations after a step, shape (instances, observations), and of the
+            actions, shape (instances, actions); returns the rewards, shape (instances,).
+        terminated: function of the observations that returns which of them end their episode.
+        step: time between actions [s].
+        stop: time after which an episode is truncated [s].
+        starts: as in `gelenk.environment`; each instance draws one at each of its resets.
+
+    Returns:
+        gymnasium.vector.VectorEnv: with boxes of observations and of actions; `reset(seed=NUMBER)`.
+
+    Raises:
+        SceneError, AssemblyError, UsageError: the scene, a name or a value is invalid, or Gymnasium is not
+            installed.
+    """
+    extra("gymnasium", "environments are those of Gymnasium")
+    from gelenk.learning.vector import VectorEnvironment
+
+    if instances < 1:
+        raise UsageError(f"instances: found {instances}, expected at least 1")
+    scenes, task = _task(scene, actions, observations, reward, terminated, step, stop, starts)
+    return VectorEnvironment(scenes, task, instances)
+
+
+def _task(
+    scene: Source, actions: Mapping[str, tuple[float, float]], observations: Sequence[str],
+    reward: Callable[[Array, Array], Any], terminated: Callable[[Array], Any] | None,
+    step: float | None, stop: float | None, starts: Sequence[Mapping[str, Value]],
+) -> tuple[list[Scene], Task]:  # fmt: skip
+    from gelenk.learning.gym import Task
 
     loaded = load(scene)
     if not starts:
@@ -73,7 +132,7 @@ def environment(
     bounds = np.array([*actions.values()], np.float64).reshape(-1, 2)
     task = Task(tuple(actions), bounds, tuple(observations), reward, terminated, interval, end)
     check_names(list(observations), _outputs(loaded), "output")
-    return Environment(scenes, task)
+    return scenes, task
 
 
 def _outputs(scene: Any) -> list[str]:

@@ -10,9 +10,10 @@ from gelenk._lazy import lazy
 if TYPE_CHECKING:
     from gelenk.linear.linearization import linear_model, linearize
     from gelenk.linear.model import LinearModel
+    from gelenk.linear.nonlinear import control_system
     from gelenk.linear.operating_point import OperatingPoint
 
-__all__ = ["LinearModel", "OperatingPoint", "linear_model", "linearize"]
+__all__ = ["LinearModel", "OperatingPoint", "control_system", "linear_model", "linearize"]
 
 if not TYPE_CHECKING:
     __getattr__, __dir__ = lazy(
@@ -20,6 +21,7 @@ if not TYPE_CHECKING:
         {
             ".linearization": ["linear_model", "linearize"],
             ".model": ["LinearModel"],
+            ".nonlinear": ["control_system"],
             ".operating_point": ["OperatingPoint"],
         },
     )

@@ -84,7 +84,7 @@ class LinearModel:
             import control
         except ImportError as e:
             raise UsageError(f"linear models require python-control, which cannot be imported: {e}") from None
-        inputs, outputs = _without_dots(self.inputs, "inputs"), _without_dots(self.outputs, "outputs")
+        inputs, outputs = without_dots(self.inputs, "inputs"), without_dots(self.outputs, "outputs")
         # python-control treats a matrix of shape (1, 0) as one of shape (0, 0). A model without inputs is
         # therefore created with an input that has no effect, which is then removed.
         B, D = (M if inputs else np.zeros((len(M), 1)) for M in (self.B, self.D))
@@ -184,7 +184,16 @@ def _exceeds_rounding(sums: Any, terms: Any) -> bool:
     return bool((np.abs(sums) > EQUILIBRIUM_RATE_TOLERANCE + CANCELLATION_TOLERANCE * terms).any())
 
 
-def _without_dots(names: Sequence[str], what: str) -> list[str]:
+def without_dots(names: Sequence[str], what: str) -> list[str]:
+    """Return names as python-control allows them.
+
+    Args:
+        names: names of signals.
+        what: what they are, for the message.
+
+    Raises:
+        UsageError: two of them are then equal.
+    """
     out = [name.replace(".", "_") for name in names]
     same = [name for name, short in zip(names, out, strict=True) if out.count(short) > 1]
     if same:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from gelenk import _core
 from gelenk.errors import UsageError
 from gelenk.model.scene import Scene, load
+from gelenk.model.settable import with_listed
 from gelenk.model.values import Value, number, unknown
 from gelenk.simulation.inputs import Inputs, functions_and_constants, sampled
 from gelenk.simulation.plant import Plant
@@ -23,7 +24,6 @@ from gelenk.simulation.simulation import Simulation
 from gelenk.sweeps.design import Design
 from gelenk.sweeps.outputs import Outputs, recorded_names, selected
 from gelenk.sweeps.plan import Plan
-from gelenk.sweeps.settable import with_listed
 from gelenk.sweeps.store import described, fingerprint
 from gelenk.sweeps.workers import Values
 

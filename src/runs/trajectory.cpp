@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "simulation/trajectory.h"
+#include "runs/trajectory.h"
 
 #include <iterator>
 

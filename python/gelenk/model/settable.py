@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Numbers of a scene that it does not list as parameters, but which a sweep may set."""
+"""Numbers of a scene that it does not list as parameters, but which sweeps and derivatives may set."""
 
 from __future__ import annotations
 

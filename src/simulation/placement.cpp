@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "simulation/placement.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <string>
+
+#include "simulation/simulation_impl.h"
+#include "simulation/state_derivatives.h"
+#include "util/text.h"
+
+namespace gelenk {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+// Of the loops, in one part of the way [rad, natural units of length]: within it Newton's method remains on the branch.
+constexpr double longest_part = 0.1;
+// Relative to the states: rounding errors of closing the loops. Newton's method is continued until it no longer gains.
+constexpr double accuracy = 1e-11;
+// An iteration that begins this close ends at rounding errors, since convergence is quadratic.
+constexpr double last_iteration = 1e-9;
+constexpr int max_iterations = 10'000;
+
+}  // namespace
+
+struct Placement::Position {
+  std::vector<Island::Position> islands;
+  double time;
+};
+
+std::shared_ptr<const Placement::Position> Placement::position() const {
+  auto out = std::make_shared<Position>();
+  for (const auto& island : impl_.islands) out->islands.push_back(island->position());
+  out->time = impl_.time;
+  return out;
+}
+
+void Placement::return_to(const Position& at) {
+  if (at.islands.size() != impl_.islands.size()) throw UsageError("the position is not of this plant");
+  for (std::size_t i = 0; i < at.islands.size(); ++i) impl_.islands[i]->place(at.islands[i], at.time);
+  impl_.time = at.time;
+}
+
+bool Placement::has_loops() const {
+  return std::ranges::any_of(impl_.islands, [](const auto& island) { return island->prepared().mechanism.rows > 0; });
+}
+
+// What the states lack to be x, in natural units.
+VectorXd Placement::remaining(std::span<const double> x) const {
+  VectorXd out(static_cast<Index>(x.size()));
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    const Sensitivity::Place at = impl_.sensitivity->place(k);
+    const Island& island = *impl_.islands[static_cast<std::size_t>(at.island)];
+    const Reading& reading = island.reading();
+    const double present = at.sign * (at.is_coordinate ? reading.q : reading.v)[at.component];
+    out[static_cast<Index>(k)] = x[k] / impl_.output_size[impl_.states[k].output] - present;
+  }
+  return out;
+}
+
+// Islands without loops take the states as they are.
+void Placement::move(const VectorXd& dx, double time) {
+  Simulation::Impl& s = impl_;
+  for (std::size_t i = 0; i < s.islands.size(); ++i) {
+    const Mechanism& mechanism = s.islands[i]->prepared().mechanism;
+    VectorXd change = VectorXd::Zero(mechanism.nq + mechanism.nv);
+    if (mechanism.rows > 0) {
+      change = s.sensitivity->displacement(static_cast<int>(i), dx);
+    } else {
+      for (std::size_t k = 0; k < s.states.size(); ++k) {
+        const Sensitivity::Place at = s.sensitivity->place(k);
+        if (at.island != static_cast<int>(i)) continue;
+        change[at.component + (at.is_coordinate ? 0 : mechanism.nq)] = at.sign * dx[static_cast<Index>(k)];
+      }
+    }
+    if (!s.islands[i]->place(change, time)) throw UsageError("its loops cannot be closed on the way there");
+  }
+  s.time = time;
+}
+
+void Placement::move_to(std::span<const double> x, double time) {
+  Simulation::Impl& s = impl_;
+  if (!s.initialized || s.runs) throw UsageError("only a simulation that was assembled can be placed");
+  if (x.size() != s.states.size()) {
+    throw UsageError("states: found " + std::to_string(x.size()) + " numbers, expected " +
+                     std::to_string(s.states.size()));
+  }
+  if (!std::ranges::all_of(x, [](double value) { return std::isfinite(value); }) || !std::isfinite(time))
+    throw UsageError("states: found a number that is not finite");
+  StateDerivatives(simulation_).prepare();
+  const std::shared_ptr<const Position> before = position();
+  try {
+    const bool loops = has_loops();
+    double last = INFINITY;
+    for (int k = 0; k < max_iterations; ++k) {
+      const VectorXd dx = remaining(x);
+      const double size = dx.size() == 0 ? 0 : dx.cwiseAbs().maxCoeff();
+      double scale = 1;
+      for (std::size_t i = 0; i < x.size(); ++i) scale = std::max(scale, std::abs(x[i]));
+      const bool whole = !loops || size <= longest_part;
+      if (k > 0 && whole && (size == 0 || (size <= accuracy * scale && !(size < last / 2)))) return;
+      move(whole ? dx : VectorXd(dx * (longest_part / size)), time);
+      if (!loops || (whole && size <= last_iteration * scale)) return;
+      last = whole ? size : INFINITY;
+    }
+    throw UsageError("its loops cannot be closed there");
+  } catch (const std::exception& fault) {
+    return_to(*before);
+    const auto* known = dynamic_cast<const UsageError*>(&fault);
+    throw UsageError(std::string("the mechanism cannot be moved to the given states: ") +
+                     (known != nullptr ? known->what() : "its states do not determine it on the way there"));
+  }
+}
+
+void Placement::follow(const Simulation& other, std::span<const double> x) {
+  const Simulation::Impl& from = *other.impl_;
+  if (from.states.size() != impl_.states.size() ||
+      !std::ranges::equal(from.states, impl_.states, {}, &StateVariable::output, &StateVariable::output)) {
+    throw UsageError("it has other states than with the values given");
+  }
+  if (from.input_size != impl_.input_size) throw UsageError("it has other natural units than with the values given");
+  impl_.u = from.u;
+  move_to(x, from.time);
+}
+
+std::string Placement::modes() const {
+  for (const auto& island : impl_.islands) {
+    if (!island->formulation().modes().locks().empty()) return "friction or limits";
+    const ContactMotion& contacts = island->formulation().contacts();
+    if (contacts.touch() != nullptr || contacts.steps().are_used()) return "contacts";
+  }
+  return {};
+}
+
+std::vector<double> Placement::rates() {
+  std::vector<double> out;
+  for (std::size_t k = 0; k < impl_.states.size(); ++k) {
+    if (impl_.states[k].derivative == StateVariable::none) {
+      const std::vector<double> still(impl_.states.size(), 0.0);
+      const std::vector<double> held(impl_.u.count(), 0.0);
+      const VectorXd all = StateDerivatives(simulation_).directional_derivative(still, held).xdot;
+      return {all.begin(), all.end()};
+    }
+    out.push_back(simulation_.output(impl_.states[k].derivative));
+  }
+  return out;
+}
+
+}  // namespace gelenk

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The equations of a simulation at states that are given, not reached by steps.
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "simulation/simulation.h"
+
+namespace gelenk {
+
+// View of a simulation that outlives it and that makes no steps: one after assemble(). Its outputs are then those at
+// the states, the time and the inputs given.
+class Placement {
+ public:
+  explicit Placement(Simulation& of) : simulation_(of), impl_(*of.impl_) {}
+
+  // Moves to the states x (SI units, in the order of StateDerivatives::states()) at `time`. The dependent coordinates
+  // follow on the branch of the present position: loops remain closed on a straight way there. Throws UsageError if the
+  // way leads through a position where the states do not determine the others, or where the loops cannot be closed;
+  // the simulation is then where it was.
+  void move_to(std::span<const double> x, double time);
+  // The same at the states, the time and the inputs of another simulation of the same scene with other numbers. Throws
+  // UsageError also if it has other states.
+  void follow(const Simulation& other, std::span<const double> x);
+
+  // Where it is. The way to other states, and so their rounding errors, depend on where one begins.
+  struct Position;
+  std::shared_ptr<const Position> position() const;
+  void return_to(const Position& at);
+
+  // What has modes that change at events, for messages; empty: nothing.
+  std::string modes() const;
+
+  // Time derivatives of the states [SI units per s].
+  std::vector<double> rates();
+
+ private:
+  Eigen::VectorXd remaining(std::span<const double> x) const;
+  void move(const Eigen::VectorXd& dx, double time);
+  bool has_loops() const;
+
+  Simulation& simulation_;
+  Simulation::Impl& impl_;
+};
+
+}  // namespace gelenk
