@@ -20,6 +20,8 @@ constexpr double force_rounding = 1e-11;
 constexpr double reached_fraction = 1e-2;
 // Gaps beyond the held mode by less than this are rounding.
 constexpr double watched_depth = touch_tolerance;
+// Depth up to which what steps with impulses have left touches.
+constexpr double located_depth = 2 * touch_tolerance;
 
 }  // namespace
 
@@ -77,6 +79,12 @@ void TouchModes::indicator_values(double t, const double* y, double* g, double* 
     if (mode_of(i).closed) continue;
     const auto first = static_cast<std::size_t>(per_spot) * static_cast<std::size_t>(i);
     g[first] = -touch_.spots()[i].size;
+    if (!touch_.spots().is_close(i)) {
+      if (!touch_.spots().shows_distance(i)) continue;
+      g[first] = -touch_.spots().distance(i, gdot[first]);
+      gdot[first] = -gdot[first];
+      continue;
+    }
     if (!touch_.spots().is_near(i)) continue;
     const SpotState at = touch_.spots().state(i);
     g[first] = -at.gap - mode_of(i).leaves_from;
@@ -200,8 +208,8 @@ void TouchModes::hold_mode(double t, const bool* positive) {
 void TouchModes::check(double t) {
   touch_.spots().read_position(dynamics_);
   for (int i = 0; i < touch_.spots().count(); ++i) {
-    if (mode_of(i).closed || touch_.spots().gap(i) >= -watched_depth - mode_of(i).leaves_from) continue;
-    if (!touch_.spots().is_near(i)) continue;
+    if (!touch_.spots().is_close(i) || mode_of(i).closed) continue;
+    if (touch_.spots().gap(i) >= -watched_depth - mode_of(i).leaves_from || !touch_.spots().is_near(i)) continue;
     mode_exit_time_ = t;
     return;
   }
@@ -245,7 +253,7 @@ void TouchModes::refuse_ends(double t) {
 
 // Whether a spot touches, as far as its gap says.
 bool TouchModes::may_touch(int spot) const {
-  return touch_.spots().gap(spot) <= touch_tolerance && touch_.spots().is_near(spot);
+  return touch_.spots().is_close(spot) && touch_.spots().gap(spot) <= touch_tolerance && touch_.spots().is_near(spot);
 }
 
 // Brings directions and distances up to the state where a step begins; returns whether something touches that was not
@@ -314,6 +322,15 @@ void TouchModes::preview(double t, const double* y) {
   const bool settled = !started_ && (!jumped_ || (is_consistent(t, y) && !locks_.are_doubtful(t, y)));
   if (settled) return;
   decide(t, y, false);
+}
+
+bool TouchModes::any_overlap(const double* y) {
+  go_to(y);
+  dynamics_.readings().set_root_poses();
+  for (int contact = 0; contact < outputs_.contacts(); ++contact) {
+    if (outputs_.gap(contact) < -located_depth) return true;
+  }
+  return false;
 }
 
 void TouchModes::serialize(Archive& archive) {

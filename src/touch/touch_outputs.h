@@ -29,6 +29,7 @@ class TouchOutputs final : public ContactReadings {
   Eigen::Vector3d force(int contact) const override { return sums_[static_cast<std::size_t>(contact)].force; }
   int mode(int contact) const override { return sums_[static_cast<std::size_t>(contact)].mode; }
   double gap(int contact) override;
+  int contacts() const { return static_cast<int>(sums_.size()); }
 
   // By indicator: what happens when it becomes negative, and positive.
   std::vector<std::array<std::string, 2>> event_texts(const Scene& scene) const;
