@@ -36,15 +36,15 @@ void ContactMotion::change_to(bool impulses, double t, const double* y) {
 
 ImpulseEquations::Activity ContactMotion::activity() const {
   if (steps_used_) return {static_cast<int>(steps_.contact_points()), steps_.changes(), steps_.evaluations()};
-  return {static_cast<int>(touch_->equations().closed().size()), touch_->events(), steps_.evaluations()};
+  return {static_cast<int>(touch_->equations().closed().size()), steps_.events().count(), steps_.evaluations()};
 }
 
-bool ContactMotion::can_be_located_at(const double* y) { return !touch_->any_overlap(y); }
+bool ContactMotion::can_be_located_at(const double* y) { return !touch_->outputs().any_overlap(y); }
 
 // Bounds beyond which no force can stop a motion, are no question of the method.
 bool ContactMotion::take_over(long changes) {
   if (steps_.locks().state().unstoppable >= 0) return false;
-  touch_->forget_events(changes);
+  steps_.events().forget_beyond(changes);
   return true;
 }
 

@@ -39,7 +39,6 @@ class ContactMotion final : public ImpulseEquations {
   bool step(double t, double h, double* y) override { return steps_.step(t, h, y); }
 
   ImpulseSteps& steps() { return steps_; }
-  const ImpulseSteps& steps() const { return steps_; }
   TouchModes* touch() const { return touch_.get(); }  // null: not at events
 
   // By indicator of contacts, which follow all others.

@@ -29,7 +29,7 @@ Formulation::Formulation(const FormulationContext& context)
       events_(context.events),
       projector_(mechanism_, dynamics_),
       modes_(*this, dynamics_, mechanism_.nq, mechanism_.nv, events_),
-      contacts_({mechanism_, dynamics_, context.loads, drives_, modes_.locks()}),
+      contacts_({mechanism_, dynamics_, context.loads, drives_, modes_.locks(), context.events}),
       row_domain_(mechanism_, dynamics_),
       revolutions_(mechanism_, dynamics_),
       dv_(mechanism_.nv) {

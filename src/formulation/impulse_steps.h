@@ -21,6 +21,7 @@ class ImpulseSteps {
     const Loads& loads;
     Drives& drives;
     LockModes& locks;
+    EventLog& events;
   };
   explicit ImpulseSteps(const Context& context) : with_(context) {}
 
@@ -31,6 +32,7 @@ class ImpulseSteps {
   void start(double t, double h, const double* y);
   bool step(double t, double h, double* y);
   LockModes& locks() const { return with_.locks; }
+  EventLog& events() const { return with_.events; }
   long evaluations() const { return with_.dynamics.evaluations(); }
 
   // Forgets the forces of the last step.

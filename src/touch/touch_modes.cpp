@@ -20,8 +20,6 @@ constexpr double force_rounding = 1e-11;
 constexpr double reached_fraction = 1e-2;
 // Gaps beyond the held mode by less than this are rounding.
 constexpr double watched_depth = touch_tolerance;
-// Depth up to which what steps with impulses have left touches.
-constexpr double located_depth = 2 * touch_tolerance;
 
 }  // namespace
 
@@ -322,15 +320,6 @@ void TouchModes::preview(double t, const double* y) {
   const bool settled = !started_ && (!jumped_ || (is_consistent(t, y) && !locks_.are_doubtful(t, y)));
   if (settled) return;
   decide(t, y, false);
-}
-
-bool TouchModes::any_overlap(const double* y) {
-  go_to(y);
-  dynamics_.readings().set_root_poses();
-  for (int contact = 0; contact < outputs_.contacts(); ++contact) {
-    if (outputs_.gap(contact) < -located_depth) return true;
-  }
-  return false;
 }
 
 void TouchModes::serialize(Archive& archive) {

@@ -67,11 +67,6 @@ class TouchModes final : public ConnectedModes {
     long impacts = 0, closed_series = 0, ambiguous = 0;
   };
   const Counts& counts() const { return counts_; }
-  // The number of events; forget_events(): of those beyond it.
-  long events() const { return log_.count(); }
-  void forget_events(long count) { log_.forget_beyond(count); }
-  // Whether shapes overlap at y by more than located contacts do.
-  bool any_overlap(const double* y);
   void begin_part() { before_ = touch_.modes(); }
   // start() must follow.
   void undo_part() { undone_ = true; }
