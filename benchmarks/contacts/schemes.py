@@ -27,7 +27,7 @@ from gelenk.extras import pyplot
 
 ROOT = Path(__file__).resolve().parents[2]
 MAKER = "benchmarks/contacts/schemes.py"
-COUNTS = (1, 2, 4, 8, 16, 32)
+COUNTS = (1, 2, 4, 8, 16)
 DRAWN = (1, 4, 16)
 STOP, STEP = 1.0, 0.02  # s: end and communication step
 TOLERANCES = (1e-4, 1e-6, 1e-8)
