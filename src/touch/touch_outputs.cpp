@@ -33,7 +33,7 @@ void TouchOutputs::record() {
 }
 
 bool TouchOutputs::any_overlap(const double* q) {
-  constexpr double depth = 2 * touch_tolerance;  // up to which what steps with impulses have left touches
+  constexpr double depth = 100 * touch_tolerance;  // far above what events and steps with impulses leave
   dynamics_.set_position(q);
   dynamics_.readings().set_root_poses();
   for (std::size_t contact = 0; contact < sums_.size(); ++contact) {
