@@ -76,6 +76,9 @@ SHOTS: dict[str, dict[str, Shot]] = {
     },
     "Contacts": {
         "gripper": Shot((0, 1.4), 0.9, inputs={"grip1.tau": 0.8, "grip2.tau": 0.8}),
+        "cam": Shot((0.7, 0.95), 0.72, speed=0.1),
+        "ratchet": Shot((0, 0.3), 0.1, speed=0.1, inputs={"load.tau": -0.1}),
+        "bucket": Shot((0, 8), 4.0, speed=2.0),
     },
     "Pendulums and tops": {
         "pendulum": Shot((0, 4), 0.0, trails=True),

@@ -19,6 +19,7 @@ PAGES = {  # page -> its scene file
     "tutorial-lqr": "balancer.yaml",
     "tutorial-wheels": "robot.yaml",
     "tutorial-stiction": "axis.yaml",
+    "tutorial-gripper": "gripper.yaml",
 }
 BLUE, RED, GREEN, GRAY = "#0072B2", "#D55E00", "#009E73", "#4B4B4B"
 UPPER, LOWER, STICK = 0.25, 0.35, 0.6  # m
@@ -161,11 +162,36 @@ def axis_with_friction(axes: Any) -> None:
     axes[2].set(xlabel="time [s]", title="Both cures: position error [mm]", xlim=(0, 8), ylim=(-1.4, 0.8))
 
 
+# --- the gripper ---
+
+
+def gripper(axes: Any) -> None:
+    names = computed("tutorial-gripper")
+    predicted = names["predicted"]
+    axes[0].plot(names["begin"] + predicted.t, 1e3 * predicted.y[0], "--", color="black", label="predicted")
+    runs = (("weak", "0.9 of the grip needed", RED), ("careful", "with the reflex", BLUE))
+    for run, label, color in runs:
+        axes[0].plot(names[run]["time"], names["slip"](names[run]), color=color, label=label)
+        axes[1].plot(names[run]["time"], names[run]["left_grip.f"], color=color, label=label)
+        axes[2].plot(
+            names[run]["time"], 1e3 * (names[run]["place.r[3]"] - 0.03), color=color, label=f"box, {label}"
+        )
+    axes[0].set(xlabel="time [s]", title="Slip in the jaws [mm]", xlim=(0.2, 0.8))
+    axes[1].axhline(names["needed"], color="black", ls="--", lw=1)
+    axes[1].text(1.19, names["needed"] + 0.02, "needed", ha="right", va="bottom")
+    axes[1].set(xlabel="time [s]", title="Force of each jaw [N]", ylim=(6, 8))
+    axes[2].plot(names["weak"]["time"], 1e3 * names["weak"]["lift.s"], color=GRAY, ls=":", label="palm")
+    axes[2].set(xlabel="time [s]", title="Way upward [mm]")
+    for axis in axes:
+        axis.legend(frameon=False, fontsize=8)
+
+
 def main() -> None:
     pages = (
         ("tutorial-lqr", balancer),
         ("tutorial-wheels", robot),
         ("tutorial-stiction", axis_with_friction),
+        ("tutorial-gripper", gripper),
     )
     for page, draw in pages:
         figure, axes = pyplot().subplots(1, 3, figsize=(12, 4), width_ratios=(0.8, 1.2, 1))

@@ -39,7 +39,12 @@ def folder(root: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A folder to work in, with the scenes of the repository and the scenes of README and the tutorials."""
     (tmp_path / "scenes").symlink_to(root / "scenes")
     (tmp_path / "four_bar.yaml").write_text(blocks(root / "README.md", "yaml")[0], encoding="utf-8")
-    pages = (("tutorial-lqr", "balancer"), ("tutorial-wheels", "robot"), ("tutorial-stiction", "axis"))
+    pages = (
+        ("tutorial-lqr", "balancer"),
+        ("tutorial-wheels", "robot"),
+        ("tutorial-stiction", "axis"),
+        ("tutorial-gripper", "gripper"),
+    )
     for page, name in pages:
         pieces = blocks(root / "docs" / f"{page}.md", "yaml")
         (tmp_path / f"{name}.yaml").write_text("".join(pieces), encoding="utf-8")

@@ -166,8 +166,8 @@ def test_targets_of_make_are_there(root: Path) -> None:
 
 PAGES = (
     "scene-format", "reductions", "methods", "linearization", "modes", "assembly", "tutorial-lqr",
-    "tutorial-wheels", "tutorial-stiction", "command-line", "viewer", "internals/architecture",
-    "internals/notation", "gallery/README", "sweeps", "gradients",
+    "tutorial-wheels", "tutorial-stiction", "tutorial-gripper", "command-line", "viewer",
+    "internals/architecture", "internals/notation", "gallery/README", "sweeps", "gradients",
 )  # fmt: skip
 
 

@@ -143,3 +143,19 @@ def test_tutorial_on_static_friction_with_a_stribeck_speed(
     for block in blocks(root / "docs" / "tutorial-stiction.md", "python")[:2]:
         exec(compile(block, "tutorial-stiction.md", "exec"), names)
     assert abs(0.02 - names["hunting"]["guide.s"][-1]) * 1e3 == pytest.approx(error, abs=1e-3)
+
+
+def test_tutorial_with_a_gripper(folder: Path, root: Path) -> None:
+    """Numbers of the page, to the digits they have there."""
+    names = executed(root / "docs" / "tutorial-gripper.md")
+    assert folder == Path.cwd()
+    slip = names["slip"]
+    assert names["a"] == pytest.approx(3.95, abs=0.005)
+    assert names["needed"] == pytest.approx(6.88, abs=0.005)
+    # Steps of 1 ms solve for velocities to 1e-11 of the largest one.
+    assert abs(slip(names["firm"])).max() < 1e-9
+    assert 1e3 * names["predicted"].y[0, -1] == pytest.approx(19.67, abs=0.005)
+    assert slip(names["weak"])[-1] == pytest.approx(19.64, abs=0.005)
+    careful = names["careful"]
+    assert slip(careful)[-1] == pytest.approx(0.13, abs=0.005)
+    assert careful["left_grip.f"][-1] / names["needed"] == pytest.approx(1.09, abs=0.005)

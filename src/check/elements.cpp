@@ -126,8 +126,7 @@ struct Checker {
 std::string pair_without_tips(const Scene& scene, const Contact& contact) {
   std::string out;
   each_pair_of_shapes(scene, contact, [&](const BodyShape& a, const BodyShape& b) {
-    if (!out.empty() || tips_touch_core(a.is, b.is) || tips_touch_core(b.is, a.is)) return;
-    if (edges_touch(a.is, b.is) || rims_touch_plane(a.is, b.is) || rims_touch_plane(b.is, a.is)) return;
+    if (!out.empty() || located_features(a.is, b.is) > 0) return;
     const std::string first(kind_of(a.is).kind);
     const std::string second(kind_of(b.is).kind);
     out = first == second ? "two shapes of kind " + first : "a " + first + " and a " + second;
@@ -137,7 +136,8 @@ std::string pair_without_tips(const Scene& scene, const Contact& contact) {
 
 // Whether the integrator steps with impulses.
 bool steps_with_impulses(const Scene& scene) {
-  return scene.solver.integrator == "moreau-jean" || (scene.solver.integrator == "auto" && !scene.contacts.empty());
+  const std::string& integrator = scene.solver.integrator;
+  return integrator == "moreau-jean" || (!scene.contacts.empty() && (integrator.empty() || integrator == "auto"));
 }
 
 // Contacts that change at events.
@@ -163,7 +163,7 @@ void check_contact_methods(const Scene& scene, Faults& faults) {
     faults.add("solver.start", "'equilibrium' with contacts." + text::printable(scene.contacts.front().name),
                "as_given: equilibria are found without contacts only");
   }
-  if (locates_contacts(scene)) {
+  if (!steps_with_impulses(scene) && !scene.contacts.empty()) {
     check_located_contacts(scene, faults);
   } else if (steps_with_impulses(scene) && solver.formulation != "projection" && !solver.formulation.empty()) {
     faults.add("solver.formulation", text::quoted(solver.formulation) + " with the integrator moreau-jean",

@@ -12,6 +12,7 @@ void TimeStepper::remember(double h) {
   for (Spatial::Force& wrench : state_.wrenches) wrench = {};
   for (ContactSum& contact : state_.sums) contact = {};
   rows_.speeds(v1_.data(), free_speeds_.data());
+  last_contacts_.swap(state_.contacts);
   state_.contacts.clear();
   for (std::size_t i = 0; i < points_.size(); ++i) {
     const TouchPoint& point = points_[i];
@@ -37,6 +38,10 @@ void TimeStepper::remember(double h) {
     sum.force -= mechanism_.X_W0.R * contact.force;
     sum.mode = std::max(sum.mode, contact.slides ? 2 : 1);
   }
+  const auto same = [](const RememberedContact& a, const RememberedContact& b) {
+    return a.key() == b.key() && a.slides == b.slides;
+  };
+  if (!std::ranges::equal(last_contacts_, state_.contacts, same)) ++changes_;
   remember_locks(h);
 }
 

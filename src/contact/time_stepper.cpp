@@ -122,7 +122,7 @@ void TimeStepper::reserve() {
   finder_.reserve(points);
   points_.reserve(points);
   frames_.reserve(points);
-  for (ContactState* of : {&state_, &before_}) of->contacts.reserve(points);
+  for (auto* of : {&state_.contacts, &before_.contacts, &last_contacts_}) of->reserve(points);
   cones_.reserve(rows);
   correction_cones_.reserve(rows);
   lock_rows_.reserve(rows);

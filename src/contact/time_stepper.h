@@ -58,6 +58,8 @@ class TimeStepper final : public ContactReadings {
   // At the start of each part of a communication step, to which undo_part() returns; continues: of a later one.
   void begin_part(bool continues);
   void undo_part() { state_ = before_; }
+  // Steps in which points have opened or closed, begun or ceased to slide.
+  long changes() const { return changes_; }
   void serialize(Archive& archive);
 
  private:
@@ -109,6 +111,8 @@ class TimeStepper final : public ContactReadings {
   std::unique_ptr<Operator> operator_;
   std::unique_ptr<ConeSolver> solver_;
   ContactState state_, before_;
+  std::vector<RememberedContact> last_contacts_;  // those before the last step
+  long changes_ = 0;
   Solved solved_;
   std::vector<RecordedProblem>* recorded_ = nullptr;
 

@@ -17,6 +17,22 @@ using Eigen::Vector3d;
 // What is nearer to a point or an edge of a core than this fraction of the radii counts as being on it.
 constexpr double least_distance = 1e-12;
 
+// Of a ball about the origin of a shape's frame that contains it, and all that counts as touching it [m]; infinite:
+// unknown.
+double radius_of(const AnyShape& shape) {
+  constexpr double margin = 1e-6;
+  double out = 0;
+  if (const auto core = core_of(shape)) {
+    if (core->half_space) return INFINITY;
+    out = core->half.norm() + core->radius;
+  } else {
+    const std::vector<Tip> tips = tips_of(shape);
+    if (tips.empty()) return INFINITY;
+    for (const Tip& tip : tips) out = std::max(out, tip.center.norm() + tip.radius);
+  }
+  return out + margin;
+}
+
 }  // namespace
 
 Spots::Spots(const Mechanism& mechanism)
@@ -29,6 +45,7 @@ Spots::Spots(const Mechanism& mechanism)
       const LinkShape& second = shapes[static_cast<std::size_t>(j)];
       const int contact = contact_between(mechanism.contact_table, first, second);
       if (contact < 0) continue;
+      begin_pair(mechanism, i, j);
       // Other pairs have been refused (check/elements.cpp).
       if (tips_touch_core(first.is, second.is)) {
         add_pair(mechanism, contact, i, j);
@@ -50,6 +67,32 @@ Spots::Spots(const Mechanism& mechanism)
   links_.erase(std::unique(links_.begin(), links_.end()), links_.end());
 }
 
+void Spots::begin_pair(const Mechanism& mechanism, int tip, int core) {
+  const LinkShape& a = mechanism.shapes[static_cast<std::size_t>(tip)];
+  const LinkShape& b = mechanism.shapes[static_cast<std::size_t>(core)];
+  Pair& pair = pairs_.emplace_back();
+  pair.first = count();
+  pair.core_link = b.link;
+  pair.tip_link = a.link;
+  pair.core = b.X_LS.p;
+  pair.tip = a.X_LS.p;
+  pair.reach = radius_of(a.is) + radius_of(b.is);
+}
+
+Vector3d Spots::between(const Pair& pair) const {
+  return pose(pair.tip_link).point(pair.tip) - pose(pair.core_link).point(pair.core);
+}
+
+double Spots::distance(int spot, double& rate) const {
+  const Pair& pair = pair_of(spot);
+  const Vector3d way = between(pair);
+  const auto speed = [&](int link, const Vector3d& center) {
+    return Vector3d(velocity(link).v + velocity(link).w.cross(pose(link).point(center)));
+  };
+  rate = way.normalized().dot(speed(pair.tip_link, pair.tip) - speed(pair.core_link, pair.core));
+  return way.norm() - pair.reach;
+}
+
 // What all spots of a pair have in common.
 Spot Spots::spot_between(const Mechanism& mechanism, int contact, int tip, int core) {
   const LinkShape& with_tips = mechanism.shapes[static_cast<std::size_t>(tip)];
@@ -58,6 +101,7 @@ Spot Spots::spot_between(const Mechanism& mechanism, int contact, int tip, int c
                              (with_core.surface != with_tips.surface || core < tip);
   const LinkShape& belt = core_is_first ? with_tips : with_core;
   Spot spot;
+  spot.pair = static_cast<int>(pairs_.size()) - 1;
   spot.core = core;
   spot.tip = tip;
   spot.core_link = with_core.link;
@@ -134,6 +178,7 @@ void Spots::read_position(Dynamics& dynamics) {
   for (const int link : links_) {
     if (link > 0) poses_[static_cast<std::size_t>(link)] = dynamics.readings().link_pose(link);
   }
+  for (Pair& pair : pairs_) pair.is_close = !(between(pair).squaredNorm() > pair.reach * pair.reach);
 }
 
 void Spots::read_motion(Dynamics& dynamics) {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <vector>
 
 #include "dynamics/dynamics.h"
@@ -19,6 +20,7 @@ struct Spot {
   Kind kind = Kind::tip;
   int core = 0, tip = 0;  // shapes of the mechanism
   int core_link = 0, tip_link = 0;
+  int pair = 0;            // of shapes: those of a pair follow each other
   int contact = 0;         // of the scene
   int feature = 0;         // of the tip
   double sign = 1;         // -1: the shape of the tip has the first surface of the contact
@@ -63,6 +65,11 @@ class Spots {
   void read_position(Dynamics& dynamics);
   void read_motion(Dynamics& dynamics);
 
+  // After read_position(): whether the balls about the two shapes meet, without which nothing touches; after
+  // read_motion(), otherwise: their distance and its rate, shown by the first spot of a pair alone.
+  bool is_close(int spot) const { return pair_of(spot).is_close; }
+  bool shows_distance(int spot) const { return pair_of(spot).first == spot; }
+  double distance(int spot, double& rate) const;
   // After read_position(). Of a feature beyond its ends, as if it were longer.
   double gap(int spot) const;
   // How far the point of contact is from the ends of a feature, negative beyond them; positive for what has none.
@@ -76,6 +83,17 @@ class Spots {
   Eigen::Vector3d belt(int spot, const Eigen::Vector3d& velocity, Eigen::Vector3d& rate) const;
 
  private:
+  // Two shapes in balls, the second with the tips.
+  struct Pair {
+    int first = 0;  // spot
+    int core_link = 0, tip_link = 0;
+    Eigen::Vector3d core, tip;  // centers in their links [m]
+    double reach = INFINITY;    // m: sum of the radii
+    bool is_close = true;
+  };
+  const Pair& pair_of(int spot) const { return pairs_[static_cast<std::size_t>((*this)[spot].pair)]; }
+  Eigen::Vector3d between(const Pair& pair) const;
+  void begin_pair(const Mechanism& mechanism, int tip, int core);
   struct Line {  // from the nearest point of the core's box to the center of the tip, in S
     Eigen::Vector3d x, normal;
     Eigen::Vector3d free;  // 1 where the nearest point does not follow the center, else 0
@@ -100,6 +118,7 @@ class Spots {
   const Pose3& pose(int link) const { return poses_[static_cast<std::size_t>(link)]; }
 
   std::vector<Spot> spots_;
+  std::vector<Pair> pairs_;
   std::vector<int> links_;              // with shapes
   std::vector<Pose3> poses_;            // by link, in the root frame
   std::vector<Spatial::Motion> V_, A_;  // by link, in and about the root frame

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "event/event_log.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "util/text.h"
@@ -43,6 +44,12 @@ void EventLog::begin_part() {
 void EventLog::undo_part() {
   in_step_ = before_part_;
   events_.clear();
+}
+
+void EventLog::forget_beyond(long count) {
+  const long in_part = std::max(0L, count - before_ - before_part_);
+  in_step_ = before_part_ + in_part;
+  events_.resize(std::min(events_.size(), static_cast<std::size_t>(in_part)));
 }
 
 void EventLog::serialize(Archive& archive) {

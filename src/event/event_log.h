@@ -38,6 +38,8 @@ class EventLog {
   void begin_part();
   void undo_part();
   void add(const Event& event);
+  // Forgets the last events, beyond a number of all that was reached within this part.
+  void forget_beyond(long count);
 
   // The events of the last part in chronological order; if there are very many, the first ones.
   const std::vector<Event>& events() const { return events_; }

@@ -11,26 +11,62 @@ ContactMotion::ContactMotion(const ImpulseSteps::Context& context) : steps_(cont
 
 ContactMotion::~ContactMotion() = default;
 
-TouchModes& ContactMotion::use(std::unique_ptr<TouchModes> touch) {
+TouchModes& ContactMotion::add(std::unique_ptr<TouchModes> touch) {
   touch_ = std::move(touch);
   return *touch_;
+}
+
+void ContactMotion::use(double cone_tolerance) {
+  steps_.use(cone_tolerance);
+  steps_used_ = true;
+}
+
+void ContactMotion::change_to(bool impulses, double t, const double* y) {
+  if (impulses == steps_used_) return;
+  steps_used_ = impulses;
+  steps_.forget();
+  touch_->start();
+  if (steps_.locks().empty()) return;
+  if (impulses) {
+    steps_.locks().release();
+  } else {
+    steps_.locks().start(t, y);
+  }
+}
+
+ImpulseEquations::Activity ContactMotion::activity() const {
+  if (steps_used_) return {static_cast<int>(steps_.contact_points()), steps_.changes(), steps_.evaluations()};
+  return {static_cast<int>(touch_->equations().closed().size()), steps_.events().count(), steps_.evaluations()};
+}
+
+bool ContactMotion::can_be_located_at(const double* y) { return !touch_->outputs().any_overlap(y); }
+
+// Bounds beyond which no force can stop a motion, are no question of the method.
+bool ContactMotion::take_over(long changes) {
+  if (steps_.locks().state().unstoppable >= 0) return false;
+  steps_.events().forget_beyond(changes);
+  return true;
 }
 
 std::vector<std::array<std::string, 2>> ContactMotion::event_texts(const Scene& scene) const {
   return touch_ ? touch_->outputs().event_texts(scene) : std::vector<std::array<std::string, 2>>{};
 }
 
-ContactReadings* ContactMotion::readings() { return touch_ ? &touch_->outputs() : steps_.readings(); }
+ContactReadings& ContactMotion::PresentReadings::present() const {
+  if (of_.touch_ && !of_.steps_used_) return of_.touch_->outputs();
+  return *of_.steps_.readings();
+}
 
 void ContactMotion::count(RunCounts& counts) const {
   counts.contact_points = static_cast<long>(steps_.contact_points());
   counts.cone_iterations = steps_.solved().iterations;
   counts.cone_residual = steps_.solved().residual;
+  counts.scheme = steps_used_ ? 1 : 0;
   if (!touch_) return;
   counts.impacts += touch_->counts().impacts;
   counts.closed_series += touch_->counts().closed_series;
   counts.ambiguous += touch_->counts().ambiguous;
-  counts.contact_points = static_cast<long>(touch_->equations().closed().size());
+  if (!steps_used_) counts.contact_points = static_cast<long>(touch_->equations().closed().size());
 }
 
 void ContactMotion::start() {
@@ -39,18 +75,22 @@ void ContactMotion::start() {
 }
 
 void ContactMotion::begin_part(bool continues) {
+  steps_used_before_ = steps_used_;
   steps_.begin_part(continues);
   if (touch_) touch_->begin_part();
 }
 
 void ContactMotion::undo_part() {
+  steps_used_ = steps_used_before_;
   steps_.undo_part();
   if (touch_) touch_->undo_part();
 }
 
 void ContactMotion::serialize(Archive& archive) {
   steps_.serialize(archive);
-  if (touch_) touch_->serialize(archive);
+  if (!touch_) return;
+  touch_->serialize(archive);
+  if (steps_.are_available()) archive.serialize(steps_used_);
 }
 
 }  // namespace gelenk

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "formulation/equations.h"
 #include "formulation/impulse_steps.h"
 #include "modes/run_counts.h"
 #include "scene/scene.h"
@@ -16,24 +17,34 @@ namespace gelenk {
 
 class TouchModes;
 
-class ContactMotion {
+class ContactMotion final : public ImpulseEquations {
  public:
   explicit ContactMotion(const ImpulseSteps::Context& context);
-  ~ContactMotion();
+  ~ContactMotion() override;
   ContactMotion(const ContactMotion&) = delete;
   ContactMotion& operator=(const ContactMotion&) = delete;
 
   // Once: from then on, modes change at events.
-  TouchModes& use(std::unique_ptr<TouchModes> touch);
+  TouchModes& add(std::unique_ptr<TouchModes> touch);
+
+  bool are_required() const override { return steps_.are_required(); }
+  bool may_be_located() const override { return touch_ != nullptr; }
+  void use(double cone_tolerance) override;
+  bool are_used() const override { return steps_used_; }
+  void change_to(bool impulses, double t, const double* y) override;
+  Activity activity() const override;
+  bool can_be_located_at(const double* y) override;
+  bool take_over(long changes) override;
+  void start(double t, double h, const double* y) override { steps_.start(t, h, y); }
+  bool step(double t, double h, double* y) override { return steps_.step(t, h, y); }
 
   ImpulseSteps& steps() { return steps_; }
-  const ImpulseSteps& steps() const { return steps_; }
   TouchModes* touch() const { return touch_.get(); }  // null: not at events
 
   // By indicator of contacts, which follow all others.
   std::vector<std::array<std::string, 2>> event_texts(const Scene& scene) const;
-  // What outputs of contacts show; null: there are none.
-  ContactReadings* readings();
+  // What outputs of contacts show.
+  ContactReadings& readings() { return readings_; }
   void count(RunCounts& counts) const;
 
   // At the start of a run.
@@ -44,8 +55,23 @@ class ContactMotion {
   void serialize(Archive& archive);
 
  private:
+  // Of the present way.
+  class PresentReadings final : public ContactReadings {
+   public:
+    explicit PresentReadings(ContactMotion& of) : of_(of) {}
+    Eigen::Vector3d force(int contact) const override { return present().force(contact); }
+    int mode(int contact) const override { return present().mode(contact); }
+    double gap(int contact) override { return present().gap(contact); }
+
+   private:
+    ContactReadings& present() const;
+    ContactMotion& of_;
+  };
+
   ImpulseSteps steps_;
   std::unique_ptr<TouchModes> touch_;
+  PresentReadings readings_{*this};
+  bool steps_used_ = false, steps_used_before_ = false;
 };
 
 }  // namespace gelenk

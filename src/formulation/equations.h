@@ -15,10 +15,26 @@ class ImpulseEquations {
  public:
   virtual ~ImpulseEquations() = default;
 
-  // Whether shapes can touch, so that there is no other way.
+  // Whether shapes can touch; and whether that can also be by modes between located events.
   virtual bool are_required() const = 0;
+  virtual bool may_be_located() const = 0;
   // Call before all else, if steps are made with impulses. cone_tolerance: see Solver.
   virtual void use(double cone_tolerance) = 0;
+  // Whether the present steps are made with impulses; changes that at (t, y), after use(), or back.
+  virtual bool are_used() const = 0;
+  virtual void change_to(bool impulses, double t, const double* y) = 0;
+  // Of the present way, since the start: counts of which differences are taken.
+  struct Activity {
+    int closed = 0;        // points of contact at present
+    long changes = 0;      // events; or steps in which points have opened or closed, begun or ceased to slide
+    long evaluations = 0;  // of the equations of motion
+  };
+  virtual Activity activity() const = 0;
+  // Whether modes can take over at y: nothing overlaps.
+  virtual bool can_be_located_at(const double* y) = 0;
+  // After a refusal of EventSource: forgets the events since a number of changes, and returns whether impulses can
+  // lead on.
+  virtual bool take_over(long changes) = 0;
   // Call at the start of a run with steps of length h at (t, y): finds the forces there.
   virtual void start(double t, double h, const double* y) = 0;
   // Advances y from t by h, without projection. Returns false if it is not finite.

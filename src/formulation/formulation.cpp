@@ -29,12 +29,12 @@ Formulation::Formulation(const FormulationContext& context)
       events_(context.events),
       projector_(mechanism_, dynamics_),
       modes_(*this, dynamics_, mechanism_.nq, mechanism_.nv, events_),
-      contacts_({mechanism_, dynamics_, context.loads, drives_, modes_.locks()}),
+      contacts_({mechanism_, dynamics_, context.loads, drives_, modes_.locks(), context.events}),
       row_domain_(mechanism_, dynamics_),
       revolutions_(mechanism_, dynamics_),
       dv_(mechanism_.nv) {
   if (!context.options.locates_contacts || mechanism_.shapes.empty()) return;
-  modes_.add(contacts_.use(std::make_unique<TouchModes>(TouchModes::Context{
+  modes_.add(contacts_.add(std::make_unique<TouchModes>(TouchModes::Context{
       mechanism_, dynamics_, context.loads, *this, events_, modes_.locks(), modes_.own_indicators()})));
 }
 
@@ -47,6 +47,7 @@ RunCounts Formulation::mode_counts() {
 }
 
 void Formulation::inputs_changed(double /*t*/, const double* /*y*/) {
+  if (contacts_.are_used()) return;
   modes_.locks().inputs_jumped();
   if (contacts_.touch() != nullptr) contacts_.touch()->inputs_jumped();
 }
@@ -104,7 +105,7 @@ bool Formulation::project_onto_constraints(double t, double* y) {
   dynamics_.min_norm_displacement(dynamics_.row_rates().data(), dv_.data());
   for (int k = 0; k < mechanism_.nv; ++k) v[k] += dv_[k];
   if (!projector().close_velocity(v)) return false;
-  if (!contacts_.steps().are_used()) modes_.locks().start(t, y);
+  if (!contacts_.are_used()) modes_.locks().start(t, y);
   return true;
 }
 
@@ -137,22 +138,26 @@ bool Formulation::jacobian(double t, const double* y, double* J) {
   return out.allFinite();
 }
 
-// ydot_ has the rates at y. Newton's methods, which use it, need no exact derivatives.
+// The present state is y. Newton's methods, which use it, need no exact derivatives, but those of slow sliding, which
+// are stiff.
 bool Formulation::jacobian_by_differences(double t, const double* y, Eigen::Map<Eigen::MatrixXd>& out) {
   constexpr double relative_step = 1e-7;
   std::vector<double> at(y, y + size());
   std::vector<double> rates(at.size());
-  contacts_.touch()->equations().keep_directions(true);
+  TouchEquations& touch = contacts_.touch()->equations();
+  touch.begin_differences(size());
   bool is_finite = true;
   for (std::size_t k = 0; k < at.size() && is_finite; ++k) {
     at[k] += relative_step * std::max(1.0, std::abs(y[k]));
     is_finite = rhs(t, at.data(), rates.data());
     for (std::size_t i = 0; i < at.size(); ++i)
       out(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) = (rates[i] - ydot_[i]) / (at[k] - y[k]);
+    touch.record_difference(static_cast<int>(k), at[k] - y[k]);
     at[k] = y[k];
   }
-  contacts_.touch()->equations().keep_directions(false);
-  return is_finite && rhs(t, y, rates.data()) && out.allFinite();
+  is_finite = rhs(t, y, rates.data()) && is_finite;
+  touch.end_differences(out.bottomRows(mechanism_.nv));
+  return is_finite && out.allFinite();
 }
 
 void Formulation::differentiate(const double* vdot, Eigen::Map<Eigen::MatrixXd>& out) {
@@ -195,7 +200,7 @@ void Formulation::solve_at(double t, const double* y, double* vdot) {
 }
 
 void Formulation::output_accelerations(double t, const double* y, double* vdot) {
-  if (contacts_.steps().are_used()) {
+  if (contacts_.are_used()) {
     drives_.go_to_outputs(t);
     const ImpulseSteps::AppliedForces forces(contacts_.steps());
     return solve_at(t, y, vdot);
@@ -236,7 +241,7 @@ void Formulation::start(const std::vector<double>& cut_q, double t, const double
   revolutions_.count_from(cut_q, t, y);
   singularity_monitor_.restart(t);
   contacts_.start();
-  if (!contacts_.steps().are_used()) modes_.locks().start(t, y);
+  if (!contacts_.are_used()) modes_.locks().start(t, y);
 }
 
 void Formulation::serialize(Archive& archive) {

@@ -60,7 +60,7 @@ class Formulation : public Equations, private ModeEquations, private TouchedEqua
   // By default only normalizes quaternions.
   bool project(double t, double* y) override;
   void accepted(double t, const double* y) override;
-  ImpulseSteps* impulses() final { return &contacts_.steps(); }
+  ContactMotion* impulses() final { return &contacts_; }
   bool budget_exhausted() const final { return dynamics_.evaluations() >= last_evaluation_; }
   EventModes& modes() final { return modes_; }
   // Those of the equations, not of the integrator.

@@ -29,7 +29,7 @@ bool ImpulseSteps::step(double t, double h, double* y) {
 }
 
 void ImpulseSteps::serialize(Archive& archive) {
-  if (are_used()) stepper_->serialize(archive);
+  if (are_available()) stepper_->serialize(archive);
 }
 
 ImpulseSteps::AppliedForces::AppliedForces(ImpulseSteps& steps)

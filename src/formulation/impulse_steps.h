@@ -8,12 +8,11 @@
 
 #include "contact/time_stepper.h"
 #include "formulation/drives.h"
-#include "formulation/equations.h"
 #include "modes/lock_modes.h"
 
 namespace gelenk {
 
-class ImpulseSteps final : public ImpulseEquations {
+class ImpulseSteps {
  public:
   // All must outlive it. locks: released.
   struct Context {
@@ -22,32 +21,38 @@ class ImpulseSteps final : public ImpulseEquations {
     const Loads& loads;
     Drives& drives;
     LockModes& locks;
+    EventLog& events;
   };
   explicit ImpulseSteps(const Context& context) : with_(context) {}
 
-  bool are_required() const override { return !with_.mechanism.shapes.empty(); }
-  bool are_used() const { return stepper_ != nullptr; }
-  void use(double cone_tolerance) override;
-  void start(double t, double h, const double* y) override;
-  bool step(double t, double h, double* y) override;
+  // As ImpulseEquations.
+  bool are_required() const { return !with_.mechanism.shapes.empty(); }
+  void use(double cone_tolerance);
+  bool are_available() const { return stepper_ != nullptr; }
+  void start(double t, double h, const double* y);
+  bool step(double t, double h, double* y);
+  LockModes& locks() const { return with_.locks; }
+  EventLog& events() const { return with_.events; }
+  long evaluations() const { return with_.dynamics.evaluations(); }
 
   // Forgets the forces of the last step.
   void forget() {
-    if (are_used()) stepper_->forget();
+    if (are_available()) stepper_->forget();
   }
   // At the start of each part of a communication step, to which undo_part() returns; continues: of a later one.
   void begin_part(bool continues) {
-    if (are_used()) stepper_->begin_part(continues);
+    if (are_available()) stepper_->begin_part(continues);
   }
   void undo_part() {
-    if (are_used()) stepper_->undo_part();
+    if (are_available()) stepper_->undo_part();
   }
   // Why the last step has failed; empty: it has not.
-  std::string failure() const { return are_used() ? stepper_->failure() : ""; }
-  TimeStepper::Solved solved() const { return are_used() ? stepper_->solved() : TimeStepper::Solved{}; }
-  std::size_t contact_points() const { return are_used() ? stepper_->state().contacts.size() : 0; }
+  std::string failure() const { return are_available() ? stepper_->failure() : ""; }
+  TimeStepper::Solved solved() const { return are_available() ? stepper_->solved() : TimeStepper::Solved{}; }
+  std::size_t contact_points() const { return are_available() ? stepper_->state().contacts.size() : 0; }
+  long changes() const { return are_available() ? stepper_->changes() : 0; }
   void record(std::vector<RecordedProblem>* to) {
-    if (are_used()) stepper_->record(to);
+    if (are_available()) stepper_->record(to);
   }
   // What outputs of contacts show; null: otherwise.
   ContactReadings* readings() const { return stepper_.get(); }
@@ -67,7 +72,7 @@ class ImpulseSteps final : public ImpulseEquations {
 
  private:
   Context with_;
-  std::unique_ptr<TimeStepper> stepper_;  // null: modes between events
+  std::unique_ptr<TimeStepper> stepper_;  // null: only modes between events
   std::vector<double> trial_;
 };
 

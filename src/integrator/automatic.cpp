@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "integrator/fastest_rate.h"
@@ -104,11 +105,16 @@ class Automatic final : public Integrator {
     trials_.serialize(archive);
   }
 
-  double advance(double end, double* y) override {
+  double advance(double end, double* y) override { return advance_some(end, y, std::numeric_limits<long>::max()); }
+
+  double advance_some(double end, double* y, long max_steps) override {
+    long made = 0;
     do {
-      advance_window(end);
+      const long steps = window_.steps;
+      advance_window(end, max_steps - made);
+      made += std::max(1L, window_.steps - steps);
       if (window_.steps >= window_steps) review();
-    } while (t_ < end && !counter_.budget_exhausted());
+    } while (t_ < end && made < max_steps && !counter_.budget_exhausted());
     count();
     std::ranges::copy(y_, y);
     return t_;
@@ -122,12 +128,12 @@ class Automatic final : public Integrator {
     double cost_per_second() const { return cost / time; }
   };
 
-  void advance_window(double end) {
+  void advance_window(double end, long max_steps) {
     const double cost = counter_.cost();
     const long steps = methods_[current_]->steps();
     const double start = t_;
     try {
-      t_ = methods_[current_]->advance_some(end, y_.data(), window_steps - window_.steps);
+      t_ = methods_[current_]->advance_some(end, y_.data(), std::min(max_steps, window_steps - window_.steps));
     } catch (const RefusedMotion&) {
       throw;
     } catch (const IntegrationError& first) {
@@ -220,8 +226,11 @@ class Automatic final : public Integrator {
 
 std::unique_ptr<Integrator> make_automatic(Equations& system, const IntegratorOptions& options) {
   if (system.multipliers() > 0) return make_ida(system, options);
-  if (system.impulses() != nullptr && system.impulses()->are_required()) return make_moreau_jean(system, options);
-  return std::make_unique<Automatic>(system, options);
+  auto by_cost = [&] { return std::make_unique<Automatic>(system, options); };
+  ImpulseEquations* const impulses = system.impulses();
+  if (impulses == nullptr || !impulses->are_required()) return by_cost();
+  if (!impulses->may_be_located()) return make_moreau_jean(system, options);
+  return make_contact_scheme(by_cost(), system, options);
 }
 
 }  // namespace gelenk

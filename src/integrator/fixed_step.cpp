@@ -16,6 +16,10 @@ void FixedStep::restart(double t, const double* y) {
 }
 
 double FixedStep::advance(double end, double* y) {
+  return advance_some(end, y, std::numeric_limits<long>::max());
+}
+
+double FixedStep::advance_some(double end, double* y, long max_steps) {
   // Equal steps, as many as needed so that none is longer than the step size. Times are rounded, more coarsely the
   // later they are: if whole steps fit within that, all have the given size, so that the same grid gives the same bits
   // however it is divided into communication steps.
@@ -27,7 +31,7 @@ double FixedStep::advance(double end, double* y) {
   const double whole = needed * step_;
   const bool fits = std::abs(whole - span) <= rounding + 1e-12 * span;
   const double h = fits ? step_ : span / needed;
-  for (long i = 0; i < count && (i == 0 || !system_.budget_exhausted()); ++i) {
+  for (long i = 0; i < std::min(count, max_steps) && (i == 0 || !system_.budget_exhausted()); ++i) {
     const double next = i + 1 == count ? end : start + static_cast<double>(i + 1) * h;
     if (locates_events() && locator_.is_needed()) {
       step_by_events(next);

@@ -13,6 +13,7 @@ class FixedStep : public Integrator, private Stepping {
  public:
   void restart(double t, const double* y) override;
   double advance(double end, double* y) final;
+  double advance_some(double end, double* y, long max_steps) final;
 
  protected:
   FixedStep(Equations& system, const IntegratorOptions& options);

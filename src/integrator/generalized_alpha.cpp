@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "integrator/fixed_step.h"
-#include "integrator/pivots.h"
+#include "linear/pivots.h"
 #include "util/text.h"
 
 namespace gelenk {

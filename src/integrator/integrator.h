@@ -90,6 +90,9 @@ std::unique_ptr<Integrator> make_integrator(std::string_view name, Equations& sy
 
 // One function per integrator.
 std::unique_ptr<Integrator> make_automatic(Equations& system, const IntegratorOptions& options);
+// `auto` with contacts: located events with the given method, or steps with impulses, as event/scheme_watch.h decides.
+std::unique_ptr<Integrator> make_contact_scheme(std::unique_ptr<Integrator> between_events, Equations& system,
+                                                const IntegratorOptions& options);
 std::unique_ptr<Integrator> make_moreau_jean(Equations& system, const IntegratorOptions& options);
 std::unique_ptr<Integrator> make_rk4(Equations& system, const IntegratorOptions& options);
 std::unique_ptr<Integrator> make_cvode(Equations& system, const IntegratorOptions& options);

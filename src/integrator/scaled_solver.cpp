@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "integrator/pivots.h"
+#include "linear/pivots.h"
 
 namespace gelenk::sundials {
 namespace {

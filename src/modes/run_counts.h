@@ -9,7 +9,7 @@ namespace gelenk {
 // Counts since the start of a run; those of contacts are of the last step, or the last communication step.
 struct RunCounts : LockModes::Counts {
   long steps = 0, rejected_steps = 0, evaluations = 0, jacobians = 0, events = 0, singular_positions = 0;
-  long contact_points = 0, cone_iterations = 0;
+  long contact_points = 0, cone_iterations = 0, scheme = 0;
   double cone_residual = 0;  // natural units of speed
 
   // The count that a diagnostic sums over all islands; 0: of another diagnostic.

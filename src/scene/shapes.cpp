@@ -6,6 +6,9 @@
 #include <string_view>
 
 #include "scene/element_numbers.h"
+#include "shape/features.h"
+#include "shape/registry.h"
+#include "shape/rounded.h"
 
 namespace gelenk {
 namespace {
@@ -20,6 +23,28 @@ void each_shape(const Scene& scene, Visit visit) {
 
 bool refers_to(const Contact& contact, const std::string& surface) {
   return !surface.empty() && std::ranges::find(contact.surfaces, surface) != contact.surfaces.end();
+}
+
+// Features up to which open contacts cost located events no more than steps of 1 ms, and shapes beyond which there are
+// more of them.
+constexpr int most_features = 1500;
+constexpr std::size_t most_shapes = 60;
+
+// Whether all contacts of the scene can be located, and their features are not very many.
+bool are_few(const Scene& scene) {
+  std::size_t shapes = 0;
+  each_shape(scene, [&](const BodyShape& shape) { shapes += shape.surface.empty() ? 0 : 1; });
+  if (shapes > most_shapes) return false;
+  int sum = 0;
+  bool located = true;
+  for (const Contact& contact : scene.contacts) {
+    each_pair_of_shapes(scene, contact, [&](const BodyShape& a, const BodyShape& b) {
+      const int features = located_features(a.is, b.is);
+      located = located && features > 0;
+      sum += features;
+    });
+  }
+  return located && sum <= most_features;
 }
 
 }  // namespace
@@ -68,9 +93,21 @@ int contact_between(const Scene& scene, const std::string& a, const std::string&
   return -1;
 }
 
+int located_features(const AnyShape& a, const AnyShape& b) {
+  const auto count = [](const auto& of) { return static_cast<int>(of.size()); };
+  if (tips_touch_core(a, b)) return count(tips_of(a));
+  if (tips_touch_core(b, a)) return count(tips_of(b));
+  constexpr int faces = 6;
+  if (edges_touch(a, b))
+    return faces * (count(tips_of(a)) + count(tips_of(b))) + count(edges_of(a)) * count(edges_of(b));
+  if (rims_touch_plane(a, b)) return count(rims_of(a));
+  return rims_touch_plane(b, a) ? count(rims_of(b)) : 0;
+}
+
 bool locates_contacts(const Scene& scene) {
   const std::string& integrator = scene.solver.integrator;
-  return !scene.contacts.empty() && !integrator.empty() && integrator != "auto" && integrator != "moreau-jean";
+  if (scene.contacts.empty() || integrator == "moreau-jean") return false;
+  return (integrator != "auto" && !integrator.empty()) || are_few(scene);
 }
 
 void each_pair_of_shapes(const Scene& scene, const Contact& contact,

@@ -23,7 +23,11 @@ MassProperties mass_properties(const std::vector<BodyShape>& shapes);
 // Index of the contact between two surfaces, -1: none; either order.
 int contact_between(const Scene& scene, const std::string& a, const std::string& b);
 
-// Whether contacts change at events that are located; otherwise steps are made with impulses.
+// The number of features at which shapes can touch for located events (shape/features.h): tips on cores, corners on
+// faces, edges on edges, rims on planes; 0: contacts of such shapes are not located.
+int located_features(const AnyShape& a, const AnyShape& b);
+// Whether contacts may change at events that are located; otherwise steps are made with impulses. The integrator auto
+// does so if it can for all pairs of shapes, unless there are very many.
 bool locates_contacts(const Scene& scene);
 
 // Calls visit(a, b) for pairs of shapes of different bodies between which the contact may act.

@@ -205,6 +205,8 @@ std::vector<Signal> diagnostic_signals() {
       "its problems");
   set(Diagnostic::contact_points, "solver.contact_points", "1",
       "contact points that have transmitted a force in the last step");
+  set(Diagnostic::scheme, "solver.scheme", "1",
+      "how contacts are solved at present: 0 at located events, 1 by impulses in steps");
   return signals;
 }
 

@@ -57,8 +57,9 @@ enum class Diagnostic : int {
   cone_residual,        // m/s, of steps with impulses: the largest of the last communication step
   cone_iterations,      // the most for one cone problem of the last communication step
   contact_points,       // that transmit a force at the end of the last step
+  scheme,               // of contacts: 0: located events, 1: steps with impulses
 };
-inline constexpr int diagnostic_count = 17;
+inline constexpr int diagnostic_count = 18;
 
 // Returns the diagnostics in the order of Diagnostic.
 std::vector<Signal> diagnostic_signals();

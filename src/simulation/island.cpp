@@ -238,7 +238,7 @@ void Island::make_reading() {
   const EventModes& modes = equations_->modes();
   reading_.emplace(Reading{dynamics_->readings(), y_.data(), y_.data() + mechanism().nq, vdot_.data(),
                            turns.coordinates().data(), turns.speeds().data(), modes.recorded_forces().data(),
-                           modes.recorded_sides().data(), equations_->contacts().readings()});
+                           modes.recorded_sides().data(), &equations_->contacts().readings()});
 }
 
 std::vector<MotionLaw::Derivatives> Island::targets() const {

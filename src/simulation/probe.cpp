@@ -57,7 +57,7 @@ std::vector<RecordedProblem> Probe::record_cone_problems(double end) {
   if (!impl_.initialized) throw UsageError("a recording before initialize()");
   std::vector<RecordedProblem> out;
   const auto record = [&](std::vector<RecordedProblem>* to) {
-    for (const auto& island : impl_.islands) island->equations_->impulses()->record(to);
+    for (const auto& island : impl_.islands) island->equations_->contacts().steps().record(to);
   };
   struct Off {
     const decltype(record)& set;

@@ -187,18 +187,21 @@ Pose3 Simulation::body_pose(int body) {
 double Simulation::diagnostic(int index) {
   Impl& s = *impl_;
   if (!s.initialized) throw UsageError("diagnostics are not available before initialize()");
-  double sum = 0, iterations = 0, residual = 0;
+  double sum = 0, iterations = 0, residual = 0, scheme = 0;
   for (const auto& island : s.islands) {
     const RunCounts counts = island->counts();
     sum += static_cast<double>(counts.of(static_cast<Diagnostic>(index)));
     iterations = std::max(iterations, static_cast<double>(counts.cone_iterations));
     residual = std::max(residual, counts.cone_residual);
+    scheme = std::max(scheme, static_cast<double>(counts.scheme));
   }
   switch (static_cast<Diagnostic>(index)) {
     case Diagnostic::cone_residual:
       return s.diagnostic_size[index] * residual;
     case Diagnostic::cone_iterations:
       return iterations;
+    case Diagnostic::scheme:
+      return scheme;
     case Diagnostic::constraint_position:
       return s.max_constraint_error(&Kinematics::Phi);
     case Diagnostic::constraint_velocity:

@@ -45,8 +45,8 @@ void TouchModes::strike(double t, double* y) {
   std::vector<int> struck;
   bool any = false;
   for (int i = 0; i < touch_.spots().count(); ++i) {
-    const SpotState at = touch_.spots().state(i);
     if (!mode_of(i).closed && !may_touch(i)) continue;
+    const SpotState at = touch_.spots().state(i);
     struck.push_back(i);
     any = any || (at.rate < -rest && !mode_of(i).closed);
   }

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "touch/touch_equations.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
 #include "contact/contact_finder.h"
+#include "touch/touch_solution.h"
 
 namespace gelenk {
 namespace {
@@ -15,34 +15,13 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-// Pivots below this fraction of the largest are redundant forces.
-constexpr double rank_threshold = 1e-11;
 // Relative motions below this have no direction of their own: they begin or end [natural units of speed].
 constexpr double no_direction = 1e-13;
 // Weight of redundant moments.
 constexpr double least_moment = 1e-3;
-// Speeds far above those by which differences are taken, up to which directions are kept then.
-constexpr double slow_sliding = 1e-4;
 // Rounding of gaps, relative to lengths of order 1; and the most repetitions that remove them.
 constexpr double gap_rounding = 1e-15;
 constexpr int most_corrections = 8;
-
-// Of a singular G.
-VectorXd redundant_solution(const MatrixXd& G, const VectorXd& r) {
-  Eigen::CompleteOrthogonalDecomposition<MatrixXd> cod;
-  cod.setThreshold(rank_threshold);
-  cod.compute(G);
-  return cod.solve(r);
-}
-
-// The solution of G x = r of least norm, if G is singular; weights: of the entries of x in that norm.
-VectorXd least_norm_solution(LeastNormSolver& solver, const MatrixXd& G, const VectorXd& r, const VectorXd& weights) {
-  const VectorXd right = weights.asDiagonal() * r;
-  const MatrixXd scaled = weights.asDiagonal() * G * weights.asDiagonal();
-  VectorXd x;
-  if (!solver.solve(scaled, right, rank_threshold, x)) x = redundant_solution(scaled, right);
-  return weights.asDiagonal() * x;
-}
 
 }  // namespace
 

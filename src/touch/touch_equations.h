@@ -82,8 +82,13 @@ class TouchEquations {
   // Z <- K^-1 F^T, F by rows, with the last factors of `dynamics`; by velocity and row.
   void respond(const RowMatrix& F, RowMatrix& Z);
 
-  // Slow sliding keeps its direction, where derivatives are taken by differences.
-  void keep_directions(bool on) { keeps_directions_ = on; }
+  // Derivatives by differences. From begin_differences(), after accelerate() at a state, slow sliding keeps its
+  // direction, which small changes of the state could reverse; record_difference() follows accelerate() at a state of
+  // which component k differs by dy; and end_differences(), after accelerate() at the first state again, adds the
+  // effect of the directions to the derivatives of vdot (nv rows, components in columns).
+  void begin_differences(int components);
+  void record_difference(int k, double dy);
+  void end_differences(Eigen::Ref<Eigen::MatrixXd> vdot_y);
   // Adds the effect of closed contacts to the vdot of the last solve() of `dynamics`.
   void accelerate(double* vdot);
   // Forces of the last accelerate(), by closed spot, distributed so that where they are redundant, friction is in
@@ -110,6 +115,7 @@ class TouchEquations {
   double weight(const Entry& entry, int group) const;
   void add_holding_forces();
   Eigen::VectorXd shared() const;
+  Eigen::VectorXd constrained_response(const Eigen::VectorXd& force);
 
   const Mechanism& mechanism_;
   Dynamics& dynamics_;
@@ -117,7 +123,16 @@ class TouchEquations {
   Spots spots_;
   std::vector<SpotMode> modes_;
   std::vector<int> closed_;
+  // A motion so slow that differences cannot show how its direction turns.
+  struct SlowMotion {
+    std::size_t entry = 0, group = 0;
+    Eigen::Vector3d slip;    // at the first state
+    Eigen::Vector3d across;  // unit: where it turns to
+  };
   bool keeps_directions_ = false;
+  std::vector<SpotMode> modes_before_;
+  std::vector<SlowMotion> slow_;
+  Eigen::MatrixXd turning_;  // by slow motion and component: derivatives of its velocity across
   Rows rows_, kept_;
   RowMatrix B_, Z_, zero_;
   Eigen::MatrixXd G_;

@@ -77,6 +77,12 @@ void TouchModes::indicator_values(double t, const double* y, double* g, double* 
     if (mode_of(i).closed) continue;
     const auto first = static_cast<std::size_t>(per_spot) * static_cast<std::size_t>(i);
     g[first] = -touch_.spots()[i].size;
+    if (!touch_.spots().is_close(i)) {
+      if (!touch_.spots().shows_distance(i)) continue;
+      g[first] = -touch_.spots().distance(i, gdot[first]);
+      gdot[first] = -gdot[first];
+      continue;
+    }
     if (!touch_.spots().is_near(i)) continue;
     const SpotState at = touch_.spots().state(i);
     g[first] = -at.gap - mode_of(i).leaves_from;
@@ -200,8 +206,8 @@ void TouchModes::hold_mode(double t, const bool* positive) {
 void TouchModes::check(double t) {
   touch_.spots().read_position(dynamics_);
   for (int i = 0; i < touch_.spots().count(); ++i) {
-    if (mode_of(i).closed || touch_.spots().gap(i) >= -watched_depth - mode_of(i).leaves_from) continue;
-    if (!touch_.spots().is_near(i)) continue;
+    if (!touch_.spots().is_close(i) || mode_of(i).closed) continue;
+    if (touch_.spots().gap(i) >= -watched_depth - mode_of(i).leaves_from || !touch_.spots().is_near(i)) continue;
     mode_exit_time_ = t;
     return;
   }
@@ -245,7 +251,7 @@ void TouchModes::refuse_ends(double t) {
 
 // Whether a spot touches, as far as its gap says.
 bool TouchModes::may_touch(int spot) const {
-  return touch_.spots().gap(spot) <= touch_tolerance && touch_.spots().is_near(spot);
+  return touch_.spots().is_close(spot) && touch_.spots().gap(spot) <= touch_tolerance && touch_.spots().is_near(spot);
 }
 
 // Brings directions and distances up to the state where a step begins; returns whether something touches that was not

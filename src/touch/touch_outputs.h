@@ -29,6 +29,8 @@ class TouchOutputs final : public ContactReadings {
   Eigen::Vector3d force(int contact) const override { return sums_[static_cast<std::size_t>(contact)].force; }
   int mode(int contact) const override { return sums_[static_cast<std::size_t>(contact)].mode; }
   double gap(int contact) override;
+  // Whether shapes overlap at q by more than located contacts do.
+  bool any_overlap(const double* q);
 
   // By indicator: what happens when it becomes negative, and positive.
   std::vector<std::array<std::string, 2>> event_texts(const Scene& scene) const;

@@ -170,4 +170,5 @@ def random_scene(seed: int) -> RandomScene:
             if rng.random() < 0.3:
                 law["velocity"] = (length * rate * rng.normal(size=3)).tolist()
     scene["experiment"] = {"step": step, "stop": 1000 * step}
+    scene["solver"] = {"integrator": "moreau-jean"}
     return RandomScene(scene, length, step, passive)

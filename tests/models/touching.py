@@ -52,6 +52,7 @@ def on_plane(
         },
         "contacts": {"floor": {"between": ["wood", "concrete"], **law}},
         "experiment": {"step": step},
+        "solver": {"integrator": "moreau-jean"},
     }
 
 
@@ -81,6 +82,7 @@ def stack(boxes: int, *, edge: float = 0.1, mass: float = 1.0, friction: float =
         },
         "contacts": {"wooden": {"between": ["wood", "wood"], "friction": friction}},
         "experiment": {"step": 1e-3},
+        "solver": {"integrator": "moreau-jean"},
     }
 
 
@@ -120,6 +122,7 @@ def wall(
         },
         "contacts": {"bricks": {"between": ["brick", "brick"], "friction": friction}},
         "experiment": {"step": 1e-3},
+        "solver": {"integrator": "moreau-jean"},
     }
 
 
@@ -163,4 +166,5 @@ def heap(spheres: int, *, radius: float = 0.05, friction: float = 0.5) -> SceneD
             "walls": {"between": ["wall", "ball"], "friction": friction},
         },
         "experiment": {"step": 1e-3},
+        "solver": {"integrator": "moreau-jean"},
     }

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "event/cubic.h"
+#include "event/scheme_watch.h"
 #include "event/singularity_monitor.h"
 #include "fmu/clock.h"
 #include "formulation/inputs.h"
@@ -105,6 +106,15 @@ void bind_times(nb::module_& m) {
       .def("zero", &Cubic::zero)
       .def("has_extremum", &Cubic::has_extremum)
       .def("extremum", &Cubic::extremum);
+
+  using gelenk::SchemeWatch;
+  auto watch = nb::class_<SchemeWatch>(m, "SchemeWatch").def(nb::init<>());
+  watch.def("located", &SchemeWatch::located)
+      .def("are_too_many", &SchemeWatch::are_too_many)
+      .def("leave_events", &SchemeWatch::leave_events)
+      .def("stepped", &SchemeWatch::stepped)
+      .def("return_to_events", &SchemeWatch::return_to_events);
+  bind_words(watch);
 
   using gelenk::Computed;
   using gelenk::Stage;

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// `auto` with contacts: located events or steps with impulses, by what happens.
+#include <utility>
+#include <vector>
+
+#include "event/scheme_watch.h"
+#include "integrator/integrator.h"
+
+namespace gelenk {
+namespace {
+
+// Steps between two decisions.
+constexpr long steps_between_events = 10;
+constexpr long steps_with_impulses = 10;
+
+class ContactScheme final : public Integrator {
+ public:
+  ContactScheme(std::unique_ptr<Integrator> between_events, Equations& system, const IntegratorOptions& options)
+      : system_(system),
+        impulses_(*system.impulses()),
+        step_(options.step),
+        between_events_(std::move(between_events)),
+        with_impulses_(make_moreau_jean(system, options)),
+        y_(static_cast<std::size_t>(system.size())),
+        start_(y_.size()) {}
+
+  void restart(double t, const double* y) override {
+    t_ = t;
+    std::copy_n(y, y_.size(), y_.begin());
+    if (!started_) {  // which tries a step with impulses
+      with_impulses_->restart(t_, y_.data());
+      impulses_.change_to(false, t_, y_.data());
+      started_ = true;
+    }
+    present().restart(t_, y_.data());
+  }
+  void inputs_changed() override { present().inputs_changed(); }
+
+  void warm_up(double end, double* y) override {
+    const std::vector<double> start = y_;
+    with_impulses_->restart(t_, start.data());
+    impulses_.change_to(true, t_, start.data());
+    with_impulses_->warm_up(end, y);
+    impulses_.change_to(false, t_, start.data());
+    std::ranges::copy(start, y);
+    between_events_->restart(t_, y);
+    between_events_->warm_up(end, y);
+  }
+
+  bool may_have_history() const override { return true; }
+  bool will_have_history() const override { return !impulses_.are_used() && between_events_->will_have_history(); }
+  bool has_history() const override { return !impulses_.are_used() && between_events_->has_history(); }
+
+  // After the equations, which know the present way.
+  void serialize(Archive& archive) override {
+    Integrator::serialize(archive);
+    if (archive.reading()) {
+      between_events_->restart(t_, y_.data());
+      with_impulses_->restart(t_, y_.data());
+    }
+    between_events_->serialize(archive);
+    with_impulses_->serialize(archive);
+    watch_.serialize(archive);
+  }
+
+  double advance(double end, double* y) override {
+    do {
+      if (impulses_.are_used()) {
+        step_towards(end);
+      } else {
+        locate_towards(end);
+      }
+    } while (t_ < end && !system_.budget_exhausted());
+    steps_ = between_events_->steps() + with_impulses_->steps();
+    rejected_ = between_events_->rejected_steps();
+    std::ranges::copy(y_, y);
+    return t_;
+  }
+
+ private:
+  Integrator& present() { return impulses_.are_used() ? *with_impulses_ : *between_events_; }
+
+  void locate_towards(double end) {
+    const ImpulseEquations::Activity before = impulses_.activity();
+    const double start = t_;
+    std::ranges::copy(y_, start_.begin());
+    const bool were_apart = impulses_.can_be_located_at(y_.data());
+    try {
+      t_ = between_events_->advance_some(end, y_.data(), steps_between_events);
+    } catch (const IntegrationError& refusal) {
+      if (!impulses_.take_over(before.changes)) throw;
+      leave_events();
+      try {
+        t_ = with_impulses_->advance_some(end, y_.data(), 1);
+      } catch (const IntegrationError&) {
+        throw IntegrationError(refusal);
+      }
+      return;
+    }
+    if (were_apart && !impulses_.can_be_located_at(y_.data())) return step_instead(start, before.changes);
+    const ImpulseEquations::Activity now = impulses_.activity();
+    watch_.located((t_ - start) / step_, now.changes - before.changes, now.evaluations - before.evaluations);
+    if (watch_.are_too_many(now.closed)) leave_events();
+  }
+
+  // An event has been missed, so that shapes overlap.
+  void step_instead(double start, long changes) {
+    impulses_.take_over(changes);
+    t_ = start;
+    std::ranges::copy(start_, y_.begin());
+    leave_events();
+  }
+
+  void step_towards(double end) {
+    const long changes = impulses_.activity().changes;
+    const long steps = with_impulses_->steps();
+    t_ = with_impulses_->advance_some(end, y_.data(), steps_with_impulses);
+    const ImpulseEquations::Activity now = impulses_.activity();
+    const auto made = static_cast<int>(with_impulses_->steps() - steps);
+    if (!watch_.stepped(made, now.changes != changes, now.closed) || !impulses_.can_be_located_at(y_.data())) return;
+    watch_.return_to_events();
+    impulses_.change_to(false, t_, y_.data());
+    between_events_->restart(t_, y_.data());
+  }
+
+  void leave_events() {
+    watch_.leave_events();
+    impulses_.change_to(true, t_, y_.data());
+    with_impulses_->restart(t_, y_.data());
+  }
+
+  Equations& system_;
+  ImpulseEquations& impulses_;
+  double step_;
+  std::unique_ptr<Integrator> between_events_, with_impulses_;
+  std::vector<double> y_, start_;
+  double t_ = 0;
+  bool started_ = false;
+  SchemeWatch watch_;
+};
+
+}  // namespace
+
+std::unique_ptr<Integrator> make_contact_scheme(std::unique_ptr<Integrator> between_events, Equations& system,
+                                                const IntegratorOptions& options) {
+  return std::make_unique<ContactScheme>(std::move(between_events), system, options);
+}
+
+}  // namespace gelenk
