@@ -44,7 +44,7 @@ def test_lateral_force_is_the_magic_formula(side: float, V: float) -> None:
     found = read(rig((V, side), V / RADIUS))
     assert found["slip_angle"] == pytest.approx(atan(side / abs(V)), abs=ROUNDING)
     assert found["f_lat"] == pytest.approx(-LOAD * magic(side / abs(V), *LAT), rel=10 * ROUNDING)
-    assert found["f_long"] == 0
+    assert abs(found["f_long"]) <= 1e-9  # rounding of the spin
 
 
 # Coefficients B, C, D, E for dry and wet tarmac, snow and ice, as widely published (for
