@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "element/force.h"
+#include "math/dual.h"
 #include "util/text.h"
 
 namespace gelenk {
@@ -142,6 +143,13 @@ struct Tire {
     T tau;                 // N m
   };
 
+  // Whether the wheel lies flat on the road, where it has no heading, and no force.
+  template <class At>
+    requires requires(const At* at) { at->turned(Eigen::Vector3d()); }
+  bool undefined(const At* at) const {
+    return !is_idle() && at[1].own(axis_of<double>(at[0])).template head<2>().norm() < least_sine;
+  }
+
   template <class At, class T>
   void act(At* at, const T*) const {
     const Vector3<T> p = at[0].p() - at[1].p();
@@ -167,7 +175,7 @@ struct Tire {
   }
 
  private:
-  // A wheel that lies flatter than this on the road has no heading, and no force.
+  // A wheel that lies flatter than this on the road has no heading.
   static constexpr double least_sine = 1e-6;
 
   template <class T, class Port>

@@ -102,7 +102,7 @@ def two_wheels(track: SingleTrack, steering: float = 0.0) -> dict[str, Any]:
         "gelenk": 1,
         "gravity": [0, 0, -G],
         "bodies": {
-            "car": {"mass": track.mass, "inertia": [100, 100, track.moment]},
+            "car": {"mass": track.mass, "inertia": [track.moment / 2, track.moment, track.moment]},
             "fork": {"mass": 0},
         },
         "joints": {
