@@ -12,7 +12,7 @@ namespace gelenk {
 
 // Forces of a road, z = road(x) in the frame `on`, on a wheel of radius r about the axis a, with slip. In the axes of
 // `on`, with the normal n = z, s = |a x n|, the heading l = (a x n)/s, t = n x l, the direction d = ((n . a) a - n)/s
-// to the lowest point of the wheel, the height h of its center above the road and the road's slope road' there:
+// to the lowest point of the wheel, the height h of its center above the road and the road's gradient road' there:
 //   deflection   delta = r s - h, of the lowest point of the free wheel
 //   normal force N = load + max(stiffness delta + damping ddelta/dt, 0) where delta > 0, else load; along n - road' x
 //   slips        kappa = -(l . v)/V, tan alpha = (t . v)/V; v: velocity of the wheel at h/s below its center along d,
@@ -139,7 +139,7 @@ struct Tire {
   struct Contact {
     Vector3<T> f, n;       // force [N] and torque [N m] on the wheel, about its center
     T f_n, f_long, f_lat;  // N
-    T slip, slope;         // kappa, tan alpha
+    T slip, tan_alpha;     // kappa, tan alpha
     T tau;                 // N m
   };
 
@@ -170,7 +170,7 @@ struct Tire {
   T output(const At* at, int group) const {
     using std::atan2;
     const Contact<T> on = contact<T>(at);
-    const T all[] = {on.f_n, on.f_long, on.f_lat, on.slip, atan2(on.slope, T(1)), on.tau};
+    const T all[] = {on.f_n, on.f_long, on.f_lat, on.slip, atan2(on.tan_alpha, T(1)), on.tau};
     return all[group];
   }
 
@@ -191,7 +191,7 @@ struct Tire {
     return T(bump_height) * exp(-u * u / T(2));
   }
   template <class T>
-  T road_slope(const T& x) const {
+  T road_gradient(const T& x) const {
     return -road(x) * (x - T(bump_position)) / T(bump_length * bump_length);
   }
 
@@ -252,11 +252,11 @@ struct Tire {
     const Vector3<T> l(a.y() / s, -a.x() / s, T(0));
     const Vector3<T> t(-l.y(), l.x(), T(0));
     const Vector3<T> d(a.z() * a.x() / s, a.z() * a.y() / s, (a.z() * a.z() - T(1)) / s);
-    const T slope = road_slope(p.x());
+    const T gradient = road_gradient(p.x());
     const T delta = deflection(p, a);
     const Vector3<T> to_lowest = T(radius) * d;
     if (value_of(delta) > 0) {
-      const T rate = slope * v.x() - v.z() - w.cross(to_lowest).z();
+      const T rate = gradient * v.x() - v.z() - w.cross(to_lowest).z();
       const T spring = T(stiffness) * delta + T(damping) * rate;
       if (value_of(spring) > 0) out.f_n += spring;
     }
@@ -264,15 +264,15 @@ struct Tire {
     const Vector3<T> v_c = v + w.cross(to_road);
     const T V = speed(T(l.dot(v)));
     out.slip = -l.dot(v_c) / V;
-    out.slope = t.dot(v_c) / V;
+    out.tan_alpha = t.dot(v_c) / V;
     T f_long = T(slip_stiffness) * out.slip;
-    T f_lat = -T(cornering_stiffness) * out.slope;
+    T f_lat = -T(cornering_stiffness) * out.tan_alpha;
     limit(f_long, f_lat);
     out.f_long = f_long * out.f_n;
     out.f_lat = f_lat * out.f_n;
     const Vector3<T> along = out.f_long * l + out.f_lat * t;
     const Vector3<T> normal(T(0), T(0), out.f_n);
-    out.f = along + normal - Vector3<T>(out.f_n * slope, T(0), T(0));
+    out.f = along + normal - Vector3<T>(out.f_n * gradient, T(0), T(0));
     out.n = to_road.cross(along) + to_lowest.cross(normal);
     out.tau = a.dot(out.n);
     return out;

@@ -167,12 +167,18 @@ def as_matrix(slopes: dict[str, Array]) -> Array:
 
 @every_force
 def test_derivatives_are_those_of_what_it_does(case: Case) -> None:
-    """By dual numbers and by differences. At rest |v| has no second derivative, so differences err by h."""
+    """By dual numbers and by differences. At rest |v| has no second derivative, so differences err by h.
+
+    The damper of a tire never pulls: without a spring, its force has a kink at rest.
+    """
+    has_kink = case.kind["name"] == "tire" and case.numbers["stiffness"] == 0
     for place in places(case.force):
         found = as_matrix(place.derivatives_by_duals(case.force))
         F = place.act(case.force)
         scale = laws.scale_of(F, place) * (1 + float(np.abs(found).max()))
         still = not any(v.any() for v in place.velocities)
+        if still and has_kink:
+            continue
         bound = 10 * STEP if still else 100 * QUOTIENT
         assert_allclose(found, by_differences(case, place), atol=bound * scale, err_msg=place.name)
 

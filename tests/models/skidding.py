@@ -10,6 +10,8 @@ keeps its whole acceleration at zero while it rolls. The equations are solved by
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import pi
+from typing import Any
 
 import numpy as np
 from mechanisms import Array
@@ -144,3 +146,39 @@ def course(wheel: Wheel, y: Array, times: Array, mode: str = "slide") -> Course:
             # At rest the direction of what starts to slide is opposite to friction.
             y[7:9] -= 2 * NO_SLIP * f[:2] / np.hypot(*f[:2])
         events.append((t, mode))
+
+
+TO_Y = {"rotation": {"axis": [1, 0, 0], "angle": pi / 2}}  # of a shape: its z axis along -y of the body
+DISC = Wheel(2.0, (0.06, 0.12, 0.06), 0.3, 0.0, 0.25)
+
+
+def scene_of(wheel: Wheel, y: Array, **law: Any) -> dict[str, Any]:
+    """The wheel above the plane z = 0, on a joint of type `free`; y: r, Q, v, w (in the world)."""
+    R = Rotation.from_quat(y[3:7])
+    start = {
+        "r": y[:3].tolist(),
+        "Q": y[3:7].tolist(),
+        "v": y[7:10].tolist(),
+        "w": R.inv().apply(y[10:13]).tolist(),
+        "fixed": True,
+    }
+    tire = {"radius": wheel.radius, "crown": wheel.crown}
+    shape = {"wheel": tire, "surface": "rubber", "position": list(wheel.center), **TO_Y}
+    return {
+        "gelenk": 1,
+        "gravity": [0, 0, -G],
+        "bodies": {"wheel": {"mass": wheel.mass, "inertia": list(wheel.moments), "shapes": {"tire": shape}}},
+        "ground": {"shapes": {"plane": {"plane": [0, 0, 1], "surface": "road"}}},
+        "joints": {"J": {"type": "free", "parent": "ground", "child": "wheel", "start": start}},
+        "contacts": {"tire": {"between": ["rubber", "road"], "friction": wheel.friction, **law}},
+        "experiment": {"step": 1e-3},
+    }
+
+
+def on_the_plane(wheel: Wheel, lean: float, v: tuple[float, float], w: tuple[float, float, float]) -> Array:
+    """A state in contact: heading x, leaning about x [rad]; v along x and y, w in the world; no bouncing."""
+    R = Rotation.from_euler("x", lean)
+    rate = np.array(w)
+    arm, _ = wheel.arm(R.as_matrix(), rate)
+    up = -np.cross(rate, arm)[2]
+    return np.concatenate([[0, 0, -arm[2]], R.as_quat(), [*v, up], rate])
