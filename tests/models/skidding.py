@@ -110,7 +110,7 @@ def course(wheel: Wheel, y: Array, times: Array, mode: str = "slide") -> Course:
     """Integrate from y at times[0]; ends in flight, without landing."""
     t, stop = float(times[0]), float(times[-1])
     rows = [np.array(y, float)]
-    events = []
+    events: list[tuple[float, str]] = []
     while True:
 
         def stops(_: float, y: Array) -> float:
