@@ -152,8 +152,8 @@ void check_located_contacts(const Scene& scene, Faults& faults) {
     const std::string pair = pair_without_tips(scene, contact);
     if (pair.empty()) continue;
     faults.add("solver.integrator", with + text::printable(contact.name) + ", which is between " + pair,
-               "auto or moreau-jean: contacts are located between a plane and spheres, capsules, boxes, hulls and "
-               "cylinders, and between spheres, capsules and boxes");
+               "auto or moreau-jean: contacts are located between a plane and spheres, capsules, boxes, hulls, "
+               "cylinders and wheels, and between spheres, capsules and boxes");
   }
 }
 

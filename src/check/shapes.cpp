@@ -20,8 +20,8 @@ void check_shapes(const Scene& scene, const std::vector<BodyShape>& shapes, cons
       faults.add(path, std::string(kind.kind), "a shape of finite size; a plane is a shape of the ground");
     check_frame({.body = ground, .X_BF = shape.X_BS}, scene, path, faults, partial);
     if (!partial) {
-      const auto no_fault = [] { return std::optional<ElementFault>(); };
-      check_element(kind.fields, data_of(shape.is), path, {}, no_fault, faults);
+      const auto fault = [&] { return kind.fault ? kind.fault(data_of(shape.is)) : std::optional<ElementFault>(); };
+      check_element(kind.fields, data_of(shape.is), path, {}, fault, faults);
     }
   }
 }

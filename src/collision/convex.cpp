@@ -30,6 +30,10 @@ ConvexBody::ConvexBody(const AnyShape& shape, const Pose3& X) : center_(X.p) {
   } else if (const auto* cylinder = std::get_if<Cylinder>(&shape)) {
     core_.emplace<CylinderPose>(*cylinder, X);
     size_ = cylinder->size();
+  } else if (const auto* wheel = std::get_if<Wheel>(&shape)) {
+    core_.emplace<CylinderPose>(Cylinder{wheel->disk(), 0}, X);
+    radius_ = wheel->crown;
+    size_ = 2 * wheel->disk();
   }
 }
 

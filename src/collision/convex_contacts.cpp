@@ -58,6 +58,9 @@ Line line_of(const ConvexBody& body) {
 // Contact points around the closest ones.
 void further_contacts(const ConvexBody& a, const ConvexBody& b, const Eigen::Vector3d& n, double distance,
                       ContactSet& out) {
+  // The core of a wheel has no thickness: its closest points are all.
+  const auto is_disk = [](const ConvexBody& body) { return body.cylinder() != nullptr && body.cylinder()->half == 0; };
+  if (is_disk(a) || is_disk(b)) return;
   const double size = std::min(a.size(), b.size());
   const ClosestNormal at{n, distance - a.radius() - b.radius() - same_contact * size};
   const PointSink in_order(out, false, b.feature_count());

@@ -55,7 +55,8 @@ void for_rim_points(const CylinderPose& B, const Eigen::Vector3d& n, const Visit
   const int lower = along > 0 ? 0 : 1;
   if (sine > tilted_cap) {
     const Eigen::Vector3d toward = B.radius * (cx / sine * B.x + cy / sine * B.y);
-    for (int end = 0; end < 2; ++end) visit(Eigen::Vector3d(B.cap(end) + toward), cylinder_feature::rim(end));
+    const int ends = B.half > 0 ? 2 : 1;  // a disk has one rim
+    for (int end = 0; end < ends; ++end) visit(Eigen::Vector3d(B.cap(end) + toward), cylinder_feature::rim(end));
     return;
   }
   int replaced = -1;  // the fixed point closest to the lowest one

@@ -12,6 +12,7 @@ void plane_contacts(const Pose3& X_P, const Sphere& B, const Pose3& X_B, Contact
 void plane_contacts(const Pose3& X_P, const Capsule& B, const Pose3& X_B, ContactSet& out);
 void plane_contacts(const Pose3& X_P, const Box& B, const Pose3& X_B, ContactSet& out);
 void plane_contacts(const Pose3& X_P, const Cylinder& B, const Pose3& X_B, ContactSet& out);
+void plane_contacts(const Pose3& X_P, const Wheel& B, const Pose3& X_B, ContactSet& out);
 void plane_contacts(const Pose3& X_P, const Hull& B, const Pose3& X_B, ContactSet& out);
 inline void plane_contacts(const Pose3& X_P, const Mesh& B, const Pose3& X_B, ContactSet& out) {
   plane_contacts(X_P, B.hull(), X_B, out);

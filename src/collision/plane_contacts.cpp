@@ -43,6 +43,19 @@ void plane_contacts(const Pose3& X_P, const Cylinder& B, const Pose3& X_B, Conta
                  [&](const Eigen::Vector3d& x, int feature) { out.add_above(x, plane.n, plane.height(x), feature); });
 }
 
+// As the rims of the disk within the crown.
+void plane_contacts(const Pose3& X_P, const Wheel& B, const Pose3& X_B, ContactSet& out) {
+  const Surface plane(X_P);
+  const auto add = [&](const Eigen::Vector3d& x, int feature) {
+    out.add_above(x - B.crown * plane.n, plane.n, plane.height(x) - B.crown, feature);
+  };
+  if (B.disk() > 0) {
+    for_rim_points(CylinderPose(Cylinder{B.disk(), 0}, X_B), plane.n, add);
+  } else {
+    add(X_B.p, 0);
+  }
+}
+
 // Features are the vertices.
 void plane_contacts(const Pose3& X_P, const Hull& B, const Pose3& X_B, ContactSet& out) {
   const Surface plane(X_P);

@@ -121,7 +121,7 @@ Spots::Lowest Spots::lowest(const Spot& spot) const {
   const Vector3d across = out.n - out.n.dot(out.axis) * out.axis;
   out.sine = across.norm();
   out.e = out.sine > no_tilt ? Vector3d(across / out.sine) : Vector3d(out.axis.unitOrthogonal());
-  out.gap = out.n.dot(out.c - X_0S.p) - spot.radius * out.sine;
+  out.gap = out.n.dot(out.c - X_0S.p) - spot.radius * out.sine - spot.crown;
   return out;
 }
 
@@ -134,7 +134,8 @@ SpotState Spots::state_of_rim(const Spot& spot) const {
   out.n = at.n;
   out.n_dot = V_core.w.cross(at.n);
   const Vector3d lowest_point = at.c - spot.radius * at.e;
-  out.p = lowest_point - at.gap / 2 * at.n;
+  const double arm = spot.crown + at.gap / 2;
+  out.p = lowest_point - arm * at.n;
   const auto relative = [&](const Vector3d& p) {
     return Vector3d(V_tip.v + V_tip.w.cross(p) - V_core.v - V_core.w.cross(p));
   };
@@ -146,7 +147,7 @@ SpotState Spots::state_of_rim(const Spot& spot) const {
     const Vector3d across_dot = out.n_dot - cosine_rate * at.axis - at.n.dot(at.axis) * axis_dot;
     e_dot = (across_dot - at.e.dot(across_dot) * at.e) / at.sine;
   }
-  out.p_dot = V_tip.v + V_tip.w.cross(at.c) - spot.radius * e_dot - out.rate / 2 * at.n - at.gap / 2 * out.n_dot;
+  out.p_dot = V_tip.v + V_tip.w.cross(at.c) - spot.radius * e_dot - out.rate / 2 * at.n - arm * out.n_dot;
   return out;
 }
 

@@ -169,6 +169,7 @@ void Spots::add_rims(const Mechanism& mechanism, int contact, int tip, int core)
     spot.tip_edge.center = with_rims.X_LS.point(rim.center);
     spot.tip_edge.direction = with_rims.X_LS.R * rim.axis;
     spot.radius = rim.radius;
+    spot.crown = rim.crown;
     spots_.push_back(spot);
   }
 }
@@ -250,7 +251,7 @@ double Spots::margin(int spot) const {
       return std::min(on.left, on.sine - least_sine);
     }
     default:
-      return lowest(at).sine - flat_sine;
+      return at.radius > 0 ? lowest(at).sine - flat_sine : at.size;
   }
 }
 

@@ -27,7 +27,8 @@ struct Spot {
   Pose3 X_LS;              // of the core in its link
   RoundedBox box;          // the core, in S
   Eigen::Vector3d center;  // of the tip in its link [m]
-  double radius = 0;       // of the tip [m]
+  double radius = 0;       // of the tip or the rim [m]
+  double crown = 0;        // about the rim [m]
   double size = 0;         // of the smaller shape [m]
   int face = 0;            // of the box: the axis of its normal, plus 3 for the negative one
   SolidEdge core_edge;     // in the link of the core

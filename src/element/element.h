@@ -79,9 +79,4 @@ std::span<const SignalGroup> own_inputs(const E& element) {
   return {};
 }
 
-// An error in an element: the field, or empty for the whole element; what was found and what was expected.
-struct ElementFault {
-  std::string field, found, expected;
-};
-
 }  // namespace gelenk

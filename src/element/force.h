@@ -6,6 +6,7 @@
 //   jacobians(at, u)   PortJacobians of the force on its last port; optional, otherwise dual numbers are used
 //   undefined(at)      whether its direction is undefined at these positions of its ports; optional
 //   is_local()         whether it depends on neither the positions nor the velocities of its ports; optional
+//   output(at, group)   value of an output, a number, at these ports, as act(); with outputs
 //   is_idle()          whether it has no effect with its present values; optional
 //
 // u: its inputs. at[i] has the motion of port i, with vectors in the axes of a fixed frame common to all ports:

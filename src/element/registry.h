@@ -30,12 +30,13 @@
 #include "element/spring_damper.h"
 #include "element/stop.h"
 #include "element/surface_contact.h"
+#include "element/tire.h"
 #include "element/wrench.h"
 
 namespace gelenk {
 
 using AnyMotor = std::variant<Drive>;
-using AnyForce = std::variant<SpringDamper, Wrench, Bushing, Drag, Moment>;
+using AnyForce = std::variant<SpringDamper, Wrench, Bushing, Drag, Moment, Tire>;
 using AnyConstraint = std::variant<Motion, Gear, Rack, Rolling, KnifeEdge>;
 using AnyContact = std::variant<SurfaceContact>;
 using AnySensor = std::variant<Reaction, FrameSensor, EnergySensor, Distance, Power>;

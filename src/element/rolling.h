@@ -7,15 +7,15 @@
 
 namespace gelenk {
 
-// A thin disk of radius r about the z axis a of M rolls without slipping on the x-y plane of F. With the normal n and
-// s = |a x n|, the lowest point of the disk is c = p + r d with d = ((n . a) a - n)/s. Each constraint equation is a
-// force at c:
-//   normal        w = n,              Phi = p_z - r s; w . V is its rate, since d is the direction of the lowest point
+// A wheel of radius r about the z axis a of M, whose tread has the radius of curvature k across, rolls without slipping
+// on the x-y plane of F. With the normal n and s = |a x n|, its lowest point is c = p + (r - k) d - k n with d = ((n .
+// a) a - n)/s. Each constraint equation is a force at c:
+//   normal        w = n,              Phi = p_z - (r - k) s - k; w . V is its rate, since c is the lowest point
 //   longitudinal  w = l = (a x n)/s   no Phi
 //   lateral       w = n x l           no Phi
 struct Rolling : NoCoordinates {
   static constexpr std::string_view kind = "rolling";
-  static constexpr std::string_view summary = "a wheel (thin disk) rolls on a plane without slipping";
+  static constexpr std::string_view summary = "a wheel rolls on a plane without slipping";
   static constexpr Port ports[] = {
       {.kind = Port::Kind::frame, .name = "", .text = "Center of the wheel"},
       {.kind = Port::Kind::frame, .name = "on", .text = "The plane, with z as its normal", .optional = true}};
@@ -23,14 +23,17 @@ struct Rolling : NoCoordinates {
 
   Direction axis = {Eigen::Vector3d::UnitY()};  // of the wheel
   double radius = 0;                            // m
+  double crown = 0;                             // m
 
   static std::span<const Field> fields() {
-    static constexpr Field all[] = {field<&Rolling::axis>({.name = "axis", .text = "axis of the wheel"}),
-                                    field<&Rolling::radius>({.name = "radius",
-                                                             .unit = "m",
-                                                             .text = "radius of the wheel",
-                                                             .range = Range::positive,
-                                                             .required = true})};
+    static constexpr Field all[] = {
+        field<&Rolling::axis>({.name = "axis", .text = "axis of the wheel"}),
+        field<&Rolling::radius>(
+            {.name = "radius", .unit = "m", .text = "radius of the wheel", .range = Range::positive, .required = true}),
+        field<&Rolling::crown>({.name = "crown",
+                                .unit = "m",
+                                .text = "radius of curvature of its tread across",
+                                .range = Range::not_negative})};
     return all;
   }
   static constexpr SignalGroup outputs[] = {
@@ -82,21 +85,27 @@ struct Rolling : NoCoordinates {
   // Position of the contact point in F [m].
   template <class T>
   Vector3<T> contact_point(const typename SpatialAlgebra<T>::Pose& X_FM) const {
-    return X_FM.p + T(radius) * frame<T>(X_FM.R).d;
+    return X_FM.p + arm<T>(frame<T>(X_FM.R));
+  }
+
+  // From the center of the wheel to the contact point.
+  template <class T>
+  Vector3<T> arm(const Frame<T>& f) const {
+    return T(radius - crown) * f.d - Vector3<T>(T(0), T(0), T(crown));
   }
 
   template <class A>
   int rows(const typename A::Pose& X_FM, Row<A>* out) const {
     using T = typename A::Scalar;
     const Frame<T> f = frame<T>(X_FM.R);
-    const Vector3<T> arm = T(radius) * f.d;
+    const Vector3<T> to_contact = arm<T>(f);
     const Vector3<T> directions[] = {{T(0), T(0), T(1)}, f.l, {-f.l.y(), f.l.x(), T(0)}};
     for (int i = 0; i < row_count; ++i) {
       out[i].w.f = directions[i];
-      out[i].w.n = arm.cross(directions[i]);
+      out[i].w.n = to_contact.cross(directions[i]);
       out[i].Phi = T(0);
     }
-    out[0].Phi = X_FM.p.z() - T(radius) * f.s;
+    out[0].Phi = X_FM.p.z() - T(radius - crown) * f.s - T(crown);
     return row_count;
   }
 
@@ -110,8 +119,8 @@ struct Rolling : NoCoordinates {
     const Vector3<T> ldot = heading * t;
     const Vector3<T> tdot = -heading * f.l;
     const Vector3<T> ddot = adot.cross(f.l) + f.a.cross(ldot);
-    const Vector3<T> d_V = T(radius) * V.w.cross(ddot);  // of the point of the disk at c
-    const Vector3<T> v_c = V.v + T(radius) * V.w.cross(f.d);
+    const Vector3<T> d_V = T(radius - crown) * V.w.cross(ddot);  // of the point of the wheel at c
+    const Vector3<T> v_c = V.v + V.w.cross(arm<T>(f));
     bias[0] += d_V.z();
     bias[1] += f.l.dot(d_V) + ldot.dot(v_c);
     bias[2] += t.dot(d_V) + tdot.dot(v_c);

@@ -84,6 +84,12 @@ struct Field : FieldInfo {
   }
 };
 
+// An error in an element that the ranges of its fields do not cover: the field, or empty for the whole element; what was
+// found and what was expected.
+struct ElementFault {
+  std::string field, found, expected;
+};
+
 // A unit vector.
 struct Direction {
   Eigen::Vector3d along = Eigen::Vector3d::UnitZ();

@@ -12,6 +12,10 @@ Outputs::Outputs(const Scene& scene, const ReducedScene& reduced, const std::vec
     sensors_.push_back(sensor.is);
     ports_.emplace_back(scene, reduced, sensor, kind_of(sensor.is).reads_reaction);
   }
+  for (const Force& force : scene.forces) {
+    forces_.push_back(force.is);
+    force_ports_.emplace_back(scene, reduced, force, false);
+  }
   for (const Constraint& constraint : scene.constraints) constraints_.push_back(constraint.is);
   for (const Contact& contact : scene.contacts) contacts_.push_back(contact.is);
   for (const Signal& signal : signals) {
@@ -95,6 +99,11 @@ Outputs::Source Outputs::element_source(const Scene& scene, const Signal& signal
     out.island = out.kind == Kind::whole ? none : ports_[i].island;
     return out;
   }
+  if (signal.section == sections::forces) {
+    out.kind = Kind::force;
+    out.island = force_ports_[static_cast<std::size_t>(signal.element)].island;
+    return out;
+  }
   if (signal.section == sections::contacts) {
     const auto touches = [](const Mechanism& mechanism) { return !mechanism.shapes.empty(); };
     const auto found = std::ranges::find_if(reduced_.islands, touches);
@@ -112,7 +121,8 @@ Outputs::Source Outputs::element_source(const Scene& scene, const Signal& signal
 
 double Outputs::constant(int output) const {
   const Source& s = sources_[output];
-  return s.kind == Kind::constant ? s.sign : sensor_value<double>(s, nullptr);
+  if (s.kind == Kind::constant) return s.sign;
+  return s.kind == Kind::force ? force_value<double>(s, nullptr) : sensor_value<double>(s, nullptr);
 }
 
 template double Outputs::value(int, const Reading&) const;

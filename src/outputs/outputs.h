@@ -73,6 +73,7 @@ class Outputs {
     whole,  // a sensor of the whole mechanism
     constraint,
     contact,
+    force,
   };
   struct Source {
     Kind kind = Kind::constant;
@@ -91,12 +92,16 @@ class Outputs {
   [[gnu::noinline]] T sensor_value(const Source& source, const Readings<T>* dynamics) const;
   template <class T>
   [[gnu::noinline]] T constraint_value(const Source& source, const Readings<T>& dynamics) const;
+  template <class T>
+  [[gnu::noinline]] T force_value(const Source& source, const Readings<T>* dynamics) const;
   Source element_source(const Scene& scene, const Signal& signal) const;
 
   const ReducedScene& reduced_;
   std::vector<Source> sources_;
   std::vector<AnySensor> sensors_;  // by sensor of the scene
   std::vector<PortPlaces> ports_;
+  std::vector<AnyForce> forces_;  // by force of the scene
+  std::vector<PortPlaces> force_ports_;
   std::vector<AnyConstraint> constraints_;  // by constraint of the scene
   std::vector<AnyContact> contacts_;        // by contact of the scene
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstdlib>
 
 #include "math/pose_in.h"
@@ -37,6 +38,8 @@ T Outputs::value(int output, const ReadingOf<T>& reading) const {
       return T(std::abs(reading.modes[s.index]) == 1 ? reading.modes[s.index] : 0);
     case Kind::sensor:
       return sensor_value<T>(s, &reading.dynamics);
+    case Kind::force:
+      return force_value<T>(s, &reading.dynamics);
     case Kind::constraint:
       return constraint_value<T>(s, reading.dynamics);
     case Kind::contact:
@@ -65,6 +68,23 @@ T Outputs::sensor_value(const Source& source, const Readings<T>* dynamics) const
           return sensor.output(seen, source.group, source.component);
       },
       sensors_[i]);
+}
+
+template <class T>
+T Outputs::force_value(const Source& source, const Readings<T>* dynamics) const {
+  const auto i = static_cast<std::size_t>(source.index);
+  return std::visit(
+      [&](const auto& force) -> T {
+        using F = std::decay_t<decltype(force)>;
+        if constexpr (requires { F::outputs; }) {
+          const SeenPorts<T> seen(force_ports_[i], reduced_, dynamics);
+          std::array<SeenPort<T>, std::size(F::ports)> at;
+          for (std::size_t k = 0; k < at.size(); ++k) at[k] = {seen.frame(static_cast<int>(k))};
+          return force.template output<T>(at.data(), source.group);
+        }
+        return T(0);
+      },
+      forces_[i]);
 }
 
 template <class T>

@@ -83,6 +83,18 @@ class SeenPorts {
   const Readings<T>* dynamics_;
 };
 
+// A port of a force (element/force.h), for its outputs.
+template <class T>
+struct SeenPort {
+  SeenFrame<T> frame;
+
+  const Vector3<T>& p() const { return frame.X_0P.p; }
+  const Vector3<T>& v() const { return frame.v; }
+  const Vector3<T>& w() const { return frame.w; }
+  Vector3<T> turned(const Vector3<T>& x) const { return frame.X_0P.R * x; }
+  Vector3<T> own(const Vector3<T>& x) const { return frame.X_0P.R.transpose() * x; }
+};
+
 // Energy of the mechanism, or of a part of it.
 template <class T>
 struct SeenEnergy {

@@ -40,8 +40,11 @@ std::vector<SolidEdge> edges(const Shape&) {
 }
 
 std::vector<SolidRim> rims(const Cylinder& cylinder) {
-  return {{{0, 0, -cylinder.length / 2}, Vector3d::UnitZ(), cylinder.radius},
-          {{0, 0, cylinder.length / 2}, Vector3d::UnitZ(), cylinder.radius}};
+  return {{{0, 0, -cylinder.length / 2}, Vector3d::UnitZ(), cylinder.radius, 0},
+          {{0, 0, cylinder.length / 2}, Vector3d::UnitZ(), cylinder.radius, 0}};
+}
+std::vector<SolidRim> rims(const Wheel& wheel) {
+  return {{Vector3d::Zero(), Vector3d::UnitZ(), wheel.disk(), wheel.crown}};
 }
 template <class Shape>
 std::vector<SolidRim> rims(const Shape&) {

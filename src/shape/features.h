@@ -21,11 +21,12 @@ struct SolidEdge {
   bool is_sharp() const { return radius == 0; }
 };
 
-// A circular edge of a cylinder.
+// A circular edge of a cylinder, or the ring within the crown of a wheel.
 struct SolidRim {
   Eigen::Vector3d center = Eigen::Vector3d::Zero();  // m
   Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();   // unit
   double radius = 0;                                 // m
+  double crown = 0;                                  // m, about the ring
 };
 
 // None for shapes that have none.

@@ -18,12 +18,15 @@ constexpr bool made_of_triangles = requires(const S& shape) { shape.triangles();
 
 template <class S>
 ShapeKind describe() {
-  return {.kind = S::kind,
-          .summary = S::summary,
-          .fields = S::fields(),
-          .bounded = S::bounded,
-          .of_points = made_of_points<S>,
-          .of_triangles = made_of_triangles<S>};
+  ShapeKind out{.kind = S::kind,
+                .summary = S::summary,
+                .fields = S::fields(),
+                .bounded = S::bounded,
+                .of_points = made_of_points<S>,
+                .of_triangles = made_of_triangles<S>};
+  if constexpr (requires(const S& shape) { shape.fault(); })
+    out.fault = [](const void* shape) { return static_cast<const S*>(shape)->fault(); };
+  return out;
 }
 
 template <class... S>

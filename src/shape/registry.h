@@ -15,10 +15,11 @@
 #include "shape/mesh.h"
 #include "shape/plane.h"
 #include "shape/sphere.h"
+#include "shape/wheel.h"
 
 namespace gelenk {
 
-using AnyShape = std::variant<Sphere, Capsule, Box, Cylinder, Plane, Hull, Mesh>;
+using AnyShape = std::variant<Sphere, Capsule, Box, Cylinder, Plane, Hull, Mesh, Wheel>;
 
 // Description of a kind of shape for code that does not depend on particular shapes.
 struct ShapeKind {
@@ -27,6 +28,7 @@ struct ShapeKind {
   bool bounded = true;            // whether it has mass properties and a finite size
   bool of_points = false;         // whether it is made from a list of points: make_shape_of_points()
   bool of_triangles = false;      // whether triangles between these points are its surface
+  std::optional<ElementFault> (*fault)(const void* shape) = nullptr;  // in dimensions that are each permitted
 };
 
 // All kinds, in the order of AnyShape.

@@ -8,6 +8,7 @@
 //   support(d)           a point of the solid farthest in the direction d, both in S; d need not be a unit vector
 //   size()               diameter of a sphere about the middle of the shape that contains it [m]; the length to which
 //                        tolerances refer
+//   fault()              error in dimensions that are each permitted; optional
 //   bounds(X_WS)         the smallest axis-aligned box in W that contains the solid at the pose X_WS
 #pragma once
 

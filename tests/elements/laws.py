@@ -47,8 +47,9 @@ def dimension(unit: str, angle: bool = True) -> tuple[int, int, int]:
 
 
 def is_damping(field: Kind) -> bool:
-    """Whether it multiplies a speed, with a unit of a stiffness times s, or s^2, or is dry friction."""
-    return bool(re.search(r"\.s\d?\b", field["unit"])) or field["name"] in ("coulomb", "static")
+    """Whether it multiplies a speed, with a unit of a stiffness times s, or s^2, or is friction or slip."""
+    of_slip = ("coulomb", "static", "slip_stiffness", "cornering_stiffness")
+    return bool(re.search(r"\.s\d?\b", field["unit"])) or field["name"] in of_slip
 
 
 def is_load(field: Kind) -> bool:

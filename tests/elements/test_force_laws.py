@@ -114,11 +114,17 @@ def test_energy_is_lost_to_dampers_alone(case: Case) -> None:
     ids=str,
 )
 def test_each_damper_takes_energy(case: Case, name: str) -> None:
-    """Alone, in general motion."""
-    alone = case.without(*(f["name"] for f in case.fields if f["name"] != name))
+    """Alone, in general motion; of a tire, which is pressed to the road by its load, where it touches."""
+    others = [f["name"] for f in case.fields if f["name"] != name and f["range"] != "positive"]
+    is_tire = case.kind["name"] == "tire"
+    alone = case.without(*(n for n in others if not (is_tire and n == "load")))
+    found = []
     for place in places(alone.force)[:4]:
-        loss, scale = lost(alone, replace(place, inputs=np.zeros_like(place.inputs)))
-        assert loss > 1e-3 * scale  # of a speed of about 1
+        place = replace(place, inputs=np.zeros_like(place.inputs))
+        loss, scale = lost(alone, place)
+        found.append((loss - lost(alone.without(name), place)[0]) / scale)
+    # of a speed of about 1
+    assert (max if is_tire else min)(found) > 1e-3
 
 
 def from_first(place: Place) -> Place:
@@ -161,12 +167,18 @@ def as_matrix(slopes: dict[str, Array]) -> Array:
 
 @every_force
 def test_derivatives_are_those_of_what_it_does(case: Case) -> None:
-    """By dual numbers and by differences. At rest |v| has no second derivative, so differences err by h."""
+    """By dual numbers and by differences. At rest |v| has no second derivative, so differences err by h.
+
+    The damper of a tire never pulls: without a spring, its force has a kink at rest.
+    """
+    has_kink = case.kind["name"] == "tire" and case.numbers["stiffness"] == 0
     for place in places(case.force):
         found = as_matrix(place.derivatives_by_duals(case.force))
         F = place.act(case.force)
         scale = laws.scale_of(F, place) * (1 + float(np.abs(found).max()))
         still = not any(v.any() for v in place.velocities)
+        if still and has_kink:
+            continue
         bound = 10 * STEP if still else 100 * QUOTIENT
         assert_allclose(found, by_differences(case, place), atol=bound * scale, err_msg=place.name)
 
@@ -216,9 +228,11 @@ def test_each_number_has_an_effect(case: Case, name: str, component: int) -> Non
     if isinstance(other, list):
         other[component] *= 1.5
     changed = case.with_number(name, other).force
-    place = places(case.force)[0]
-    before, after = place.act(case.force), place.act(changed)
-    assert np.abs(np.array(after) - np.array(before)).max() > 1e-3 * np.abs(before).max()
+    effects = []
+    for place in places(case.force)[:8]:
+        before, after = np.array(place.act(case.force)), np.array(place.act(changed))
+        effects.append(np.abs(after - before).max() / np.abs(before).max())
+    assert max(effects) > 1e-3
 
 
 @every_kind

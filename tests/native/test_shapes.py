@@ -20,6 +20,8 @@ BOUNDED: list[tuple[str, list[float], list[list[float]]]] = [
     ("capsule", [0.2, 0.5], []),
     ("box", [0.2, 0.3, 0.6], []),
     ("cylinder", [0.2, 0.7], []),
+    ("wheel", [0.3, 0.1], []),
+    ("wheel", [0.3, 0.0], []),
     ("hull", [], TETRAHEDRON),
 ]
 
@@ -32,7 +34,7 @@ def pose(rng: np.random.Generator) -> tuple[Array, Array, list[float]]:
 
 def test_kinds_are_listed_with_their_fields(units: Any) -> None:
     kinds = {name: (bounded, of_points, fields) for name, bounded, of_points, fields in units.shape_kinds()}
-    assert set(kinds) == {"sphere", "capsule", "box", "cylinder", "plane", "hull", "mesh"}
+    assert set(kinds) == {"sphere", "capsule", "box", "cylinder", "plane", "hull", "mesh", "wheel"}
     assert [name for name, (bounded, _, _) in kinds.items() if not bounded] == ["plane"]
     assert [name for name, (_, of_points, _) in kinds.items() if of_points] == ["hull", "mesh"]
     assert kinds["capsule"][2] == [("radius", "m"), ("length", "m")]
@@ -95,6 +97,29 @@ def test_masses_of_round_shapes_are_sums_over_disks(
     found, _, inertia = units.Shape(kind, dimensions).mass()
     assert found == pytest.approx(V, rel=10 * ROUNDING)
     assert np.diag(inertia) == pytest.approx([across, across, along], rel=10 * ROUNDING)
+
+
+def test_masses_of_a_wheel_are_sums_over_disks(units: Any) -> None:
+    """At the height z = c sin b the radius is R + c cos b; Gauss's quadrature over b, to rounding."""
+    radius, crown = 0.3, 0.1
+    x, weights = np.polynomial.legendre.leggauss(40)
+    b = np.pi / 2 * x
+    dz = np.pi / 2 * weights * crown * np.cos(b)
+    z, rho = crown * np.sin(b), radius - crown + crown * np.cos(b)
+    V = (dz * PI * rho**2).sum()
+    along = (dz * PI * rho**4 / 2).sum()
+    across = (dz * PI * (rho**4 / 4 + rho**2 * z**2)).sum()
+    found, center, inertia = units.Shape("wheel", [radius, crown]).mass()
+    assert found == pytest.approx(V, rel=10 * ROUNDING)
+    assert center == [0, 0, 0]
+    assert np.diag(inertia) == pytest.approx([across, across, along], rel=10 * ROUNDING)
+
+
+def test_a_wheel_whose_crown_is_its_radius_is_a_ball(units: Any) -> None:
+    ball, wheel = units.Shape("sphere", [0.3]), units.Shape("wheel", [0.3, 0.3])
+    assert wheel.mass()[0] == pytest.approx(ball.mass()[0], rel=ROUNDING)
+    assert np.diag(wheel.mass()[2]) == pytest.approx(np.diag(ball.mass()[2]), rel=2 * ROUNDING)
+    assert wheel.support([1, 2, -3]) == pytest.approx(ball.support([1, 2, -3]), rel=2 * ROUNDING)
 
 
 def test_a_hull_has_the_mass_of_the_box_that_it_is(units: Any) -> None:

@@ -43,6 +43,7 @@ SIDEWAYS = {"Q": [np.sqrt(0.5), 0, 0, np.sqrt(0.5)]}  # z of the shape is horizo
         ({"capsule": {"radius": 0.1, "length": 0.4}}, 0.1, SIDEWAYS),
         ({"cylinder": {"radius": 0.1, "length": 0.4}}, 0.2, {}),
         ({"cylinder": {"radius": 0.1, "length": 0.4}}, 0.1, SIDEWAYS),
+        ({"wheel": {"radius": 0.3, "crown": 0.1}}, 0.3, SIDEWAYS),
         ({"hull": POINTS}, 0.3, {}),
     ],
 )

@@ -31,6 +31,8 @@ def extent(shapes: Shapes) -> tuple[np.ndarray, np.ndarray]:
         ({"box": [0.1, 0.2, 0.3]}, [0.05, 0.1, 0.15]),
         ({"capsule": {"radius": 0.1, "length": 0.4}}, [0.1, 0.1, 0.3]),
         ({"cylinder": {"radius": 0.1, "length": 0.4}}, [0, 0, 0.2]),
+        ({"wheel": {"radius": 0.3, "crown": 0.1}}, [0.3, 0.3, 0.1]),
+        ({"wheel": {"radius": 0.3}}, [0.3, 0.3, 0.006]),
         ({"hull": [[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, 1]]}, [1, 1, 1]),
         ({"mesh": CUBE}, [1, 1, 1]),
     ],

@@ -48,9 +48,9 @@ def springs(data: Data) -> list[tuple[Data, Data]]:
 
 
 def wheels(data: Data) -> dict[str, Data]:
-    """Return the constraints with an axis and a radius (rolling wheels), by body."""
-    constraints = data.get("constraints", {}).values()
-    return {row["body"]: row for row in constraints if {"body", "axis", "radius"} <= {*row}}
+    """Return the constraints and forces with an axis and a radius (rolling wheels, tires), by body."""
+    rows = [*data.get("constraints", {}).values(), *data.get("forces", {}).values()]
+    return {row["body"]: row for row in rows if {"body", "axis", "radius"} <= {*row}}
 
 
 def wheel_axes(wheel: Data) -> tuple[Array, Array, Array]:

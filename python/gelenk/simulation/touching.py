@@ -119,6 +119,11 @@ def _support(shape: Data, d: Array) -> Array:
         radius, length = (shape["capsule"][key] for key in ("radius", "length"))
         ends = length / 2 * np.array([[0, 0, -1.0], [0, 0, 1.0]])
         out = _middles(ends, d, radius + length / 2) + radius * d
+    elif "wheel" in shape:
+        radius, crown = shape["wheel"]["radius"], shape["wheel"].get("crown", 0.0)
+        across = np.linalg.norm(d[:, :2], axis=1, keepdims=True)
+        rim = np.divide(d[:, :2], across, out=np.zeros_like(d[:, :2]), where=across > FLAT)
+        out = np.column_stack([(radius - crown) * rim, np.zeros(len(d))]) + crown * d
     elif "cylinder" in shape:
         radius, length = (shape["cylinder"][key] for key in ("radius", "length"))
         across = np.linalg.norm(d[:, :2], axis=1, keepdims=True)

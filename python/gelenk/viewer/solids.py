@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 type Array = NDArray[np.float64]
 
 SLAB_THICKNESS = 0.01  # relative to its edge, of a piece of a half-space
+THIN_WHEEL = 0.02  # half width of a wheel without a crown, relative to its radius
 CORNERS = np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]])
 
 
@@ -41,6 +42,8 @@ def add_solids(out: Shapes, shapes: Mapping[str, Mapping[str, Any]], size: float
             out.add_tube(p - half, p + half, round_shape["radius"])
             for end in (p - half, p + half) if is_capsule else ():
                 out.add_ball(end, round_shape["radius"])
+        elif "wheel" in shape:
+            out.add_hull(p + _wheel(shape["wheel"]) @ R.T)
         elif "box" in shape:
             a, b, c = shape["box"]
             base = p + CORNERS @ np.array([a * x, b * y]) - c / 2 * z
@@ -53,3 +56,13 @@ def add_solids(out: Shapes, shapes: Mapping[str, Mapping[str, Any]], size: float
         elif "plane" in shape:
             base = p + size * CORNERS @ np.array([x, y]) - SLAB_THICKNESS * size * z
             out.add_prism(base, SLAB_THICKNESS * size * z)
+
+
+def _wheel(wheel: Mapping[str, float]) -> Array:
+    """Return points of the tread of a wheel about z [m], shape (points, 3); of a thin disk two circles."""
+    radius, crown = wheel["radius"], wheel.get("crown", 0.0)
+    across = np.linspace(-np.pi / 2, np.pi / 2, 7 if crown > 0 else 2)
+    rho = radius - crown + crown * np.cos(across)
+    z = max(crown, THIN_WHEEL * radius) * np.sin(across)
+    around = np.linspace(0, 2 * np.pi, 49)[:-1]
+    return np.array([[r * np.cos(t), r * np.sin(t), h] for t in around for r, h in zip(rho, z, strict=True)])
