@@ -130,7 +130,7 @@ std::string Placement::modes() const {
   for (const auto& island : impl_.islands) {
     if (!island->formulation().modes().locks().empty()) return "friction or limits";
     const ContactMotion& contacts = island->formulation().contacts();
-    if (contacts.touch() != nullptr || contacts.steps().are_used()) return "contacts";
+    if (contacts.touch() != nullptr || contacts.are_used()) return "contacts";
   }
   return {};
 }
