@@ -48,7 +48,7 @@ NATIVE  := $(shell find src modelDescription fmu python/bindings \( -name '*.cpp
 PACKAGE := $(shell find python/gelenk scenes -type f -not -path '*/__pycache__/*' 2>/dev/null)
 BUILD   := pyproject.toml CMakeLists.txt $(wildcard cmake/*) LICENSE $(wildcard licenses/*.txt licenses/*/*.txt)
 
-.PHONY: help demo test lint style tidy format pytest reductions charts accuracy nonsmooth gallery tutorial real-time growth bench costs clocks special thrown masters sanitize smoke fuzz states runtimes wheels platforms clean
+.PHONY: help demo test lint style tidy format pytest reductions charts accuracy nonsmooth gallery tutorial real-time growth bench costs clocks studies special thrown masters sanitize smoke fuzz states runtimes wheels platforms clean
 help:
 	@sed -n '2,29s/^# //p' Makefile
 
@@ -126,6 +126,10 @@ costs: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 # Ten minutes.
 clocks: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 	$(BIN)/python -m pytest -m clock $(TESTS)
+
+# Some five minutes.
+studies: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
+	$(BIN)/python -m pytest -m study $(TESTS)
 
 # Half an hour; findings are written to build/special.txt. ARGS="--only 'random 87'" repeats one comparison.
 ARGS ?=

@@ -66,7 +66,7 @@ Matrix follow_all(const std::vector<Plant*>& plants, const std::vector<std::stri
 }  // namespace
 
 void gelenk::bind_placement(nb::module_& m, nb::class_<Plant>& simulation) {
-  nb::class_<Held>(m, "Position", "Where a plant is.");
+  const nb::class_<Held> position(m, "Position", "Where a plant is.");
   simulation
       .def(
           "assemble", [](Plant& p, double time) { p.with([&](Simulation& s) { s.assemble(time); }); },

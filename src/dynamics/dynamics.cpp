@@ -7,8 +7,8 @@
 #include <numeric>
 
 #include "derivatives/forward_ad.h"
+#include "derivatives/held_branches.h"
 #include "derivatives/recursive.h"
-#include "dynamics/held_branches.h"
 #include "dynamics/joint_modes.h"
 #include "dynamics/mass_factor.h"
 #include "dynamics/mass_weighted_jacobian.h"

@@ -167,39 +167,6 @@ class JointModes final : public Branching {
   double speed(int lock, const double* v) const override { return found_[lock].sign * locks_.speed(lock, v); }
   HoldingForces& holding_forces() override { return holding_; }
 
-  // Without any forces, more than 0.
-  double slack(int lock) const override {
-    return slack_fraction * force_size_ * locks_.inverse_mobility(lock) + std::numeric_limits<double>::min();
-  }
-
-  void compliance(const std::vector<int>& locks, Eigen::MatrixXd& W, Eigen::VectorXd& scale) override {
-    const auto size = static_cast<Eigen::Index>(locks.size());
-    Eigen::MatrixXd y(state_.model.nv, size);
-    Eigen::MatrixXd z(state_.model.nv, size);
-    scale.resize(size);
-    for (Eigen::Index i = 0; i < size; ++i) {
-      locks_.whiten(locks[i], y.col(i).data());
-      locks_.permitted_part(y.col(i).data(), z.col(i).data());
-      if (z.col(i).norm() <= LockedCoordinates<A>::rank_threshold * y.col(i).norm()) z.col(i).setZero();
-      z.col(i) *= found_[locks[i]].sign;
-      scale[i] = force_size_ * y.col(i).norm();
-    }
-    W = z.transpose() * z;
-  }
-
-  void strike(const std::vector<int>& locks, const Eigen::VectorXd& impulses, double* v) override {
-    Eigen::VectorXd y(state_.model.nv);
-    Eigen::VectorXd z(state_.model.nv);
-    Eigen::VectorXd w = Eigen::VectorXd::Zero(state_.model.nv);
-    for (std::size_t i = 0; i < locks.size(); ++i) {
-      locks_.whiten(locks[i], y.data());
-      locks_.permitted_part(y.data(), z.data());
-      w += found_[locks[i]].sign * impulses[static_cast<Eigen::Index>(i)] * z;
-    }
-    M_.solve(w.data());
-    for (Eigen::Index k = 0; k < w.size(); ++k) v[k] += w[k];
-  }
-
   void clear(double* v) override {
     if (locks_any()) locks_.clear(v);
   }
@@ -238,6 +205,39 @@ class JointModes final : public Branching {
   }
 
   // Called by users of Branching alone.
+  // Without any forces, more than 0.
+  double slack(int lock) const override {
+    return slack_fraction * force_size_ * locks_.inverse_mobility(lock) + std::numeric_limits<double>::min();
+  }
+
+  void compliance(const std::vector<int>& locks, Eigen::MatrixXd& W, Eigen::VectorXd& scale) override {
+    const auto size = static_cast<Eigen::Index>(locks.size());
+    Eigen::MatrixXd y(state_.model.nv, size);
+    Eigen::MatrixXd z(state_.model.nv, size);
+    scale.resize(size);
+    for (Eigen::Index i = 0; i < size; ++i) {
+      locks_.whiten(locks[i], y.col(i).data());
+      locks_.permitted_part(y.col(i).data(), z.col(i).data());
+      if (z.col(i).norm() <= LockedCoordinates<A>::rank_threshold * y.col(i).norm()) z.col(i).setZero();
+      z.col(i) *= found_[locks[i]].sign;
+      scale[i] = force_size_ * y.col(i).norm();
+    }
+    W = z.transpose() * z;
+  }
+
+  void strike(const std::vector<int>& locks, const Eigen::VectorXd& impulses, double* v) override {
+    Eigen::VectorXd y(state_.model.nv);
+    Eigen::VectorXd z(state_.model.nv);
+    Eigen::VectorXd w = Eigen::VectorXd::Zero(state_.model.nv);
+    for (std::size_t i = 0; i < locks.size(); ++i) {
+      locks_.whiten(locks[i], y.data());
+      locks_.permitted_part(y.data(), z.data());
+      w += found_[locks[i]].sign * impulses[static_cast<Eigen::Index>(i)] * z;
+    }
+    M_.solve(w.data());
+    for (Eigen::Index k = 0; k < w.size(); ++k) v[k] += w[k];
+  }
+
   const double* inputs() const override { return inputs_.data(); }
   bool is_redundant() const override { return locks_.rank() < locks_.locked_count(); }
 
@@ -298,7 +298,7 @@ class JointModes final : public Branching {
       if constexpr (Sticks<Element> || Blocks<Element>) {
         const auto [place, is_new] = lock_at.try_emplace({cut, force.v}, locks());
         if (is_new) {
-          found_.push_back({.sign = force.sign});
+          found_.emplace_back().sign = force.sign;
           if (cut < 0) {
             rows.push_back({{force.v, 1}});
           } else {

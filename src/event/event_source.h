@@ -29,6 +29,10 @@ class EventSource {
   // The earliest time after that t at which the equations were evaluated outside the held mode [s]; infinite: never.
   virtual double mode_exit_time() const { return INFINITY; }
 
+  // Whether modes that end and begin again before an event within the same step are searched for. Contacts between
+  // shapes have no smooth indicators beyond a mode, so that false alarms would cut steps again and again.
+  virtual bool finds_touches_before_events() const { return true; }
+
   // Called when an indicator has changed its sign at t [s]; once for each indicator.
   virtual void found_event(double /*t*/, int /*indicator*/, bool /*positive*/) {}
   // Called after these, with the state at t from which the run continues: enters the mode that follows, and may change

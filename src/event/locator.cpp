@@ -23,6 +23,8 @@ constexpr int max_shortened_steps = 20;
 // implicit method evaluates the equations at iterates that its stages do not converge to. The step made in the end is
 // short, but correct.
 constexpr int max_touch_trials = 8;
+// In units of the resolution of times: within a shorter step, times cannot be distinguished.
+constexpr double shortest_course = 1e4;
 
 }  // namespace
 
@@ -78,26 +80,39 @@ Step Locator::step_in_mode(Stepping& method, double end) {
   }
   if (step != Step::made) return step;
   course_.end(method.time(), method.state());
-  // A mode may also have ended and begun again within the step, or before the event at which it ends.
+  return end_step(method);
+}
+
+// After a step: ends it at the earliest event within it, if there is one. A mode may also have ended and begun again
+// within the step, or before the event at which it ends.
+Step Locator::end_step(Stepping& method) {
   for (int k = 0; k < max_touch_trials; ++k) {
-    const bool ends_at_event = course_.any_changed();
-    if (ends_at_event) {
-      step = search_all(method);
-      if (step != Step::made) return step;
-      if (!course_.any_changed()) continue;
+    if (!course_.any_changed()) {
+      const double end = method.time();
+      const double touch = has_left_mode(end) ? source_.mode_exit_time() : course_.touch();
+      if (!is_before(touch, end)) return Step::made;
+      if (const Step step = repeat_step(method, touch); step != Step::made) return step;
+      continue;
     }
-    const double end_t = ends_at_event ? high_t_ : method.time();
-    const double touch = !ends_at_event && has_left_mode(end_t) ? source_.mode_exit_time() : course_.touch();
-    if (!(touch < end_t)) return ends_at_event ? end_at_event(method) : step;
-    step = repeat_step(method, touch);
-    if (step != Step::made) return step;
-    if (!ends_at_event || course_.any_changed()) continue;
+    if (const Step step = search_all(method); step != Step::made) return step;
+    const bool looks_before = source_.finds_touches_before_events();
+    if (!course_.any_changed() && looks_before) continue;
+    if (!course_.any_changed()) return Step::made;
+    const double touch = looks_before ? course_.touch() : INFINITY;
+    if (!is_before(touch, high_t_)) return end_at_event(method);
+    if (const Step step = repeat_step(method, touch); step != Step::made) return step;
+    if (course_.any_changed()) continue;
     course_.end(high_t_, high_y_.data());
     return end_at_event(method);
   }
-  if (!course_.any_changed()) return step;
-  step = search_all(method);
+  if (!course_.any_changed()) return Step::made;
+  const Step step = search_all(method);
   return step == Step::made && course_.any_changed() ? end_at_event(method) : step;
+}
+
+// Whether a time within the step is before its end, and can be distinguished from its start.
+bool Locator::is_before(double t, double end) const {
+  return t < end && end - course_.start() > shortest_course * rounding(end);
 }
 
 // After a step beyond zeros of indicators: leaves the earliest end beyond one of them in high_y_.

@@ -47,6 +47,8 @@ class Locator {
 
  private:
   Step step_in_mode(Stepping& method, double end);
+  Step end_step(Stepping& method);
+  bool is_before(double t, double end) const;
   Step search_all(Stepping& method);
   Step search(std::size_t i, Stepping& method);
   Step repeat_step(Stepping& method, double end);

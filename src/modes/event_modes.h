@@ -74,6 +74,7 @@ class EventModes final : public EventSource {
   const std::vector<int>& recorded_sides() const { return recorded_sides_; }
 
  private:
+  bool finds_touches_before_events() const override { return others_ == nullptr; }
   void check(double t, const double* v);
   bool is_outside();
 

@@ -146,16 +146,7 @@ void LockModes::find_events_at_start(double t, const double* y) {
   for (int i = 0; i < count(); ++i) {
     if (rests(i)) continue;
     const Branching::Lock lock = forces_.lock(i);
-    const double speed = forces_.speed(i, v);
-    bool away = true;
-    for (const int side : {1, -1}) {
-      if (lock.limit < 0) break;
-      const Branching::Depth at = forces_.depth(i, side);
-      away = away && at.depth < 0;
-      const bool reached = modes_.leaves_from[i] == 0 && at.depth >= -reached_fraction * at.tolerance;
-      if (reached && side * speed > 0 && !is_slow(i, v)) triggered_[i] = by_limit;
-    }
-    if (away) modes_.leaves_from[i] = 0;
+    if (lock.limit >= 0) find_reached_bounds(i, v);
     if ((lock.friction < 0 && !lock.one_way) || !is_slow(i, v)) continue;
     if (!evaluated) equations_.accelerations_at(t, y, vdot_.data());
     evaluated = true;
@@ -163,6 +154,18 @@ void LockModes::find_events_at_start(double t, const double* y) {
     if (lock.friction >= 0 && modes_.motions[i] * acceleration < 0) triggered_[i] = by_friction;
     if (lock.one_way && touched_side(i) * acceleration > 0) triggered_[i] = by_limit;
   }
+}
+
+// Of a coordinate with limits, at the position of `dynamics` and the velocities v.
+void LockModes::find_reached_bounds(int lock, const double* v) {
+  bool away = true;
+  for (const int side : {1, -1}) {
+    const Branching::Depth at = forces_.depth(lock, side);
+    away = away && at.depth < 0;
+    const bool reached = modes_.leaves_from[lock] == 0 && at.depth >= -reached_fraction * at.tolerance;
+    if (reached && side * forces_.speed(lock, v) > 0 && !is_slow(lock, v)) triggered_[lock] = by_limit;
+  }
+  if (away) modes_.leaves_from[lock] = 0;
 }
 
 void LockModes::preview(double t, const double* y) { update(t, y, true, false); }

@@ -112,6 +112,7 @@ class LockModes {
   int limit_indicator(int lock, int side) const { return 2 * forces_.lock(lock).limit + (side > 0 ? 0 : 1); }
   double leaving_depth(int lock) const;
   void find_events_at_start(double t, const double* y);
+  void find_reached_bounds(int lock, const double* v);
   void hold();
   bool is_doubtful(double t, const double* y, bool jumped);
   void record_doubtful(double t, bool logs);
@@ -129,6 +130,7 @@ class LockModes {
   void take_up(State& next, int lock, bool leaves, int direction);
   void finish_change(double* y);
   void strike(double t, double* y, const std::vector<int>& returning);
+  void record_impact(double t, int lock, int side, const Impact& impact);
   std::vector<int> returning(double t, const double* y);
   void close_returning(double t, double* y);
   Impact solve_impact_without_series(const Eigen::MatrixXd& W, const std::vector<int>& struck,

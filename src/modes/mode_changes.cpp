@@ -71,10 +71,7 @@ void LockModes::strike(double t, double* y, const std::vector<int>& returning) {
   if (!impact.found) ++counts_.ambiguous;
   for (Index i = 0; i < n; ++i) {
     if (meets[i] == 0) continue;
-    ++counts_.impacts;
-    if (!forces_.lock(struck[i]).one_way)
-      log_.add({t, limit_indicator(struck[i], contacts[i].side), true, !impact.found});
-    if (!impact.is_possible) modes_.unstoppable = limit_indicator(struck[i], contacts[i].side);
+    record_impact(t, struck[i], contacts[i].side, impact);
   }
   forces_.strike(struck, impact.impulses, v);
   for (int i = 0; i < count(); ++i) {
@@ -82,6 +79,13 @@ void LockModes::strike(double t, double* y, const std::vector<int>& returning) {
   }
   for (const int lock : struck) modes_.leaves_from[lock] = modes_.contacts[lock] == 0 ? leaving_depth(lock) : 0;
   equations_.mode_changed();
+}
+
+void LockModes::record_impact(double t, int lock, int side, const Impact& impact) {
+  ++counts_.impacts;
+  const int indicator = limit_indicator(lock, side);
+  if (!forces_.lock(lock).one_way) log_.add({t, indicator, true, !impact.found});
+  if (!impact.is_possible) modes_.unstoppable = indicator;
 }
 
 // Contacts of which the rebound would be lost in rounding have no restitution, and what others throw off so slowly

@@ -7,15 +7,12 @@
 namespace gelenk {
 Outputs::Outputs(const Scene& scene, const ReducedScene& reduced, const std::vector<Signal>& signals,
                  const std::vector<std::vector<BranchingForce>>& branching)
-    : reduced_(reduced) {
+    : scene_(scene), reduced_(reduced) {
   for (const Sensor& sensor : scene.sensors) {
     sensors_.push_back(sensor.is);
     ports_.emplace_back(scene, reduced, sensor, kind_of(sensor.is).reads_reaction);
   }
-  for (const Force& force : scene.forces) {
-    forces_.push_back(force.is);
-    force_ports_.emplace_back(scene, reduced, force, false);
-  }
+  for (const Force& force : scene.forces) force_ports_.emplace_back(scene, reduced, force, false);
   for (const Constraint& constraint : scene.constraints) constraints_.push_back(constraint.is);
   for (const Contact& contact : scene.contacts) contacts_.push_back(contact.is);
   for (const Signal& signal : signals) {

@@ -30,7 +30,7 @@ using Reading = ReadingOf<double>;
 
 class Outputs {
  public:
-  // branching: the forces with modes of each island.
+  // scene: must outlive it. branching: the forces with modes of each island.
   Outputs(const Scene& scene, const ReducedScene& reduced, const std::vector<Signal>& signals,
           const std::vector<std::vector<BranchingForce>>& branching);
 
@@ -96,11 +96,11 @@ class Outputs {
   [[gnu::noinline]] T force_value(const Source& source, const Readings<T>* dynamics) const;
   Source element_source(const Scene& scene, const Signal& signal) const;
 
+  const Scene& scene_;  // of forces, which are tunable
   const ReducedScene& reduced_;
   std::vector<Source> sources_;
   std::vector<AnySensor> sensors_;  // by sensor of the scene
   std::vector<PortPlaces> ports_;
-  std::vector<AnyForce> forces_;  // by force of the scene
   std::vector<PortPlaces> force_ports_;
   std::vector<AnyConstraint> constraints_;  // by constraint of the scene
   std::vector<AnyContact> contacts_;        // by contact of the scene

@@ -84,7 +84,7 @@ T Outputs::force_value(const Source& source, const Readings<T>* dynamics) const 
         }
         return T(0);
       },
-      forces_[i]);
+      scene_.forces[i].is);
 }
 
 template <class T>

@@ -81,8 +81,9 @@ void Placement::move(const VectorXd& dx, double time) {
   s.time = time;
 }
 
-void Placement::move_to(std::span<const double> x, double time) {
-  Simulation::Impl& s = impl_;
+// Throws if it cannot be placed at these states.
+void Placement::check_states(std::span<const double> x, double time) const {
+  const Simulation::Impl& s = impl_;
   if (!s.initialized || s.runs) throw UsageError("only a simulation that was assembled can be placed");
   if (x.size() != s.states.size()) {
     throw UsageError("states: found " + std::to_string(x.size()) + " numbers, expected " +
@@ -90,6 +91,10 @@ void Placement::move_to(std::span<const double> x, double time) {
   }
   if (!std::ranges::all_of(x, [](double value) { return std::isfinite(value); }) || !std::isfinite(time))
     throw UsageError("states: found a number that is not finite");
+}
+
+void Placement::move_to(std::span<const double> x, double time) {
+  check_states(x, time);
   StateDerivatives(simulation_).prepare();
   const std::shared_ptr<const Position> before = position();
   try {
@@ -99,7 +104,7 @@ void Placement::move_to(std::span<const double> x, double time) {
       const VectorXd dx = remaining(x);
       const double size = dx.size() == 0 ? 0 : dx.cwiseAbs().maxCoeff();
       double scale = 1;
-      for (std::size_t i = 0; i < x.size(); ++i) scale = std::max(scale, std::abs(x[i]));
+      for (const double value : x) scale = std::max(scale, std::abs(value));
       const bool whole = !loops || size <= longest_part;
       if (k > 0 && whole && (size == 0 || (size <= accuracy * scale && !(size < last / 2)))) return;
       move(whole ? dx : VectorXd(dx * (longest_part / size)), time);
@@ -137,14 +142,14 @@ std::string Placement::modes() const {
 
 std::vector<double> Placement::rates() {
   std::vector<double> out;
-  for (std::size_t k = 0; k < impl_.states.size(); ++k) {
-    if (impl_.states[k].derivative == StateVariable::none) {
+  for (const StateVariable& state : impl_.states) {
+    if (state.derivative == StateVariable::none) {
       const std::vector<double> still(impl_.states.size(), 0.0);
       const std::vector<double> held(impl_.u.count(), 0.0);
       const VectorXd all = StateDerivatives(simulation_).directional_derivative(still, held).xdot;
       return {all.begin(), all.end()};
     }
-    out.push_back(simulation_.output(impl_.states[k].derivative));
+    out.push_back(simulation_.output(state.derivative));
   }
   return out;
 }

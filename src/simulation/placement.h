@@ -39,6 +39,7 @@ class Placement {
   std::vector<double> rates();
 
  private:
+  void check_states(std::span<const double> x, double time) const;
   Eigen::VectorXd remaining(std::span<const double> x) const;
   void move(const Eigen::VectorXd& dx, double time);
   bool has_loops() const;

@@ -90,12 +90,17 @@ def given(fields: list[Kind], way: int, words: dict[str, Any], rng: np.random.Ge
 def sound(section: str, kind: Kind, way: int, words: dict[str, Any]) -> dict[str, Any]:
     """Values that fit each other, as far as the element says so."""
     rng = np.random.default_rng(29)
-    # Groups along joints have rules of their own (physics/nonsmooth/test_bearing_friction.py).
-    described = [f for f in kind["fields"] if section != "joints" or f["type"] != "group"]
+    # Bearings and losses of gears have rules of their own (test_bearing_friction.py, test_drive_trains.py).
+    described = [
+        f
+        for f in kind["fields"]
+        if (section, f["type"]) != ("joints", "group") and f["name"] not in ("efficiency", "backdriving")
+    ]
     for _ in range(100):
         fields = given(described, way, words, rng)
         numbers = {name: value for name, value in fields.items() if not isinstance(value, str | bool)}
-        if section != "joints" or elements.Along(kind["name"], numbers).is_sound:
+        checked = {"joints": elements.Along, "forces": elements.Force}.get(section)
+        if checked is None or checked(kind["name"], numbers).is_sound:
             break
     return fields
 

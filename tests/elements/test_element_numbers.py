@@ -251,7 +251,7 @@ def test_each_tuned_number_has_the_effect_of_the_parameter(
             after = going_on(plant)
             fresh = going_on(started(changed))
             # both at a tolerance of 1e-9 over 0.1 s
-            np.testing.assert_allclose(after, fresh, rtol=1e-6, atol=1e-6)
+            np.testing.assert_allclose(after, fresh, rtol=1e-6, atol=1e-6, err_msg=parameter.name)
             other.restore(saved)
             assert (going_on(other) == after).all()
             if not differ(after, before):

@@ -15,7 +15,15 @@ from .scenes import Given, all_given, on_gantry, planar_arm, with_force, with_se
 
 FORCES = list(all_given("forces"))
 every_force = pytest.mark.parametrize("force", FORCES, ids=str)
-between = pytest.mark.parametrize("first", ["ground", "link"])
+ON_GROUND = [f for f in FORCES if len(f.kind["ports"]) == 1 or f.kind["ports"][0].get("on_ground", True)]
+between = pytest.mark.parametrize(
+    ("first", "force"),
+    [
+        pytest.param(first, force, id=f"{first}-{force}")
+        for first in ("ground", "link")
+        for force in (ON_GROUND if first == "ground" else FORCES)
+    ],
+)
 TIMES = np.linspace(0, 1, 6)
 RTOL = 1e-10
 
@@ -31,7 +39,6 @@ def size(source: Scene) -> gelenk._core.ModelSize:
     return plant.size
 
 
-@every_force
 @between
 def test_in_the_plane_as_in_space(force: Given, first: str) -> None:
     """Coordinates, speeds, accelerations and whatever is measured."""
@@ -45,7 +52,6 @@ def test_in_the_plane_as_in_space(force: Given, first: str) -> None:
         assert_close(name, plane[name], space[name], bound, "1000 rtol: accelerations follow from the states")
 
 
-@every_force
 @between
 def test_in_a_tree_as_in_a_loop(force: Given, first: str) -> None:
     """Motion and energy of the arm alone and on a gantry."""

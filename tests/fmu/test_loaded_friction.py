@@ -13,13 +13,14 @@ from .host import OK, Fmu, Slave
 from .states import get_state, set_state
 
 STEP = 0.05
-COEFFICIENT = "A.friction.bearing.coefficient"
+COEFFICIENT = "A.bearing.coefficient"
 
 
 @pytest.fixture(scope="module")
 def fmu(tmp_path_factory: pytest.TempPathFactory) -> Fmu:
     folder = tmp_path_factory.mktemp("bearing")
-    file = gelenk.export_fmu(four_bar_with_bearings(), folder / "x.fmu")
+    scene = {**four_bar_with_bearings(), "parameters": [COEFFICIENT]}
+    file = gelenk.export_fmu(scene, folder / "x.fmu")
     return Fmu(fmpy.extract(str(file), str(folder / "x")))
 
 
