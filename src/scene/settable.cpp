@@ -236,6 +236,7 @@ namespace {
 void take(std::span<const Field> fields, void* to, const void* from) {
   if (to == nullptr || from == nullptr) return;
   for (const Field& field : fields) {
+    if (field.type == Field::Type::group) take(field.inner(), field.in(to), field.in(from));
     if (!field.tunable) continue;
     if (field.type == Field::Type::number) field.of<double>(to) = field.of<double>(from);
     if (field.type == Field::Type::vector) field.of<Eigen::Vector3d>(to) = field.of<Eigen::Vector3d>(from);

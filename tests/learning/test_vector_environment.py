@@ -30,7 +30,7 @@ def upright(seen: Any, action: Any) -> Any:
 
 def test_each_instance_is_an_environment_of_its_own(task: dict[str, Any]) -> None:
     """To the bit, over the ends of episodes, which come at different times."""
-    ends = {"reward": upright, "terminated": lambda seen: np.abs(seen[..., 2]) > 0.3}
+    ends: dict[str, Any] = {"reward": upright, "terminated": lambda seen: np.abs(seen[..., 2]) > 0.3}
     many = gelenk.vector_environment(instances=7, **task, **ends)
     single = [gelenk.environment(**task, **ends) for _ in range(7)]
     seen, info = many.reset(seed=3)
@@ -54,7 +54,7 @@ def test_each_instance_is_an_environment_of_its_own(task: dict[str, Any]) -> Non
             row, reward, *flags, _ = env.step(actions[k])
             assert row.tolist() == seen[k].tolist()
             assert [reward, *flags] == [rewards[k], ended[k], truncated[k]]
-        over = ended | truncated
+        over = np.logical_or(ended, truncated)
     assert episodes > 7
 
 
@@ -112,7 +112,9 @@ def test_a_step_that_fails_ends_the_episode_of_its_instance(task: dict[str, Any]
     [
         (lambda task: gelenk.vector_environment(instances=0, **task, reward=upright), "instances: found 0"),
         (
-            lambda task: gelenk.vector_environment(instances=2, **task, reward=upright).step([[0], [0]]),
+            lambda task: gelenk.vector_environment(instances=2, **task, reward=upright).step(
+                np.zeros((2, 1))
+            ),
             "before reset",
         ),
         (lambda task: made(task).reset(options={"start": 9}), "start: found 9, expected 0 to 3"),
