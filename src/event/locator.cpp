@@ -87,27 +87,32 @@ Step Locator::step_in_mode(Stepping& method, double end) {
 // within the step, or before the event at which it ends.
 Step Locator::end_step(Stepping& method) {
   for (int k = 0; k < max_touch_trials; ++k) {
-    if (!course_.any_changed()) {
-      const double end = method.time();
-      const double touch = has_left_mode(end) ? source_.mode_exit_time() : course_.touch();
-      if (!is_before(touch, end)) return Step::made;
-      if (const Step step = repeat_step(method, touch); step != Step::made) return step;
-      continue;
-    }
-    if (const Step step = search_all(method); step != Step::made) return step;
-    const bool looks_before = source_.finds_touches_before_events();
-    if (!course_.any_changed() && looks_before) continue;
-    if (!course_.any_changed()) return Step::made;
-    const double touch = looks_before ? course_.touch() : INFINITY;
-    if (!is_before(touch, high_t_)) return end_at_event(method);
-    if (const Step step = repeat_step(method, touch); step != Step::made) return step;
-    if (course_.any_changed()) continue;
-    course_.end(high_t_, high_y_.data());
-    return end_at_event(method);
+    const Trial trial = course_.any_changed() ? end_before_event(method) : end_without_event(method);
+    if (trial.is_last) return trial.step;
   }
   if (!course_.any_changed()) return Step::made;
   const Step step = search_all(method);
   return step == Step::made && course_.any_changed() ? end_at_event(method) : step;
+}
+
+Locator::Trial Locator::end_without_event(Stepping& method) {
+  const double end = method.time();
+  const double touch = has_left_mode(end) ? source_.mode_exit_time() : course_.touch();
+  if (!is_before(touch, end)) return {Step::made, true};
+  const Step step = repeat_step(method, touch);
+  return {step, step != Step::made};
+}
+
+Locator::Trial Locator::end_before_event(Stepping& method) {
+  if (const Step step = search_all(method); step != Step::made) return {step, true};
+  const bool looks_before = source_.finds_touches_before_events();
+  if (!course_.any_changed()) return {Step::made, !looks_before};
+  const double touch = looks_before ? course_.touch() : INFINITY;
+  if (!is_before(touch, high_t_)) return {end_at_event(method), true};
+  if (const Step step = repeat_step(method, touch); step != Step::made) return {step, true};
+  if (course_.any_changed()) return {Step::made, false};
+  course_.end(high_t_, high_y_.data());
+  return {end_at_event(method), true};
 }
 
 // Whether a time within the step is before its end, and can be distinguished from its start.

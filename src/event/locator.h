@@ -47,7 +47,14 @@ class Locator {
 
  private:
   Step step_in_mode(Stepping& method, double end);
+  // Whether the step has been ended for good.
+  struct Trial {
+    Step step;
+    bool is_last;
+  };
   Step end_step(Stepping& method);
+  Trial end_without_event(Stepping& method);
+  Trial end_before_event(Stepping& method);
   bool is_before(double t, double end) const;
   Step search_all(Stepping& method);
   Step search(std::size_t i, Stepping& method);
