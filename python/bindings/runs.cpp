@@ -17,10 +17,10 @@
 #include "bindings.h"
 #include "check/check.h"
 #include "plant.h"
+#include "runs/trajectory.h"
 #include "scene_file/read.h"
 #include "simulation/parameters.h"
 #include "simulation/start_report.h"
-#include "runs/trajectory.h"
 #include "util/text.h"
 
 namespace nb = nanobind;

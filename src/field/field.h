@@ -84,8 +84,8 @@ struct Field : FieldInfo {
   }
 };
 
-// An error in an element that the ranges of its fields do not cover: the field, or empty for the whole element; what was
-// found and what was expected.
+// An error in an element that the ranges of its fields do not cover: the field, or empty for the whole element; what
+// was found and what was expected.
 struct ElementFault {
   std::string field, found, expected;
 };

@@ -15,9 +15,7 @@ void FixedStep::restart(double t, const double* y) {
   std::copy(y, y + n_, y_.begin());
 }
 
-double FixedStep::advance(double end, double* y) {
-  return advance_some(end, y, std::numeric_limits<long>::max());
-}
+double FixedStep::advance(double end, double* y) { return advance_some(end, y, std::numeric_limits<long>::max()); }
 
 double FixedStep::advance_some(double end, double* y, long max_steps) {
   // Equal steps, as many as needed so that none is longer than the step size. Times are rounded, more coarsely the
