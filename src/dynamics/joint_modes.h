@@ -31,7 +31,8 @@ class JointModes final : public Branching {
   JointModes(const State& state, const MassFactor<A>& M, const MassWeightedJacobian<A>& Y)
       : state_(state),
         M_(M),
-        locks_(M, Y, state.model.nv, state.model.rows, find_locks()),
+        locks_(M, Y, state.model.nv, state.model.rows, find_locks(),
+               friction_loads(state.model, state.loads).empty() ? rank_threshold : rank_threshold_with_loads),
         contact_rows_(state.model, state.ws, M, Y, locks_),
         holding_(signs()),
         loaded_(state.model, state.loads, state.ws, static_cast<int>(lock_of_.size())),
@@ -218,7 +219,7 @@ class JointModes final : public Branching {
     for (Eigen::Index i = 0; i < size; ++i) {
       locks_.whiten(locks[i], y.col(i).data());
       locks_.permitted_part(y.col(i).data(), z.col(i).data());
-      if (z.col(i).norm() <= LockedCoordinates<A>::rank_threshold * y.col(i).norm()) z.col(i).setZero();
+      if (z.col(i).norm() <= locks_.rank_threshold() * y.col(i).norm()) z.col(i).setZero();
       z.col(i) *= found_[locks[i]].sign;
       scale[i] = force_size_ * y.col(i).norm();
     }
@@ -257,6 +258,10 @@ class JointModes final : public Branching {
     return with_loads(index, force.element.sticking_limit(u), force.element.sticking_load_factor(u));
   }
 
+  // Of coordinates at rest that constraint equations hardly permit to move. Where friction depends on loads, such a one
+  // would cause loads, and friction, as large as its lever is small: it holds nothing until it is seen to move.
+  static constexpr double rank_threshold = 1e-10;
+  static constexpr double rank_threshold_with_loads = 1e-6;
   // Part of the forces that may be rounding: far more than that of some hundred operations.
   static constexpr double slack_fraction = 4e-11;
 

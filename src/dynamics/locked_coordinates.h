@@ -20,9 +20,6 @@ namespace gelenk {
 template <class A>
 class LockedCoordinates {
  public:
-  // A row whose permitted part is below this fraction of it is determined by other constraints.
-  static constexpr double rank_threshold = 1e-10;
-
   // A constant row: speed of the coordinate = sum of factor times velocity.
   struct Term {
     int v;
@@ -30,12 +27,14 @@ class LockedCoordinates {
   };
   using Row = std::vector<Term>;
 
-  // M and Y must outlive it. rows: of all coordinates that can be locked.
+  // M and Y must outlive it. rows: of all coordinates that can be locked. rank_threshold: a row whose permitted part is
+  // below this fraction of it is determined by other constraints.
   LockedCoordinates(const MassFactor<A>& M, const MassWeightedJacobian<A>& Y, int nv, int constraints,
-                    std::vector<Row> rows)
+                    std::vector<Row> rows, double rank_threshold)
       : M_(M),
         Y_(Y),
         n_(nv),
+        rank_threshold_(rank_threshold),
         rows_(std::move(rows)),
         locked_(rows_.size(), 0),
         y_(rows_.size(), std::vector<double>(static_cast<std::size_t>(nv))),
@@ -53,6 +52,7 @@ class LockedCoordinates {
   bool is_locked(int i) const { return locked_[i] != 0; }
   // Number of locks that act independently of each other and of the constraint equations, and of all.
   int rank() const { return factor_.rank(); }
+  double rank_threshold() const { return rank_threshold_; }
   int locked_count() const { return locked_count_; }
 
   // Force per |L^-T f| that has the same effect on a locked coordinate; infinite if other constraints determine it.
@@ -81,7 +81,7 @@ class LockedCoordinates {
       permitted_part(y_[i].data(), z);
       const double permitted = norm(z);
       inverse_mobility_[i] = size / (permitted * permitted);
-      if (!(permitted > rank_threshold * size)) {
+      if (!(permitted > rank_threshold_ * size)) {
         inverse_mobility_[i] = INFINITY;
         std::fill(z, z + n_, 0.0);  // other constraints determine this coordinate
       } else {
@@ -175,6 +175,7 @@ class LockedCoordinates {
   const MassFactor<A>& M_;
   const MassWeightedJacobian<A>& Y_;
   int n_;
+  double rank_threshold_;
   std::vector<Row> rows_;
   std::vector<char> locked_;
   int locked_count_ = 0;

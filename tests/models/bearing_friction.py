@@ -22,11 +22,11 @@ RADIUS = 0.02  # m
 START_PHI, START_W = math.pi / 2, 8.0  # of the crank [rad, rad/s]
 
 
-def four_bar_with_bearings(coefficients: tuple[float, ...] = COEFFICIENTS) -> Scene:
+def four_bar_with_bearings(phi: float = START_PHI, w: float = START_W) -> Scene:
     """Slender bars in the vertical plane with friction proportional to the reaction in every joint."""
-    bearings = [{"coulomb": 0.0, "bearing": {"coefficient": c, "radius": RADIUS}} for c in coefficients]
+    bearings = [{"coulomb": 0.0, "bearing": {"coefficient": c, "radius": RADIUS}} for c in COEFFICIENTS]
     about = {"axis": [0, -1, 0]}
-    start = {"phi": START_PHI, "w": START_W, "fixed": True}
+    start = {"phi": phi, "w": w, "fixed": True}
     crank, coupler, rocker, ground = LINKS
     return scene(
         {
@@ -129,9 +129,7 @@ def joint_rates(motion: Motion) -> Array:
     return np.array([phi, theta - phi, psi - theta, psi])
 
 
-def accelerate(
-    phi: float, w: float, directions: Array, coefficients: tuple[float, ...]
-) -> tuple[float, Array]:
+def accelerate(phi: float, w: float, directions: Array) -> tuple[float, Array]:
     """Return the crank's acceleration, and the friction torques in A, B, C, D on their later bar."""
     motion = kinematics(phi)
     lengths = np.array(LINKS[:3])
@@ -166,23 +164,25 @@ def accelerate(
         load[2::3] -= torques_on @ torque
         found = np.linalg.solve(rows, load)
         sizes = np.hypot(found[1::2], found[2::2])
-        after = -directions * RADIUS * np.array(coefficients) * sizes
+        after = -directions * RADIUS * np.array(COEFFICIENTS) * sizes
         if np.abs(after - torque).max() <= 1e-16 * max(1.0, np.abs(after).max()):
             break
         torque = after
     return float(found[0]), torque
 
 
-def four_bar_truth(times: Array, coefficients: tuple[float, ...] = COEFFICIENTS) -> tuple[Array, int]:
+def four_bar_truth(times: Array, phi: float = START_PHI, w: float = START_W) -> tuple[Array, int]:
     """Return (phi, w) of the crank at these times, and how often a joint reverses.
 
-    The crank must not come to rest.
+    The crank must not come to rest later.
     """
-    t, y = 0.0, np.array([START_PHI, START_W])
+    t, y = 0.0, np.array([phi, w])
     out = np.zeros((len(times), 2))
     reversals = 0
-    rates = joint_rates(kinematics(y[0])) * y[1]
-    directions = np.sign(rates)
+    # From rest, joints move as they do a little later, also those that begin to do so by the curvature alone.
+    forward = np.sign(w) if w != 0 else np.sign(accelerate(phi, 0.0, np.zeros(4))[0])
+    later = phi if w != 0 else phi + 1e-6 * forward
+    directions = np.sign(joint_rates(kinematics(later)) * forward)
     while t < times[-1]:
 
         def slow(k: int) -> Any:
@@ -194,7 +194,7 @@ def four_bar_truth(times: Array, coefficients: tuple[float, ...] = COEFFICIENTS)
             return event
 
         solution = solve_ivp(
-            lambda _t, s: np.array([s[1], accelerate(s[0], s[1], directions, coefficients)[0]]),
+            lambda _t, s: np.array([s[1], accelerate(s[0], s[1], directions)[0]]),
             (t, float(times[-1])),
             y,
             method="DOP853",
