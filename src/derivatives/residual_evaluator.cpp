@@ -36,7 +36,12 @@ class ResidualEvaluatorOf final : public WithReadings<A, ResidualEvaluator<typen
         cut_q_(mechanism.cut_nq),
         friction_loads_(friction_loads(model_, loads)) {
     std::iota(links_.begin(), links_.end(), 1);
-    if (!friction_loads_.empty()) this->loaded_friction_.resize(branching_forces(loads).size());
+    if (friction_loads_.empty()) return;
+    this->loaded_friction_.resize(branching_forces(loads).size());
+    turns_.resize(model_.cuts.size() + 1);
+    for (const FrictionLoad& load : friction_loads_) {
+      if (load.cut >= 0) turns_[static_cast<std::size_t>(load.cut) + 1] = turn_of_cut_joint(model_, load.cut, ws_);
+    }
   }
 
   void set_position(const T* q) override {
@@ -114,8 +119,8 @@ class ResidualEvaluatorOf final : public WithReadings<A, ResidualEvaluator<typen
         for (const FrictionLoad& load : friction_loads_) {
           if (load.force != index || (side != 1 && side != -1)) continue;
           const std::array<T, 3> transmitted = transmitted_force(load, this->model_, this->ws_, this->ws_.F, lambda);
-          const T factor =
-              factor_of_load(load, force.element, side, T(T(force.sign) * v[force.v]), u + force.input, transmitted[0]);
+          const T of_bearing = force.element.load_factor(T(T(force.sign) * v[force.v]), u + force.input);
+          const T factor = load.friction_per_size(side, transmitted[0] < T(0) ? -1 : 1, of_bearing);
           const T friction = T(-side) * factor * size_of_load(transmitted);
           this->loaded_friction_[static_cast<std::size_t>(index)] += friction;
           add_along(load, T(T(-force.sign) * friction));
@@ -127,27 +132,15 @@ class ResidualEvaluatorOf final : public WithReadings<A, ResidualEvaluator<typen
   }
   // Adds to the residual a force along the coordinate of a friction, in the mechanism's sign.
   void add_along(const FrictionLoad& load, const T& force) {
-    if (load.cut < 0) {
-      r_[load.velocity] += force;
-      return;
-    }
-    if constexpr (A::planar) {
-      const auto& cut = model_.cuts[static_cast<std::size_t>(load.cut)];
-      const auto add_path = [&](const std::vector<int>& links, const T& torque) {
-        for (const int i : links) {
-          const auto& link = model_.links[static_cast<std::size_t>(i)];
-          for (int k = link.iv; k < link.iv + link.nv; ++k) r_[k] += ws_.S[k].w * torque;
-        }
-      };
-      add_path(cut.path_b, force);
-      add_path(cut.path_a, T(-force));
-    }
+    if (load.cut < 0) r_[load.velocity] += force;
+    for (const auto& [k, factor] : turns_[static_cast<std::size_t>(load.cut + 1)]) r_[k] += factor * force;
   }
 
   std::vector<int> links_;
   const int* sides_ = nullptr;
   std::vector<T> r_, c_, qdot_, cut_q_;
   std::vector<FrictionLoad> friction_loads_;
+  std::vector<std::vector<std::pair<int, T>>> turns_;  // by cut + 1: the rate of its angle; of the tree none
 };
 
 }  // namespace

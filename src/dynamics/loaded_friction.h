@@ -34,12 +34,9 @@ class LoadedFriction final : public LoadDependence {
     int held_sign = 0;      // 0: that of the force
     double sign() const { return held_sign != 0 ? held_sign : force[0] < 0 ? -1 : 1; }
     double size() const { return has_sign ? sign() * force[0] : size_of_load(force); }
-    // Friction per size against motion in this direction; bearing_factor: of a bearing or a guide.
-    double factor_against(int direction, double bearing_factor) const {
-      return is.of == FrictionLoad::Of::mesh ? is.loss(direction, sign()) : bearing_factor;
-    }
-    double friction(int direction, double bearing_factor) const {
-      return factor_against(direction, bearing_factor) * size();
+    // Against motion in this direction. of_bearing: per size, of a bearing or a guide.
+    double friction(int direction, double of_bearing) const {
+      return is.friction_per_size(direction, sign(), of_bearing) * size();
     }
   };
 
@@ -187,7 +184,7 @@ class LoadedFriction final : public LoadDependence {
     for (std::size_t l = 0; l < loads_.size(); ++l) {
       const Load& load = loads_[l];
       if (load.is.force != slipping_[j].force) continue;
-      visit(l, load.factor_against(slipping_[j].direction, load.factor));
+      visit(l, load.is.friction_per_size(slipping_[j].direction, load.sign(), load.factor));
     }
   }
   // The rate of the size of a load for a change of its force.

@@ -29,9 +29,12 @@ struct FrictionLoad {
   std::array<double, 2> losses{};
   bool may_be_undetermined = false;  // the force of least norm counts where constraint equations are redundant
 
-  // Of a mesh: the friction per force, for motion in a direction in the user's sign; along: the force on the
-  // coordinate.
-  double loss(int direction, double along) const { return losses[direction * sign * along < 0 ? 0 : 1]; }
+  // Friction per size of the load against motion in a direction (1, -1; in the user's sign). along: of a mesh, a number
+  // with the sign of its force. of_bearing: the same of a bearing or guide.
+  template <class T>
+  T friction_per_size(int direction, double along, const T& of_bearing) const {
+    return of == Of::mesh ? T(losses[direction * sign * along < 0 ? 0 : 1]) : of_bearing;
+  }
 };
 
 template <class A>
@@ -71,16 +74,17 @@ std::vector<FrictionLoad> friction_loads(const Model<A>& model, const Loads& loa
 // In the plane, the angle of a cut revolute joint is a sum of angles of tree joints: its rate by velocity. Changes the
 // positions in ws; the angular parts of S are the same at all of them.
 template <class A>
-std::vector<std::pair<int, double>> turn_of_cut_joint(const Model<A>& model, int cut, Workspace<A>& ws) {
-  std::vector<std::pair<int, double>> out;
+std::vector<std::pair<int, typename A::Scalar>> turn_of_cut_joint(const Model<A>& model, int cut, Workspace<A>& ws) {
+  using T = typename A::Scalar;
+  std::vector<std::pair<int, T>> out;
   if constexpr (A::planar) {
-    const std::vector<double> q(static_cast<std::size_t>(model.nq));
+    const std::vector<T> q(static_cast<std::size_t>(model.nq));
     kernels::positions(model, q.data(), ws);
     const auto add_path = [&](const std::vector<int>& links, double sign) {
       for (const int i : links) {
         const auto& link = model.links[i];
         for (int k = link.iv; k < link.iv + link.nv; ++k) {
-          if (ws.S[k].w != 0) out.emplace_back(k, sign * ws.S[k].w);
+          if (ws.S[k].w != T(0)) out.emplace_back(k, T(sign) * ws.S[k].w);
         }
       }
     };
@@ -119,14 +123,6 @@ T size_of_load(const std::array<T, 3>& force) {
   using std::sqrt;
   const T squared = force[0] * force[0] + force[1] * force[1] + force[2] * force[2];
   return squared == T(0) ? T(0) : sqrt(squared);
-}
-
-// The friction per size of a load, for motion in a direction (1, -1) at the speed v, both in the user's sign.
-template <class T, class Friction>
-T factor_of_load(const FrictionLoad& load, const Friction& friction, int direction, const T& v, const T* u,
-                 const T& along) {
-  if (load.of != FrictionLoad::Of::mesh) return friction.load_factor(v, u);
-  return T(load.loss(direction, along < T(0) ? -1 : 1));
 }
 
 }  // namespace gelenk
