@@ -56,8 +56,9 @@ list(REMOVE_ITEM kernels ${small})
 set_property(SOURCE ${kernels} APPEND PROPERTY COMPILE_OPTIONS
   "$<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:GNU>>:-fno-tree-loop-vectorize>;$<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:Clang>>:-fno-vectorize;-fno-slp-vectorize;-mllvm;-disable-vector-combine>")
 
-# Kernels for every kind of joint and force: unrolled loops are a third of their code, and not faster.
-set_property(SOURCE ${CMAKE_CURRENT_SOURCE_DIR}/src/derivatives/recursive.cpp APPEND PROPERTY COMPILE_OPTIONS
+# Code for every kind of joint and force: unrolled loops are a third or a fifth of it, and not faster.
+set_property(SOURCE ${CMAKE_CURRENT_SOURCE_DIR}/src/derivatives/recursive.cpp
+  ${CMAKE_CURRENT_SOURCE_DIR}/src/analysis/constrained_sensitivity.cpp APPEND PROPERTY COMPILE_OPTIONS
   "$<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:GNU,Clang>>:-O2>")
 
 # If several files instantiate a template, the linker keeps the copy of the first one. Files compiled for speed therefore

@@ -38,9 +38,9 @@ class ResidualEvaluatorOf final : public WithReadings<A, ResidualEvaluator<typen
     std::iota(links_.begin(), links_.end(), 1);
     if (friction_loads_.empty()) return;
     this->loaded_friction_.resize(branching_forces(loads).size());
-    turns_.resize(model_.cuts.size() + 1);
+    turns_.resize(model_.cuts.size());
     for (const FrictionLoad& load : friction_loads_) {
-      if (load.cut >= 0) turns_[static_cast<std::size_t>(load.cut) + 1] = turn_of_cut_joint(model_, load.cut, ws_);
+      if (load.cut >= 0) turns_[static_cast<std::size_t>(load.cut)] = turn_of_cut_joint(model_, load.cut, ws_);
     }
   }
 
@@ -132,15 +132,18 @@ class ResidualEvaluatorOf final : public WithReadings<A, ResidualEvaluator<typen
   }
   // Adds to the residual a force along the coordinate of a friction, in the mechanism's sign.
   void add_along(const FrictionLoad& load, const T& force) {
-    if (load.cut < 0) r_[load.velocity] += force;
-    for (const auto& [k, factor] : turns_[static_cast<std::size_t>(load.cut + 1)]) r_[k] += factor * force;
+    if (load.cut < 0) {
+      r_[load.velocity] += force;
+    } else {
+      for (const auto& [k, factor] : turns_[static_cast<std::size_t>(load.cut)]) r_[k] += factor * force;
+    }
   }
 
   std::vector<int> links_;
   const int* sides_ = nullptr;
   std::vector<T> r_, c_, qdot_, cut_q_;
   std::vector<FrictionLoad> friction_loads_;
-  std::vector<std::vector<std::pair<int, T>>> turns_;  // by cut + 1: the rate of its angle; of the tree none
+  std::vector<std::vector<std::pair<int, T>>> turns_;  // by cut with such friction: the rate of its angle
 };
 
 }  // namespace
