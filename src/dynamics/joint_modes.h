@@ -219,7 +219,6 @@ class JointModes final : public Branching {
     for (Eigen::Index i = 0; i < size; ++i) {
       locks_.whiten(locks[i], y.col(i).data());
       locks_.permitted_part(y.col(i).data(), z.col(i).data());
-      if (z.col(i).norm() <= locks_.rank_threshold() * y.col(i).norm()) z.col(i).setZero();
       z.col(i) *= found_[locks[i]].sign;
       scale[i] = force_size_ * y.col(i).norm();
     }

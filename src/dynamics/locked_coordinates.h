@@ -52,7 +52,6 @@ class LockedCoordinates {
   bool is_locked(int i) const { return locked_[i] != 0; }
   // Number of locks that act independently of each other and of the constraint equations, and of all.
   int rank() const { return factor_.rank(); }
-  double rank_threshold() const { return rank_threshold_; }
   int locked_count() const { return locked_count_; }
 
   // Force per |L^-T f| that has the same effect on a locked coordinate; infinite if other constraints determine it.
@@ -78,15 +77,9 @@ class LockedCoordinates {
       whiten(i, y_[i].data());
       const double size = norm(y_[i].data());
       inverse_size_[i] = 1 / size;
-      permitted_part(y_[i].data(), z);
-      const double permitted = norm(z);
-      inverse_mobility_[i] = size / (permitted * permitted);
-      if (!(permitted > rank_threshold_ * size)) {
-        inverse_mobility_[i] = INFINITY;
-        std::fill(z, z + n_, 0.0);  // other constraints determine this coordinate
-      } else {
-        for (int k = 0; k < n_; ++k) z[k] *= inverse_size_[i];
-      }
+      const double permitted = permitted_part(y_[i].data(), z);
+      inverse_mobility_[i] = permitted > 0 ? size / (permitted * permitted) : INFINITY;
+      for (int k = 0; k < n_; ++k) z[k] *= inverse_size_[i];
     }
     factor_.factorize(count());
   }
@@ -156,9 +149,14 @@ class LockedCoordinates {
     for (const Term& term : rows_[i]) out[term.v] += term.factor;
     M_.solve_transposed(out);
   }
-  void permitted_part(const double* y, double* z) const {
+  // Returns the size of that part; 0, as the part, if other constraints determine the coordinate.
+  double permitted_part(const double* y, double* z) const {
     std::copy(y, y + n_, z);
     if (!zero_.empty()) Y_.solve_constrained(z, zero_.data(), nullptr);
+    const double permitted = norm(z);
+    if (permitted > rank_threshold_ * norm(y)) return permitted;
+    std::fill(z, z + n_, 0.0);
+    return 0;
   }
 
  private:
