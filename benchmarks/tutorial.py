@@ -169,7 +169,7 @@ def gripper(axes: Any) -> None:
     names = computed("tutorial-gripper")
     predicted = names["predicted"]
     axes[0].plot(names["begin"] + predicted.t, 1e3 * predicted.y[0], "--", color="black", label="predicted")
-    runs = (("weak", "0.9 of the grip needed", RED), ("careful", "with the reflex", BLUE))
+    runs = (("weak", "0.9 of the required grip", RED), ("careful", "with the reflex", BLUE))
     for run, label, color in runs:
         axes[0].plot(names[run]["time"], names["slip"](names[run]), color=color, label=label)
         axes[1].plot(names[run]["time"], names[run]["left_grip.f"], color=color, label=label)
@@ -181,7 +181,7 @@ def gripper(axes: Any) -> None:
     axes[1].text(1.19, names["needed"] + 0.02, "needed", ha="right", va="bottom")
     axes[1].set(xlabel="time [s]", title="Force of each jaw [N]", ylim=(6, 8))
     axes[2].plot(names["weak"]["time"], 1e3 * names["weak"]["lift.s"], color=GRAY, ls=":", label="palm")
-    axes[2].set(xlabel="time [s]", title="Way upward [mm]")
+    axes[2].set(xlabel="time [s]", title="Height [mm]")
     for axis in axes:
         axis.legend(frameon=False, fontsize=8)
 
