@@ -17,11 +17,11 @@ from gelenk.model import yaml12
 
 # Beyond a schema: names that must exist, arithmetic, numbers that are none, repeated keys, two ways at once.
 BEYOND = {
-    "at_and_position", "axes_parallel", "axis_not_finite", "axis_zero", "body_unknown",
+    "at_and_position", "axes_parallel", "axis_not_finite", "axis_zero", "bearing_fields", "body_unknown",
     "body_unknown_many", "constraint_name_taken", "disconnected", "duplicate_field",
     "experiment_step_longer_than_run", "gear_joints", "gear_name_taken", "gear_on_slide",
     "gear_with_itself", "inertia_impossible", "inertia_negative", "inertia_principal",
-    "inertia_one_axis", "inertia_products", "joint_to_itself", "knife_edge_itself", "mass_infinite",
+    "inertia_one_axis", "inertia_products", "joint_to_itself", "knife_edge_itself", "locking_combinations", "mass_infinite",
     "mass_nan", "motion_coordinate_missing", "motion_coordinate_unknown", "motion_independent",
     "motion_joint_unknown", "motion_of_ball", "motion_of_speed_name", "motion_parameter",
     "motion_table_lengths", "motion_table_period", "motion_table_times", "motion_twice",

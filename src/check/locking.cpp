@@ -43,8 +43,8 @@ void check_gear(const Scene& scene, const Constraint& c, Faults& faults) {
 void check_locking(const Scene& scene, Faults& faults) {
   for (const Joint& joint : scene.joints) {
     if (!std::ranges::any_of(joint.along, has_two_bounds)) continue;
-    faults.add(path_of(joint) + ".one_way", "also a limit",
-               "one of both: a one-way clutch and a limit need a joint each, with a body between them");
+    faults.add(path_of(joint) + ".one_way", "a limit of the same coordinate",
+               "only one of the two: a one-way clutch and a limit need a joint each, with a body between them");
   }
   for (const Constraint& c : scene.constraints) check_gear(scene, c, faults);
   const std::string loaded = loaded_friction(scene);

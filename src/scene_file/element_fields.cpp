@@ -42,6 +42,7 @@ std::vector<double> read_numbers(const Json& value, const std::string& path, Fau
 }
 
 std::string expected_of(const Field& field, const Coordinate& coordinate) {
+  if (field.type == Field::Type::choice) return "one of " + text::list(words_of(field));
   const std::string unit = unit_for_people(field, coordinate);
   const std::string in_unit = unit.empty() ? "" : " in " + unit;
   return (field.type == Field::Type::numbers ? "a list of numbers" : "a number") + in_unit;
@@ -49,7 +50,7 @@ std::string expected_of(const Field& field, const Coordinate& coordinate) {
 
 void read_choice(const Json& value, const std::string& path, Faults& faults, const Field& field, Choice& choice) {
   const std::vector<std::string> words = words_of(field);
-  if (!value.is_string()) return faults.add(path, shown(value), "one of " + text::list(words));
+  if (!value.is_string()) return faults.add(path, shown(value), expected_of(field, {}));
   const auto& word = value.get_ref<const std::string&>();
   const auto found = std::ranges::find(words, word);
   if (found == words.end()) return faults.add(path, text::quoted(word), text::one_of(word, words, "words"));
