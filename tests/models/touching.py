@@ -56,8 +56,10 @@ def on_plane(
     }
 
 
-def stack(boxes: int, *, edge: float = 0.1, mass: float = 1.0, friction: float = 0.5) -> SceneData:
-    """Return cubes that rest on each other and on the ground, all with one surface."""
+def free_cubes(
+    starts: Sequence[SceneData], surfaces: Sequence[str], *, edge: float = 0.1, mass: float = 1.0
+) -> SceneData:
+    """Return a scene of nothing but cubes b0, b1, ... on free joints j0, j1, ... with these starts."""
     moments = inertia_of_box(mass, [edge] * 3)
     return {
         "gelenk": 1,
@@ -66,22 +68,25 @@ def stack(boxes: int, *, edge: float = 0.1, mass: float = 1.0, friction: float =
             f"b{i}": {
                 "mass": mass,
                 "inertia": moments,
-                "shapes": {"cube": {"box": [edge] * 3, "surface": "wood"}},
+                "shapes": {"cube": {"box": [edge] * 3, "surface": surface}},
             }
-            for i in range(boxes)
+            for i, surface in enumerate(surfaces)
         },
-        "ground": {"shapes": {"plane": {"plane": [0, 0, 1], "surface": "wood"}}},
         "joints": {
-            f"j{i}": {
-                "type": "free",
-                "parent": "ground",
-                "child": f"b{i}",
-                "start": {"r": [0, 0, edge * (i + 0.5)]},
-            }
-            for i in range(boxes)
+            f"j{i}": {"type": "free", "parent": "ground", "child": f"b{i}", "start": start}
+            for i, start in enumerate(starts)
         },
-        "contacts": {"wooden": {"between": ["wood", "wood"], "friction": friction}},
         "experiment": {"step": 1e-3},
+    }
+
+
+def stack(boxes: int, *, edge: float = 0.1, mass: float = 1.0, friction: float = 0.5) -> SceneData:
+    """Return cubes that rest on each other and on the ground, all with one surface."""
+    starts = [{"r": [0, 0, edge * (i + 0.5)]} for i in range(boxes)]
+    return {
+        **free_cubes(starts, ["wood"] * boxes, edge=edge, mass=mass),
+        "ground": {"shapes": {"plane": {"plane": [0, 0, 1], "surface": "wood"}}},
+        "contacts": {"wooden": {"between": ["wood", "wood"], "friction": friction}},
         "solver": {"integrator": "moreau-jean"},
     }
 

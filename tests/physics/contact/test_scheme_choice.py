@@ -13,6 +13,7 @@ import pytest
 from models.random_contacts import random_scene
 from models.running import assert_restored_run_continues
 from models.thrown import STEP, STEPS, TOLERANCE, thrown
+from models.touching import free_cubes
 
 import gelenk
 
@@ -22,28 +23,10 @@ EVENTS, STEPPING = 0, 1  # solver.scheme
 
 def boxes(count: int, **start: Any) -> SceneData:
     """Return boxes next to each other on the ground, each with four points of contact."""
-    size, mass = [0.1, 0.1, 0.1], 1.0
+    starts = [{"r": [0, 0.3 * k, 0.05], "v": [1, 0, 0], "fixed": True, **start} for k in range(count)]
     return {
-        "gelenk": 1,
-        "gravity": [0, 0, -9.81],
-        "bodies": {
-            f"b{k}": {
-                "mass": mass,
-                "inertia": [mass * 0.01 / 6] * 3,
-                "shapes": {"s": {"box": size, "surface": f"wood{k}"}},
-            }
-            for k in range(count)
-        },
+        **free_cubes(starts, [f"wood{k}" for k in range(count)]),
         "ground": {"shapes": {"floor": {"plane": [0, 0, 1], "surface": "floor"}}},
-        "joints": {
-            f"j{k}": {
-                "type": "free",
-                "parent": "ground",
-                "child": f"b{k}",
-                "start": {"r": [0, 0.3 * k, 0.05], "v": [1, 0, 0], "fixed": True, **start},
-            }
-            for k in range(count)
-        },
         "contacts": {f"c{k}": {"between": [f"wood{k}", "floor"], "friction": 0.3} for k in range(count)},
         "forces": {
             # Couples the bodies, which otherwise were solved apart.
@@ -52,7 +35,6 @@ def boxes(count: int, **start: Any) -> SceneData:
             }
             for k in range(count - 1)
         },
-        "experiment": {"step": 1e-3},
     }  # fmt: skip
 
 
