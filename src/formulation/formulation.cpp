@@ -82,7 +82,7 @@ bool Formulation::evaluate(double t, const double* y, double* ydot) {
   modes_.watch(t, v);
   if (contacts_.touch() != nullptr) contacts_.touch()->watch(t);
   if (!accelerate(t, y, vdot)) return false;
-  if (dynamics_.branching().loads().undetermined() >= 0) return false;
+  if (!modes_.locks().empty() && dynamics_.branching().loads().undetermined() >= 0) return false;
   modes_.watch_holding_forces(t);
   if (mechanism_.rows > 0 && factorizes_constraints()) singularity_monitor_.observe(t, dynamics_.pivot_ratio());
   dynamics_.qdot_from_v(y, v, ydot);
