@@ -87,6 +87,15 @@ class LoadedFriction final : public LoadDependence {
   const std::vector<double>& torque() const { return torque_; }
   void freeze(bool on) override { is_frozen_ = on; }
   int undetermined() const override { return undetermined_; }
+  int unloaded() const override {
+    for (const Slipping& slips : slipping_) {
+      for (const Load& load : loads_) {
+        const bool is_zero = load.has_sign && std::abs(load.force[0]) <= load_rounding * force_size_;
+        if (is_zero && load.is.force == slips.force) return slips.force;
+      }
+    }
+    return -1;
+  }
   bool any_slips() const { return !slipping_.empty(); }
   const std::vector<Slipping>& slipping() const { return slipping_; }
 

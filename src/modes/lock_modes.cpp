@@ -311,7 +311,9 @@ int LockModes::treat(FrictionTreatment friction, double t, const double* y) {
 }
 
 int LockModes::on_boundary(double t, const double* y) {
-  if (any_at_rest_) find_holding_forces(t, y);
+  const bool has_loads = !forces_.loads().empty();
+  if (any_at_rest_ || has_loads) find_holding_forces(t, y);
+  if (const int unloaded = has_loads ? forces_.loads().unloaded() : -1; unloaded >= 0) return unloaded;
   dynamics_.set_position(y);
   const double* v = y + nq_;
   for (int i = 0; i < count(); ++i) {

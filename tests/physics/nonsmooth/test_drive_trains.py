@@ -268,6 +268,15 @@ def test_linear_models_of_gears_with_losses(drive: float, load: float, w: float)
     assert_close("A", found.A[row], np.zeros(found.A.shape[1]), 1e-12, "no dependence on speed")
 
 
+@pytest.mark.parametrize("w", [0.0, 3.0])
+def test_an_unloaded_gear_has_no_linear_model(w: float) -> None:
+    """Its losses depend on the sign that the slightest torque gives to the load; a loaded one has a model."""
+    with pytest.raises(gelenk.UsageError, match=r"joints\.first\.friction is between two modes, or a load"):
+        gelenk.linear.linear_model(gelenk.load(geared(1.0, 1.5, 2.0, w, 0.0, efficiency=0.8)))
+    loaded = gelenk.load(geared(1.0, 1.5, 2.0, 3.0, 0.0, efficiency=0.8))
+    gelenk.linear.linear_model(loaded, input_values={"drive.tau": 1e-6})
+
+
 @pytest.mark.parametrize("free", ["positive", "negative"])
 def test_a_backstop_holds_a_load_and_lets_it_be_raised(free: str) -> None:
     """A mass on a guide that moves up freely, also where the coordinate points down."""
