@@ -120,9 +120,13 @@ Spot Spots::spot_between(const Mechanism& mechanism, int contact, int tip, int c
 void Spots::add_pair(const Mechanism& mechanism, int contact, int tip, int core) {
   const LinkShape& with_tips = mechanism.shapes[static_cast<std::size_t>(tip)];
   Spot spot = spot_between(mechanism, contact, tip, core);
-  for (const Tip& at : tips_of(with_tips.is)) {
+  const std::vector<Tip> tips = tips_of(with_tips.is);
+  Vector3d middle = Vector3d::Zero();
+  for (const Tip& at : tips) middle += at.center / static_cast<double>(tips.size());
+  for (const Tip& at : tips) {
     spot.feature = at.feature;
     spot.center = with_tips.X_LS.point(at.center);
+    spot.way = with_tips.X_LS.R * (at.center - middle);
     spot.radius = at.radius;
     const bool sharp = !spot.box.half_space && spot.box.radius == 0 && at.radius == 0;
     if (sharp) {
@@ -229,6 +233,12 @@ Spots::Line Spots::line(const Spot& spot) const {
   return out;
 }
 
+// Of a tip, in S.
+Vector3d Spots::way_to_tip(const Spot& spot) const {
+  const Eigen::Matrix3d R_0S = pose(spot.core_link).R * spot.X_LS.R;
+  return R_0S.transpose() * (pose(spot.tip_link).R * spot.way);
+}
+
 double Spots::gap(int spot) const {
   const Spot& at = (*this)[spot];
   if (at.kind == Spot::Kind::edges) return crossing(at).gap;
@@ -260,8 +270,12 @@ bool Spots::is_near(int spot) const {
   if (at.kind == Spot::Kind::tip || at.kind == Spot::Kind::rim) return true;
   if (margin(spot) < -near_tolerance) return false;
   if (at.kind == Spot::Kind::edges) return is_near(at, crossing(at));
+  // A corner that touches a face is ahead of its body, which is on the outer side; on the inner side of a thin plate
+  // is the face beyond.
+  const Line from = line(at);
+  if (from.normal.dot(way_to_tip(at)) > 0) return false;
   // Inside the box, its nearest face is the one that touches.
-  const double depth = line(at).distance;
+  const double depth = from.distance;
   const Vector3d others = center(at).cwiseAbs() - at.box.half;
   const int axis = at.face % 3;
   return depth >= std::max(others[(axis + 1) % 3], others[(axis + 2) % 3]) - near_tolerance;

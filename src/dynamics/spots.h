@@ -27,6 +27,7 @@ struct Spot {
   Pose3 X_LS;              // of the core in its link
   RoundedBox box;          // the core, in S
   Eigen::Vector3d center;  // of the tip in its link [m]
+  Eigen::Vector3d way;     // to it from the middle of all tips of its shape [m]
   double radius = 0;       // of the tip or the rim [m]
   double crown = 0;        // about the rim [m]
   double size = 0;         // of the smaller shape [m]
@@ -107,7 +108,8 @@ class Spots {
   Spot spot_between(const Mechanism& mechanism, int contact, int tip, int core);
   void add_corner(const Spot& spot);
   Line line(const Spot& spot) const;
-  Eigen::Vector3d center(const Spot& spot) const;  // of the tip, in S
+  Eigen::Vector3d center(const Spot& spot) const;      // of the tip, in S
+  Eigen::Vector3d way_to_tip(const Spot& spot) const;  // Spot::way, in S
   struct Crossing;
   Crossing crossing(const Spot& spot) const;
   bool is_near(const Spot& spot, const Crossing& at) const;
