@@ -7,6 +7,7 @@
 
 #include "contact/contact_finder.h"
 #include "contact/step_limits.h"
+#include "util/text.h"
 
 namespace gelenk {
 namespace {
@@ -20,6 +21,8 @@ constexpr double force_rounding = 1e-11;
 constexpr double reached_fraction = 1e-2;
 // Gaps beyond the held mode by less than this are rounding.
 constexpr double watched_depth = touch_tolerance;
+// Far above what events leave.
+constexpr double missed_depth = 100 * touch_tolerance;
 
 }  // namespace
 
@@ -61,6 +64,7 @@ void TouchModes::start() {
   touch_.set_modes(undone_ ? before_ : std::vector<SpotMode>(before_.size()));
   undone_ = false;
   started_ = true;
+  for (Guard& guard : guards_) guard.least = INFINITY;
   refusal_.clear();
 }
 
@@ -256,7 +260,7 @@ bool TouchModes::may_touch(int spot) const {
 
 // Brings directions and distances up to the state where a step begins; returns whether something touches that was not
 // located.
-bool TouchModes::update_modes(const double* y) {
+bool TouchModes::update_modes(double t, const double* y) {
   const double rest = slow(y + mechanism_.nq);
   std::vector<SpotMode> next = touch_.modes();
   go_to(y);
@@ -283,8 +287,21 @@ bool TouchModes::update_modes(const double* y) {
     }
   }
   touch_.set_modes(next);
-  for (Guard& guard : guards_) guard.allowed = std::max(0.0, -outputs_.gap(guard.contact)) + watched_depth;
+  update_guards(t);
   return touches;
+}
+
+// Refuses what has come to overlap although nothing was found to touch.
+void TouchModes::update_guards(double t) {
+  for (Guard& guard : guards_) {
+    const double depth = std::max(0.0, -outputs_.gap(guard.contact));
+    guard.allowed = depth + watched_depth;
+    guard.least = std::min(guard.least, depth);
+    if (depth <= guard.least + missed_depth) continue;
+    const std::string event = log_.report({t, first_indicator_ + per_spot * guard.spot, true}).text;
+    refusal_ = event.substr(0, event.rfind(": ")) + ": shapes have come to overlap by " + text::rounded(depth, 3) +
+               " m without an event: use the integrator auto, or a smaller tolerance";
+  }
 }
 
 // Whether the present modes obey the laws at (t, y).
@@ -309,7 +326,7 @@ bool TouchModes::is_consistent(double t, const double* y) {
 }
 
 bool TouchModes::recall_mode(double t, double* y) {
-  const bool touches = update_modes(y);
+  const bool touches = update_modes(t, y);
   const bool decides = locks_.recall(t, y) || touches || started_ || (jumped_ && !is_consistent(t, y));
   started_ = jumped_ = false;
   if (decides) determine(t, y);
@@ -333,6 +350,7 @@ void TouchModes::serialize(Archive& archive) {
   archive.serialize(started_, jumped_, counts_.impacts, counts_.closed_series, counts_.ambiguous);
   if (archive.reading()) {
     touch_.set_modes(modes);
+    for (Guard& guard : guards_) guard.least = INFINITY;
     refusal_.clear();
   }
 }

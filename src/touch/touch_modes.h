@@ -83,7 +83,8 @@ class TouchModes final : public ConnectedModes {
   void set_accelerations(double t, const double* y);
   bool may_touch(int spot) const;
   void find_penetration(double* g);
-  bool update_modes(const double* y);
+  bool update_modes(double t, const double* y);
+  void update_guards(double t);
   void refuse_ends(double t);
   bool is_consistent(double t, const double* y);
   void determine(double t, double* y);
@@ -115,6 +116,7 @@ class TouchModes final : public ConnectedModes {
   struct Guard {
     int contact = 0, spot = 0;  // of the scene; its first one, of which the indicator shows it
     double allowed = INFINITY;  // m: penetration where the step began
+    double least = INFINITY;    // m: since the start
   };
   std::vector<Guard> guards_;
   Counts counts_;
