@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import copy
 from math import atan, sin
 from pathlib import Path
 from typing import Any
@@ -20,6 +19,7 @@ G = 9.81  # m/s2
 CORNERS = ("fl", "fr", "rl", "rr")
 HUBS = tuple(f"hub_{corner}" for corner in CORNERS)
 BRAKES = tuple(f"{hub}.friction.engagement" for hub in HUBS)
+ARMS = ("lower_fl", "lower_fr", "pivot_rl", "pivot_rr")
 HEIGHT = 0.3  # m, of the hubs in the position of construction
 
 
@@ -53,12 +53,9 @@ def welded(scene: Scene, *names: str) -> Scene:
 
 def rigid(scene: Scene) -> Scene:
     """Return the car without suspension on its tires, level and at its height: it moves in the plane."""
-    return welded(scene, "heave", "pitch", "roll", *(f"lower_{corner}" for corner in CORNERS))
-
-
-def on_springs_of_tires(scene: Scene) -> Scene:
-    """Return the car without suspension, which its tires let heave, pitch and roll."""
-    return welded(scene, *(f"lower_{corner}" for corner in CORNERS))
+    for side in ("l", "r"):
+        del scene["constraints"][f"drive_{side}"]["carrier"]
+    return welded(scene, "heave", "pitch", "roll", *ARMS)
 
 
 def places(scene: Scene) -> dict[str, tuple[float, Array]]:
@@ -155,10 +152,6 @@ def sliding_friction(scene: Scene) -> float:
 def slip_for(scene: Scene, corner: str, lateral: float) -> float:
     """Return the tangent of the slip angle at which a tire has the lateral force per load."""
     return float(brentq(lambda slip: lateral_curve(scene, corner, slip) - lateral, 0, 0.2, xtol=1e-15))
-
-
-def copied(scene: Scene) -> Scene:
-    return copy.deepcopy(scene)
 
 
 def set_bump(scene: Scene, **bump: Any) -> Scene:

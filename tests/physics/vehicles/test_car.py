@@ -19,7 +19,6 @@ from models.car import (
     car,
     center,
     mass,
-    on_springs_of_tires,
     rigid,
     set_bump,
     single_track,

@@ -19,10 +19,11 @@ def level(speed: float) -> Scene:
 
 @pytest.mark.parametrize("brake", [0.0, 1.0])
 def test_a_parked_car_remains_where_it_is(brake: float) -> None:
+    """With locked wheels, tension between the axles relaxes by the creep of the tires, within a minute."""
     run = gelenk.simulate(level(0.0), stop=5, step=0.05, tolerance=1e-8, inputs=dict.fromkeys(BRAKES, brake))
     assert np.abs(run["ride.s_x"]).max() <= 1e-3  # m: it settles on its springs by 0.1 mm
     for name in ("ride.v_x", "ride.v_y", "ride.w", "heave.v", "pitch.w", "roll.w"):
-        assert abs(run[name][-1]) <= 1e-6
+        assert abs(run[name][-1]) <= (1e-5 if brake else 1e-6)
     for name in ("ride.s_y", "ride.phi", "roll.phi"):
         assert np.abs(run[name]).max() <= 1e-10
     loads = [run[f"tire_{corner}.f_n"][-1] for corner in CORNERS]
@@ -33,7 +34,7 @@ def test_a_parked_car_creeps_down_an_incline_as_documented() -> None:
     """With locked wheels, v = F (v0 + v^2/v0)/(2 K N) of all four tires together."""
     scene = level(0.0)
     scene["gravity"] = [0.5, 0, -9.8]
-    run = gelenk.simulate(scene, stop=8, step=0.05, tolerance=1e-8, inputs=dict.fromkeys(BRAKES, 1.0))
+    run = gelenk.simulate(scene, stop=20, step=0.05, tolerance=1e-8, inputs=dict.fromkeys(BRAKES, 1.0))
     v0, K = 0.1, scene["forces"]["tire_fl"]["slip_stiffness"]
     c = 0.5 / (2 * K * 9.8)
     v = (1 - sqrt(1 - 4 * c**2)) / (2 * c) * v0
@@ -46,10 +47,10 @@ def test_a_parked_car_creeps_down_an_incline_as_documented() -> None:
 def test_braking_to_standstill_ends_at_rest() -> None:
     """From 10 m/s in v^2/(2 mu g), but for the wheels before they lock and the last tenth of a m/s: 5 %."""
     scene = level(10.0)
-    run = gelenk.simulate(scene, stop=12, step=0.01, tolerance=1e-7, inputs=dict.fromkeys(BRAKES, 1.0))
+    run = gelenk.simulate(scene, stop=20, step=0.01, tolerance=1e-7, inputs=dict.fromkeys(BRAKES, 1.0))
     way = 10.0**2 / (2 * sliding_friction(scene) * G)
     assert run["ride.s_x"][-1] == pytest.approx(way, rel=5e-2)
-    assert np.ptp(run["ride.s_x"][run.time > 11.5]) <= 1e-6
+    assert np.ptp(run["ride.s_x"][run.time > 19.5]) <= 1e-6
     assert run["ride.v_x"].min() >= -0.1  # it rocks back on its springs
     assert abs(run["ride.v_x"][-1]) <= 1e-6
     assert np.isfinite(run["ride.a_x"]).all()
