@@ -71,7 +71,7 @@ SHOTS: dict[str, dict[str, Shot]] = {
         "differential": Shot((0, 7), 0.5, speed=1.5),
         "rolling_disc": Shot((0, 4.19), 0.6, trails=True),
         "mast_arm_disc": Shot((0, 6), 0.0, speed=1.5),
-        "car": Shot((0, 2.6), 0.6, camera=(-60, 12), inputs=BRAKING),
+        "car": Shot((0, 2.2), 0.55, camera=(-28, 14), inputs=BRAKING),
         "bicycle": Shot((0, 2.5), 0.5, frame_rate=8.0),
         "balancing_robot": Shot((0, 1), 0.0, speed=0.4, inputs={"push.f[1]": 0.1}),
         "cart_pole": Shot((0, 5), 0.6, speed=1.25),

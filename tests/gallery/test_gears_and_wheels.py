@@ -176,10 +176,10 @@ def test_cart_pole() -> None:
 
 def test_car() -> None:
     """Locked wheels brake with the Magic Formula at the slip -1, and the air helps."""
-    start = {"ride.v_x_start": 40.0} | {f"hub_{corner}.w_start": 40 / 0.3 for corner in CORNERS}
+    start = {"ride.v_x_start": 65.0} | {f"hub_{corner}.w_start": 65 / 0.3 for corner in CORNERS}
     level = {f"tire_{corner}.bump_height": 0.0 for corner in CORNERS}
     run = gelenk.simulate(
-        file("car"), stop=5, parameters=start | level, inputs=dict.fromkeys(BRAKES, 1.0), tolerance=1e-8
+        file("car"), stop=9, parameters=start | level, inputs=dict.fromkeys(BRAKES, 1.0), tolerance=1e-8
     )
     locked = sliding_friction(car()) * GRAVITY
     air = 0.4 * run["ride.v_x"][-1] ** 2 / mass(car())

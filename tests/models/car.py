@@ -59,7 +59,7 @@ def rigid(scene: Scene) -> Scene:
 
 
 def places(scene: Scene) -> dict[str, tuple[float, Array]]:
-    """Return masses [kg] and centers of mass [m] in the position of construction, in which no body is turned."""
+    """Return masses [kg] and centers of mass [m] in the position of construction; no body is turned."""
     return {
         name: (body["mass"], np.array(body["pose"]["position"]) + body.get("com", (0, 0, 0)))
         for name, body in scene["bodies"].items()

@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A car in the plane after TwoTrackWithDifferentialGear of PlanarMechanics (D. Zimmer).
 
-A frame, whose rear wheels a torque drives through a differential, and two front bodies on vertical axes, which
-are steered alike by a pulsating torque and trail behind their axes. Wheels slip by a law of the speed of
-slip, with a peak and a lower level beyond: here the Magic Formula takes the place of PlanarMechanics' "triple S".
+A frame, whose rear wheels a torque drives through a differential, and two front bodies on vertical axes,
+which are steered alike by a pulsating torque and trail behind their axes. Wheels slip by a law of the speed
+of slip, with a peak and a lower level beyond: the Magic Formula, in place of PlanarMechanics' "triple S".
 """
 
 from __future__ import annotations
 
+from itertools import pairwise
 from math import pi, tan
 from typing import Any
 
@@ -21,7 +22,7 @@ SPIN, DIAMETRAL = 1.0, 0.5  # kg m2
 STEERING, TORQUE, PULSE = 0.43633231299858, 25.0, 2.0  # rad, N m, N m
 ADHESION, MU, SLIDING = 0.1, 1.0, 0.7  # m/s at the peak; its coefficient, and that at large slip
 SHAPE = 2 - 2 / pi * np.arcsin(SLIDING / MU)
-# A tire's slip refers to a mean of the speed and `standstill`: with a large one, forces follow the speed of slip.
+# Slip refers to a mean of the speed and `standstill`: with a large one, forces follow the speed of slip.
 STANDSTILL = 1e4  # m/s
 STIFFNESS = MU * SHAPE * tan(pi / (2 * SHAPE)) * STANDSTILL / 2 / ADHESION
 # Of the wheels: x, y in the frame [m] (of the steering axes in front), load [N].
@@ -36,8 +37,9 @@ WHEELS = {
 def two_track() -> dict[str, Any]:
     """Return the scene; inputs engine.tau and steer.tau."""
     law = {
-        "type": "tire", "radius": RADIUS, "slip_stiffness": STIFFNESS, "cornering_stiffness": STIFFNESS,
-        "friction_long": MU, "friction_lat": MU, "shape_long": SHAPE, "shape_lat": SHAPE, "standstill": STANDSTILL,
+        "type": "tire", "radius": RADIUS, "standstill": STANDSTILL,
+        "slip_stiffness": STIFFNESS, "cornering_stiffness": STIFFNESS,
+        "friction_long": MU, "friction_lat": MU, "shape_long": SHAPE, "shape_lat": SHAPE,
     }  # fmt: skip
     bodies: dict[str, Any] = {
         "frame": {"mass": FRAME, "inertia": [FRAME_MOMENT] * 3},
@@ -144,7 +146,7 @@ def solved(times: Array) -> Array:
     y = np.zeros(12)
     y[3] = STEERING
     rows = [y]
-    for t, end in zip(times[:-1], times[1:], strict=True):
+    for t, end in pairwise(times):
         run = solve_ivp(
             lambda _, y, steer: rates(y, steer), (t, end), rows[-1], args=(pulse(t + 1e-6),), method="LSODA",
             rtol=1e-10, atol=1e-11,

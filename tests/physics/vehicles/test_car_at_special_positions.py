@@ -8,7 +8,7 @@ from math import sqrt
 import numpy as np
 import pytest
 from mechanisms import Scene
-from models.car import BRAKES, CORNERS, G, HEIGHT, car, mass, set_bump, sliding_friction, without_drag
+from models.car import BRAKES, CORNERS, HEIGHT, G, car, mass, set_bump, sliding_friction, without_drag
 
 import gelenk
 
