@@ -56,13 +56,13 @@ def test_a_state_saved_in_a_skid_continues_with_the_same_bits(fmu: Fmu, saved_at
 
 
 def test_a_step_of_a_millisecond_costs_few_evaluations(fmu: Fmu) -> None:
-    """Steered anew in each step: one step of the integrator, seven evaluations; more only on the bump.
+    """Steered anew in each step on a level road: one step of the integrator, seven evaluations.
 
-    An evaluation takes some 12 us, so that the car drives ten times faster than real time.
+    This keeps it ten times faster than real time; the processor's time itself is not a measure here.
     """
     s = Slave(fmu).start()
-    for k in range(1000):
+    for k in range(400):  # up to the bump
         assert s.set({"column.tau": 2.0 + 0.1 * (k % 7)}) == OK, s.said
         assert s.step(k * STEP, STEP) == OK, s.said
-    assert s.get("solver.steps") <= 1200
-    assert s.get("solver.evaluations") <= 8000
+    assert s.get("solver.steps") <= 450
+    assert s.get("solver.evaluations") <= 3200
