@@ -215,7 +215,7 @@ def car(axes: Any) -> None:
     axes[2].plot(dry["time"], dry["ride.v_x"], color=BLUE, label="speed [m/s]")
     axes[2].plot(dry["time"], dry["engine.tau"], color=RED, label="torque of the engine [N m]")
     axes[2].axvspan(7, 15, color="#eeeeee")
-    axes[2].text(11, 12, "slope of 5 %", ha="center")
+    axes[2].text(11, 12, "uphill, 5 %", ha="center")
     axes[2].set(xlabel="time [s]", title="Friction 1: speed and torque", xlim=(0, 15), ylim=(0, 40))
     for axis in axes:
         axis.legend(frameon=False, fontsize=8)
