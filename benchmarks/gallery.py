@@ -43,6 +43,7 @@ class Shot:
     inputs: dict[str, float] = field(default_factory=dict)
 
 
+BRAKING = {f"hub_{corner}.friction.engagement": 1.0 for corner in ("fl", "fr", "rl", "rr")}
 TILTING = {"drive1.f": 600.0, "drive2.f": 600.0, "drive4.f": -600.0, "drive5.f": -600.0}  # N
 
 SHOTS: dict[str, dict[str, Shot]] = {
@@ -70,6 +71,7 @@ SHOTS: dict[str, dict[str, Shot]] = {
         "differential": Shot((0, 7), 0.5, speed=1.5),
         "rolling_disc": Shot((0, 4.19), 0.6, trails=True),
         "mast_arm_disc": Shot((0, 6), 0.0, speed=1.5),
+        "car": Shot((0, 2.2), 0.55, camera=(-28, 14), inputs=BRAKING),
         "bicycle": Shot((0, 2.5), 0.5, frame_rate=8.0),
         "balancing_robot": Shot((0, 1), 0.0, speed=0.4, inputs={"push.f[1]": 0.1}),
         "cart_pole": Shot((0, 5), 0.6, speed=1.25),

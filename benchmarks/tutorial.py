@@ -1,10 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Draws the figures of the tutorials from the results of the code on these pages: `make tutorial`."""
+"""Draws the figures of the tutorials from the results of the code on these pages: `make tutorial`.
+
+Arguments: pages; none: all of them.
+"""
 
 from __future__ import annotations
 
 import contextlib
 import re
+import sys
 import tempfile
 from pathlib import Path
 from typing import Any
@@ -20,7 +24,9 @@ PAGES = {  # page -> its scene file
     "tutorial-wheels": "robot.yaml",
     "tutorial-stiction": "axis.yaml",
     "tutorial-gripper": "gripper.yaml",
+    "tutorial-vehicle": "car.yaml",
 }
+CAR = ROOT / "docs" / "gallery" / "car" / "scene.yaml"
 BLUE, RED, GREEN, GRAY = "#0072B2", "#D55E00", "#009E73", "#4B4B4B"
 UPPER, LOWER, STICK = 0.25, 0.35, 0.6  # m
 PUSHED = (0.5, 0.6)  # s
@@ -35,7 +41,8 @@ def computed(page: str) -> dict[str, Any]:
 
     names: dict[str, Any] = {}
     with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
-        Path(PAGES[page]).write_text("".join(blocks("yaml")), encoding="utf-8")
+        scene = "".join(blocks("yaml")) or CAR.read_text(encoding="utf-8")
+        Path(PAGES[page]).write_text(scene, encoding="utf-8")
         for block in blocks("python"):
             exec(compile(block, page, "exec"), names)
     return names
@@ -186,14 +193,46 @@ def gripper(axes: Any) -> None:
         axis.legend(frameon=False, fontsize=8)
 
 
+# --- the car ---
+
+
+def car(axes: Any) -> None:
+    names = computed("tutorial-vehicle")
+    dry = names["dry"]
+    target = [names["path"](time)[0] for time in dry["time"]]
+    axes[0].plot(dry["ride.s_x"], target, "--", color="black", label="target")
+    for run, label, color in (
+        ("dry", "friction 1", BLUE), ("snow", "friction 0.35", GREEN), ("ice", "friction 0.30", RED)
+    ):  # fmt: skip
+        axes[0].plot(names[run]["ride.s_x"], names[run]["ride.s_y"], color=color, label=label)
+    axes[0].set(xlabel="x [m]", title="Path, y [m]", xlim=(40, 200), ylim=(-1, 7))
+    for name, label, color in (
+        ("tire_fl", "front left", BLUE), ("tire_fr", "front right", RED), ("tire_rl", "rear left", GREEN)
+    ):  # fmt: skip
+        axes[1].plot(dry["time"], 1e-3 * dry[f"{name}.f_n"], color=color, lw=1, label=label)
+    axes[1].annotate("bump", (0.95, 8.5), (1.6, 8.5), va="center", arrowprops={"arrowstyle": "->"})
+    axes[1].set(xlabel="time [s]", title="Friction 1: loads of tires [kN]", xlim=(0, 6), ylim=(0, 10))
+    axes[2].plot(dry["time"], dry["ride.v_x"], color=BLUE, label="speed [m/s]")
+    axes[2].plot(dry["time"], dry["engine.tau"], color=RED, label="torque of the engine [N m]")
+    axes[2].axvspan(7, 15, color="#eeeeee")
+    axes[2].text(11, 12, "uphill, 5 %", ha="center")
+    axes[2].set(xlabel="time [s]", title="Friction 1: speed and torque", xlim=(0, 15), ylim=(0, 40))
+    for axis in axes:
+        axis.legend(frameon=False, fontsize=8)
+
+
 def main() -> None:
     pages = (
         ("tutorial-lqr", balancer),
         ("tutorial-wheels", robot),
         ("tutorial-stiction", axis_with_friction),
         ("tutorial-gripper", gripper),
+        ("tutorial-vehicle", car),
     )
+    wanted = sys.argv[1:] or PAGES
     for page, draw in pages:
+        if page not in wanted:
+            continue
         figure, axes = pyplot().subplots(1, 3, figsize=(12, 4), width_ratios=(0.8, 1.2, 1))
         draw(axes)
         for axis in axes:

@@ -38,6 +38,7 @@ def four_bar_fmu(four_bar: gelenk.Scene, tmp_path_factory: pytest.TempPathFactor
 def folder(root: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A folder to work in, with the scenes of the repository and the scenes of README and the tutorials."""
     (tmp_path / "scenes").symlink_to(root / "scenes")
+    (tmp_path / "car.yaml").symlink_to(root / "docs" / "gallery" / "car" / "scene.yaml")
     (tmp_path / "four_bar.yaml").write_text(blocks(root / "README.md", "yaml")[0], encoding="utf-8")
     pages = (
         ("tutorial-lqr", "balancer"),

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from models.car import axle_loads, car, steering_per_rack
 from pages import blocks, executed
 
 import gelenk
@@ -159,3 +160,57 @@ def test_tutorial_with_a_gripper(folder: Path, root: Path) -> None:
     careful = names["careful"]
     assert slip(careful)[-1] == pytest.approx(0.13, abs=0.005)
     assert careful["left_grip.f"][-1] / names["needed"] == pytest.approx(1.09, abs=0.005)
+
+
+@pytest.mark.filterwarnings("error::gelenk.OperatingPointWarning")
+def test_tutorial_with_a_car(folder: Path, root: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Numbers of the page, to the digits they have there."""
+    names = executed(root / "docs" / "tutorial-vehicle.md")
+    assert folder == Path.cwd()
+    lines = capsys.readouterr().out.splitlines()
+    drag = 0.4 * 25**2 * 0.3 / 9
+    assert [names["torque"], drag] == pytest.approx([8.33, 8.33], abs=0.005)
+    assert "30 25" in lines
+    poles = np.sort_complex(names["lane"].poles())
+    assert poles[[0, 2]] == pytest.approx([-15.00 - 12.87j, -1.93 - 5.73j], abs=0.005)
+    assert abs(poles[4:]).max() < 1e-5  # a double pole at 0, to the root of rounding
+    scene = car()
+    assert steering_per_rack(scene) == pytest.approx(7.344, abs=5e-4)
+    assert names["K"] == pytest.approx(
+        (1 / scene["forces"]["tire_fl"]["cornering_stiffness"]
+         - 1 / scene["forces"]["tire_rl"]["cornering_stiffness"]) / 9.81
+    )  # fmt: skip
+    textbook = names["ratio"] * 25 / (2.7 + names["K"] * 25**2)
+    assert [names["yaw_gain"], textbook] == pytest.approx([0.382, 0.390], abs=5e-4)
+    front = sum(names["cruising"].values[f"tire_{corner}.f_n"] for corner in ("fl", "fr"))
+    assert axle_loads(scene)[0] - front == pytest.approx(53, abs=0.5)
+    assert [1 / names["per_torque"], names["phase_margin"]] == pytest.approx([50.1, 79], abs=0.1)
+    assert (np.log(names["poles"]) / 0.01).real.max() == pytest.approx(-4.14, abs=0.005)
+    assert np.sort(names["closed"].real)[-3:] == pytest.approx([-1.65, -1.65, -0.0133], abs=0.005)
+
+
+def test_the_car_of_the_tutorial_keeps_its_lane_while_friction_permits(folder: Path, root: Path) -> None:
+    """Numbers of the page, to the digits they have there."""
+    names = executed(root / "docs" / "tutorial-vehicle.md")
+    assert folder == Path.cwd()
+
+    def deviation(run: Any) -> Any:
+        return abs(run["ride.s_y"] - [names["path"](time)[0] for time in run["time"]])
+
+    dry, snow, ice = names["dry"], names["snow"], names["ice"]
+    assert deviation(dry).max() == pytest.approx(0.22, abs=0.005)
+    assert deviation(dry)[-1] < 1e-3
+    assert [dry["ride.v_x"].min(), dry["ride.v_x"][-1]] == pytest.approx([24.66, 24.89], abs=0.005)
+    assert np.degrees(abs(dry["roll.phi"]).max()) == pytest.approx(3.8, abs=0.05)
+    assert all(dry[f"tire_{corner}.f_n"].min() == 0 for corner in names["corners"])
+    assert names["width"] / 2 * names["rate"] ** 2 == pytest.approx(2.76, abs=0.005)
+    assert deviation(snow).max() == pytest.approx(0.34, abs=0.005)
+    assert deviation(ice).max() > 5
+    names |= {"duration": 3.5, "rate": np.pi / 3.5}
+    assert deviation(names["drive"](0.30)).max() < 0.2
+
+
+def test_lines_of_the_car_on_the_page_are_those_of_its_scene(root: Path) -> None:
+    (piece,) = blocks(root / "docs" / "tutorial-vehicle.md", "text")
+    scene = (root / "docs" / "gallery" / "car" / "scene.yaml").read_text(encoding="utf-8")
+    assert piece in scene

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from mechanisms import GRAVITY, Array
+from models.car import BRAKES, CORNERS, car, mass, sliding_friction
 from models.disc import steady
 from models.whipple import linear_theory
 
@@ -171,3 +172,16 @@ def test_cart_pole() -> None:
     assert max(mode.eigenvalue.real for mode in found.modes) == pytest.approx(rate, rel=1e-9)
     assert source("cart_pole")["joints"]["hinge"]["start"]["phi"] == 0.05  # rad: from where it falls
     assert_stated("cart_pole", rate, "1/s")
+
+
+def test_car() -> None:
+    """Locked wheels brake with the Magic Formula at the slip -1, and the air helps."""
+    start = {"ride.v_x_start": 65.0} | {f"hub_{corner}.w_start": 65 / 0.3 for corner in CORNERS}
+    level = {f"tire_{corner}.bump_height": 0.0 for corner in CORNERS}
+    run = gelenk.simulate(
+        file("car"), stop=9, parameters=start | level, inputs=dict.fromkeys(BRAKES, 1.0), tolerance=1e-8
+    )
+    locked = sliding_friction(car()) * GRAVITY
+    air = 0.4 * run["ride.v_x"][-1] ** 2 / mass(car())
+    assert run["ride.a_x"][-1] == pytest.approx(-locked - air, rel=1e-4)  # its pitching has decayed
+    assert_stated("car", locked, "m/s2")
