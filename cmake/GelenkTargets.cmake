@@ -24,7 +24,7 @@ set(once
   analysis/mobility
   kinematics/loads kinematics/model
   contact/contact_state contact/recorded_problem
-  dynamics/distributed_forces dynamics/spot_features dynamics/spots
+  dynamics/distributed_forces touch/spot_features touch/spots
   modes/joint_locks modes/mode_changes
   linear/box_complementarity linear/least_load linear/singular_values
   outputs/outputs_dual outputs/port_readings

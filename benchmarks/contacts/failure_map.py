@@ -14,7 +14,8 @@ import warnings
 from dataclasses import dataclass
 from typing import Any
 
-from benchmarks.contacts.trials import ContactTrial, trials
+from benchmarks.contacts.trial import ContactTrial
+from benchmarks.contacts.trials import trials
 from benchmarks.nonsmooth.draw import draw_map
 from benchmarks.nonsmooth.judge import BOUND, TOLERANCE, Verdict
 from benchmarks.nonsmooth.page import findings, outcomes

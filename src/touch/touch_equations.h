@@ -15,8 +15,8 @@
 #include <span>
 #include <vector>
 
-#include "dynamics/spots.h"
 #include "linear/least_norm.h"
+#include "touch/spots.h"
 
 namespace gelenk {
 

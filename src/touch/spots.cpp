@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "dynamics/spots.h"
+#include "touch/spots.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "dynamics/spot_features.h"
 #include "mechanism/touching.h"
 #include "shape/registry.h"
+#include "touch/spot_features.h"
 
 namespace gelenk {
 namespace {

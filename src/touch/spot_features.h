@@ -2,7 +2,7 @@
 // Geometry of edges that cross and of rims above planes, in the root frame.
 #pragma once
 
-#include "dynamics/spots.h"
+#include "touch/spots.h"
 
 namespace gelenk {
 

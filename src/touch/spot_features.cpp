@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "dynamics/spot_features.h"
+#include "touch/spot_features.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
