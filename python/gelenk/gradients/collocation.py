@@ -39,6 +39,7 @@ class Sample:
         x: the states.
         C: derivatives of the outputs by the states.
         D: of the outputs by inputs and parameters.
+        movable: derivatives of the states by themselves: the unit matrix, unless something is kept at rest.
     """
 
     A: Array
@@ -48,6 +49,7 @@ class Sample:
     x: Array
     C: Array
     D: Array
+    movable: Array
 
 
 def advance(samples: list[Sample], h: float, largest: Array, fastest: Array) -> tuple[Array, float]:
