@@ -262,6 +262,40 @@ def test_products_with_vectors_pass_through_events() -> None:
     assert by_input["drive.f"].sum() == pytest.approx(run.derivative("track.s", "drive.f")[-1], rel=1e-9)
 
 
+def test_an_input_that_lets_go_has_the_derivatives_of_its_closed_form() -> None:
+    """A force F presses the mass against its limit from 0.3162 s on, and is -3 N from 0.6 s on."""
+
+    def force(t: float) -> float:
+        return 2.0 if t < 0.595 else -3.0
+
+    scene = slider(start={"s": 0.0, "v": 0, "fixed": True}, limit={"upper": 0.05, "restitution": 0.0})
+    scene["gravity"] = [0, 0, 0]
+    run = gelenk.sensitivity(
+        scene, ["track.limit.upper", "mass.mass", "drive.f"], outputs=["track.s"], inputs={"drive.f": force}
+    )
+    t, m = run.time, 2.0
+    after = np.maximum(t - 0.6, 0.0)
+    assert run["track.s"][60] == pytest.approx(0.05, abs=1e-12)
+    before = t < 0.3
+    for name, free, released in (
+        ("track.limit.upper", 0 * t, 1 + 0 * t),
+        ("mass.mass", -2.0 * t**2 / (2 * m * m), 3.0 * after**2 / (2 * m * m)),
+        ("drive.f", t**2 / (2 * m), after**2 / (2 * m)),
+    ):
+        found = run.derivative("track.s", name)
+        assert found[before] == pytest.approx(free[before], abs=1e-9)
+        assert found[t > 0.33] == pytest.approx(released[t > 0.33], abs=1e-9)  # rk4 is exact here
+
+
+def test_contact_with_a_stop_by_its_bound_is_refused() -> None:
+    scene = slider(start={"s": 0.0, "v": 1.0, "fixed": True}, stop={"upper": 0.1, "stiffness": 100.0})
+    scene["gravity"] = [0, 0, 0]
+    with pytest.raises(
+        gelenk.UsageError, match=r"track.stop.upper: at t = 0\.\d* s the equations .* abruptly"
+    ):
+        gelenk.sensitivity(scene, ["track.stop.upper"], outputs=["track.s"], step=0.013)
+
+
 def test_an_impact_that_grazes_is_refused() -> None:
     """The oscillator reaches 0.2 m; the limit is 1 nm within, which it meets at 0.2 mm/s."""
     scene = slider(

@@ -52,6 +52,19 @@ class Sample:
     movable: Array
 
 
+def unit(sample: Sample) -> Array:
+    """Return [F, G, P] of no time."""
+    return np.eye(*np.hstack([sample.A, sample.B]).shape)
+
+
+def product(right: Array, left: Array) -> Array:
+    """Return [F, G, P] of two parts of a communication step, the first of them on the right-hand side."""
+    n = len(right)
+    both: Array = right[:, :n] @ left
+    both[:, n:] += right[:, n:]
+    return both
+
+
 def advance(samples: list[Sample], h: float, largest: Array, fastest: Array) -> tuple[Array, float]:
     """Integrate from the unit matrix for the states, and from zero for inputs and parameters, over one step.
 

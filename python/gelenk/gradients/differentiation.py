@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gelenk.errors import StartWarning, UsageError
-from gelenk.gradients.collocation import NODES, Sample, advance
+from gelenk.gradients.collocation import NODES, Sample, advance, product, unit
 from gelenk.gradients.neighbors import Neighbors
 from gelenk.gradients.run import DifferentiatedRun
 from gelenk.gradients.saltation import DOUBTFUL, WINDOWS, NotPassed, Saltation, Window
@@ -162,12 +162,18 @@ class Differentiator:
         last: Sample | None = None
         for k in range(len(times) - 1):
             begin, end = float(times[k]), float(times[k + 1])
+            fault: UsageError | None = None
             if self._set_inputs(begin, end) or last is None:
-                last = self._sample()
+                try:
+                    last = self._sample()
+                except UsageError as error:  # unless the inputs change a mode just here
+                    if last is None:
+                        raise
+                    fault = error
             if not points:
                 points.append(last)
             self._whole = end - begin
-            matrix, last = self._through_events(last, begin, end)
+            matrix, last = self._through_events(last, begin, end, fault)
             steps.append(matrix)
             points.append(last)
             values.append(self._values())
@@ -238,18 +244,33 @@ class Differentiator:
             C, np.hstack([_columns(D, self._columns), by_parameter[n:]]), movable,
         )  # fmt: skip
 
-    def _through_events(self, first: Sample, begin: float, end: float) -> tuple[Array, Sample]:
-        """Advance the plant from `begin` to `end`; return [F, G, P] and the sample at the end."""
-        matrix, at = _unit(first), begin
+    def _through_events(
+        self, first: Sample, begin: float, end: float, fault: UsageError | None
+    ) -> tuple[Array, Sample]:
+        """Advance the plant from `begin` to `end`; return [F, G, P] and the sample at the end.
+
+        Args:
+            first: the sample at the start.
+            begin: the start.
+            end: the end.
+            fault: why `first` is from before the last change of the inputs, an event at the start perhaps.
+        """
+        matrix, at = unit(first), begin
         for _ in range(MOST_EVENTS):
             saved, self._parts = self._plant.save(), 0
             try:
+                if fault is not None:
+                    self._step(at, at + WINDOWS[-1] * (end - at))
+                    raise fault
                 part, last = self._advanced(first, at, end, 0)
             except _Event as event:
+                if fault is not None and event.time > at:
+                    raise fault from None
+                fault = None
                 part, first, at = self._across(event, saved, first, at, end)
-                matrix = _product(part, matrix)
+                matrix = product(part, matrix)
             else:
-                return _product(part, matrix), last
+                return product(part, matrix), last
             if at >= end:
                 return matrix, first
         raise UsageError(
@@ -268,10 +289,10 @@ class Differentiator:
             self._parts = 0
             self._set_inputs(begin, end)
             try:
-                matrix, sample = _unit(first), first
+                matrix, sample = unit(first), first
                 if start > begin:
                     matrix, sample = self._advanced(first, begin, start, 0)
-                matrix = _product(self._jumped(sample, start, stop), matrix)
+                matrix = product(self._jumped(sample, start, stop), matrix)
                 return matrix, self._sample(), stop
             except NotPassed as fault:
                 why = str(fault)
@@ -334,7 +355,7 @@ class Differentiator:
             self._set_inputs(middle, end)
             between = self._sample()
         right, last = self._advanced(between, middle, end, depth + 1)
-        return _product(right, left), last
+        return product(right, left), last
 
     def _moves(self) -> bool:
         return any(map(is_motion, self._signals))
@@ -362,19 +383,6 @@ class Differentiator:
                 f"t = {time:.9g} s: the accelerations jump, so that derivatives beyond this time are "
                 "not known"
             )
-
-
-def _unit(sample: Sample) -> Array:
-    """Return [F, G, P] of no time."""
-    return np.eye(*np.hstack([sample.A, sample.B]).shape)
-
-
-def _product(right: Array, left: Array) -> Array:
-    """Return [F, G, P] of two parts of a communication step, the first of them on the right-hand side."""
-    n = len(right)
-    product: Array = right[:, :n] @ left
-    product[:, n:] += right[:, n:]
-    return product
 
 
 def _columns(matrix: Array, indices: Sequence[int]) -> Array:
