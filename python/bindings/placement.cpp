@@ -88,6 +88,15 @@ void gelenk::bind_placement(nb::module_& m, nb::class_<Plant>& simulation) {
           [](Plant& p, const Held& at) { p.with([&](Simulation& s) { Placement(s).return_to(*at.position); }); },
           nb::arg("position"), "Move to where position() was called, of this plant or of a copy.")
       .def(
+          "start_from",
+          [](Plant& p, Plant& other, const std::vector<double>& x) {
+            p.with([&](Simulation& s) { Placement(s).start_from(other.fixed(), x); });
+          },
+          nb::arg("other"), nb::arg("x"),
+          "After initialize(): make the next step from the time, inputs and modes of another plant, at these states, "
+          "in "
+          "the order of _states(). Raises UsageError.")
+      .def(
           "modes", [](Plant& p) { return p.with([](Simulation& s) { return Placement(s).modes(); }); },
           "After assemble(): what has modes that change at events; empty: nothing.")
       .def(

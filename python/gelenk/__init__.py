@@ -48,7 +48,7 @@ if TYPE_CHECKING:
     from gelenk.modal import Mode, Modes, modes
     from gelenk.model import Assemblies, Branch, Inspection, Scene, assemblies, inspect, load
     from gelenk.simulation import Result, Simulation, live_view, simulate, view
-    from gelenk.sweeps import sweep
+    from gelenk.sweeps import sobol, sweep
     from gelenk.viewer import View
 
     __version__: str
@@ -97,6 +97,7 @@ __all__ = [
     "optimize",
     "sensitivity",
     "simulate",
+    "sobol",
     "sweep",
     "vector_environment",
     "view",
@@ -117,7 +118,7 @@ _get, _dir = _lazy.lazy(
         ".modal": ["Mode", "Modes", "modes"],
         ".model": ["Assemblies", "Branch", "Inspection", "Scene", "assemblies", "inspect", "load"],
         ".simulation": ["Result", "Simulation", "live_view", "simulate", "view"],
-        ".sweeps": ["sweep"],
+        ".sweeps": ["sobol", "sweep"],
         ".viewer": ["View"],
     },
 )

@@ -10,6 +10,7 @@ from gelenk.errors import UsageError
 
 EXTRAS = {
     "PIL": "view",
+    "SALib": "sobol",
     "cloudpickle": "sweep",
     "distributed": "sweep",
     "h5netcdf": "tables",

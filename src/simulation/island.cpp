@@ -274,6 +274,19 @@ bool Island::place(const Eigen::VectorXd& change, double time) {
   return true;
 }
 
+void Island::take_modes(const Island& other) {
+  LockModes& locks = equations_->modes().locks();
+  if (!locks.empty()) locks.set_state(other.equations_->modes().locks().state());
+  realized_ = Stage::position;
+}
+
+void Island::start_again(const Island& other) {
+  inputs_jumped_ = other.inputs_jumped_;
+  if (follows_) equations_->drives().targets_at(time_, followed_);
+  replay_.clear();
+  if (integrator_) integrator_->restart(time_, y_.data());
+}
+
 RunCounts Island::counts() const {
   RunCounts out = equations_->mode_counts();
   out.steps = integrator_ ? integrator_->steps() : 0;

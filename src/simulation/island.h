@@ -82,6 +82,10 @@ class Island {
   };
   Position position() const;
   void place(const Position& at, double time);
+  // Enters the modes of friction and limits of the same island of another simulation.
+  void take_modes(const Island& other);
+  // Makes the next step begin where the island was placed, as that of the other one does.
+  void start_again(const Island& other);
 
   bool may_have_history() const { return integrator_ && integrator_->may_have_history(); }
   bool will_have_history() const { return integrator_ && integrator_->will_have_history(); }

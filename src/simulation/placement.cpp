@@ -24,6 +24,11 @@ constexpr double accuracy = 1e-11;
 constexpr double last_iteration = 1e-9;
 constexpr int max_iterations = 10'000;
 
+bool has_contacts(const Island& island) {
+  const ContactMotion& contacts = island.formulation().contacts();
+  return contacts.touch() != nullptr || contacts.are_used();
+}
+
 }  // namespace
 
 struct Placement::Position {
@@ -84,7 +89,7 @@ void Placement::move(const VectorXd& dx, double time) {
 // Throws if it cannot be placed at these states.
 void Placement::check_states(std::span<const double> x, double time) const {
   const Simulation::Impl& s = impl_;
-  if (!s.initialized || s.runs) throw UsageError("only a simulation that was assembled can be placed");
+  if (!s.initialized) throw UsageError("a simulation cannot be placed before it was assembled");
   if (x.size() != s.states.size()) {
     throw UsageError("states: found " + std::to_string(x.size()) + " numbers, expected " +
                      std::to_string(s.states.size()));
@@ -94,6 +99,12 @@ void Placement::check_states(std::span<const double> x, double time) const {
 }
 
 void Placement::move_to(std::span<const double> x, double time) {
+  if (impl_.runs) throw UsageError("only a simulation that was assembled can be placed");
+  approach(x, time, true);
+}
+
+// closed: whether its loops are.
+void Placement::approach(std::span<const double> x, double time, bool closed) {
   check_states(x, time);
   StateDerivatives(simulation_).prepare();
   const std::shared_ptr<const Position> before = position();
@@ -108,7 +119,7 @@ void Placement::move_to(std::span<const double> x, double time) {
       const bool whole = !loops || size <= longest_part;
       if (k > 0 && whole && (size == 0 || (size <= accuracy * scale && !(size < last / 2)))) return;
       move(whole ? dx : VectorXd(dx * (longest_part / size)), time);
-      if (!loops || (whole && size <= last_iteration * scale)) return;
+      if (!loops || ((closed || k > 0) && whole && size <= last_iteration * scale)) return;
       last = whole ? size : INFINITY;
     }
     throw UsageError("its loops cannot be closed there");
@@ -121,6 +132,37 @@ void Placement::move_to(std::span<const double> x, double time) {
 }
 
 void Placement::follow(const Simulation& other, std::span<const double> x) {
+  if (impl_.runs) throw UsageError("only a simulation that was assembled can be placed");
+  take_inputs_and_modes(other, x, true);
+  for (const auto& island : impl_.islands) realize_in_present_modes(*island);
+}
+
+// So that outputs are not those in the modes in which a step would begin, which may be about to change.
+void Placement::realize_in_present_modes(Island& of) {
+  EventModes& modes = of.equations_->modes();
+  if (modes.locks().empty() || has_contacts(of)) return;
+  const double* vdot = modes.locks().accelerations(of.time_, of.y_.data());
+  if (vdot == nullptr || of.dynamics_->branching().is_redundant()) return;
+  std::copy_n(vdot, of.vdot_.size(), of.vdot_.begin());
+  modes.record_outputs();
+  of.dynamics_->readings().set_root_poses();
+  of.dynamics_->set_acceleration(of.vdot_.data());
+  of.realized_ = Stage::acceleration;
+}
+
+void Placement::start_from(const Simulation& other, std::span<const double> x) {
+  const Simulation::Impl& from = *other.impl_;
+  if (!impl_.runs || impl_.islands.size() != from.islands.size())
+    throw UsageError("only another simulation of the scene can start there");
+  if (std::ranges::any_of(impl_.islands, [](const auto& island) { return has_contacts(*island); }))
+    throw UsageError("contacts between shapes have modes, which cannot be taken over");
+  for (std::size_t i = 0; i < impl_.islands.size(); ++i)
+    impl_.islands[i]->place(from.islands[i]->position(), from.time);
+  take_inputs_and_modes(other, x, false);
+  for (std::size_t i = 0; i < impl_.islands.size(); ++i) impl_.islands[i]->start_again(*from.islands[i]);
+}
+
+void Placement::take_inputs_and_modes(const Simulation& other, std::span<const double> x, bool closed) {
   const Simulation::Impl& from = *other.impl_;
   if (from.states.size() != impl_.states.size() ||
       !std::ranges::equal(from.states, impl_.states, {}, &StateVariable::output, &StateVariable::output)) {
@@ -128,14 +170,14 @@ void Placement::follow(const Simulation& other, std::span<const double> x) {
   }
   if (from.input_size != impl_.input_size) throw UsageError("it has other natural units than with the values given");
   impl_.u = from.u;
-  move_to(x, from.time);
+  approach(x, from.time, closed);
+  for (std::size_t i = 0; i < impl_.islands.size(); ++i) impl_.islands[i]->take_modes(*from.islands[i]);
 }
 
 std::string Placement::modes() const {
   for (const auto& island : impl_.islands) {
     if (!island->formulation().modes().locks().empty()) return "friction or limits";
-    const ContactMotion& contacts = island->formulation().contacts();
-    if (contacts.touch() != nullptr || contacts.are_used()) return "contacts";
+    if (has_contacts(*island)) return "contacts";
   }
   return {};
 }

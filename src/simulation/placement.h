@@ -12,8 +12,10 @@
 
 namespace gelenk {
 
-// View of a simulation that outlives it and that makes no steps: one after assemble(). Its outputs are then those at
-// the states, the time and the inputs given.
+class Island;
+
+// View of a simulation that outlives it and, except for start_from(), makes no steps: one after assemble(). Its outputs
+// are then those at the states, the time and the inputs given.
 class Placement {
  public:
   explicit Placement(Simulation& of) : simulation_(of), impl_(*of.impl_) {}
@@ -26,6 +28,9 @@ class Placement {
   // The same at the states, the time and the inputs of another simulation of the same scene with other numbers. Throws
   // UsageError also if it has other states.
   void follow(const Simulation& other, std::span<const double> x);
+  // The same for a simulation after initialize(), which makes its next step from there in the modes of the other one.
+  // Throws UsageError also where contacts between shapes have modes.
+  void start_from(const Simulation& other, std::span<const double> x);
 
   // Where it is. The way to other states, and so their rounding errors, depend on where one begins.
   struct Position;
@@ -40,8 +45,11 @@ class Placement {
 
  private:
   void check_states(std::span<const double> x, double time) const;
+  void approach(std::span<const double> x, double time, bool closed);
+  void take_inputs_and_modes(const Simulation& other, std::span<const double> x, bool closed);
   Eigen::VectorXd remaining(std::span<const double> x) const;
   void move(const Eigen::VectorXd& dx, double time);
+  static void realize_in_present_modes(Island& of);
   bool has_loops() const;
 
   Simulation& simulation_;

@@ -150,28 +150,10 @@ def test_sliding_friction_has_the_derivative_of_its_closed_form() -> None:
     assert run.derivative("track.s", "track.v_start") == pytest.approx(run.time, abs=1e-9)
 
 
-@pytest.mark.parametrize(
-    ("coulomb", "sentence"), [(0.41, r"t = 1\.46341\d* s: .*track"), (0.4, r"t = 1\.5 s: ")]
-)
-def test_where_friction_begins_to_hold_the_run_is_refused(coulomb: float, sentence: str) -> None:
-    """It comes to rest at t = m v0 / f: in a step, or where one ends and accelerations jump."""
-    with pytest.raises(gelenk.UsageError, match=sentence):
-        gelenk.sensitivity(
-            slider(friction={"coulomb": coulomb}), ["mass.mass"], outputs=["track.s"], stop=2.0
-        )
-
-
-def test_an_impact_at_a_limit_is_refused() -> None:
-    scene = slider(limit={"upper": 0.25, "restitution": 0.5})
-    assert gelenk.sensitivity(scene, ["mass.mass"], outputs=["track.s"], stop=0.49).values[-1, 0] < 0.25
-    with pytest.raises(gelenk.UsageError, match=r"t = 0\.5 s: .*track"):
-        gelenk.sensitivity(scene, ["mass.mass"], outputs=["track.s"], stop=1.0)
-
-
-def test_a_stop_is_refused() -> None:
-    scene = slider(stop={"upper": 0.25, "stiffness": 100.0, "damping": 3.0})
-    with pytest.raises(gelenk.UsageError, match=r"t = 0\.5\d* s: .*track"):
-        gelenk.sensitivity(scene, ["mass.mass"], outputs=["track.s"], stop=1.0)
+def test_where_friction_begins_to_hold_as_a_step_ends_the_run_is_refused() -> None:
+    """It comes to rest at t = m v0 / f = 1.5 s, a communication point, where accelerations jump."""
+    with pytest.raises(gelenk.UsageError, match=r"t = 1\.5 s: "):
+        gelenk.sensitivity(slider(friction={"coulomb": 0.4}), ["mass.mass"], outputs=["track.s"], stop=2.0)
 
 
 def test_a_value_at_the_end_of_its_range_is_differentiated_from_inside() -> None:

@@ -5,6 +5,9 @@ from __future__ import annotations
 
 import os
 import signal
+import socket
+import subprocess
+import sys
 import threading
 import time
 from collections.abc import Iterator
@@ -115,10 +118,70 @@ def test_a_run_that_crashes_or_hangs_ends_only_itself(
     assert set(values[~np.isnan(values)]) == {1.55}
 
 
+class Restarted:
+    """A cluster of two processes, the scheduler of which can be killed and started again."""
+
+    def __init__(self) -> None:
+        with socket.socket() as free:
+            free.bind(("127.0.0.1", 0))
+            self.address = f"tcp://127.0.0.1:{free.getsockname()[1]}"
+        self.processes: list[subprocess.Popen[bytes]] = []
+
+    def start(self) -> None:
+        port = self.address.rpartition(":")[2]
+        scheduler = ["scheduler", "--host", "127.0.0.1", "--port", port, "--no-dashboard"]
+        worker = ["worker", self.address, "--nthreads", "1", "--no-dashboard", "--no-nanny"]
+        self.processes = [
+            subprocess.Popen(
+                [sys.executable, "-m", "dask", *command], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+            )
+            for command in (scheduler, worker)
+        ]
+
+    def kill(self) -> None:
+        """Kill the scheduler; without it, the worker ends."""
+        for process in self.processes:
+            process.kill()
+            process.wait()
+
+
+@pytest.fixture
+def restarted() -> Iterator[Restarted]:
+    cluster = Restarted()
+    cluster.start()
+    yield cluster
+    cluster.kill()
+
+
+def test_a_scheduler_that_is_killed_and_started_again_loses_nothing(
+    four_bar: gelenk.Scene, restarted: Restarted, short_chunks: None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """No store is needed: what was returned is kept, and the rest is made after the restart."""
+    del short_chunks
+    monkeypatch.setattr(workers, "CONNECT", 60.0)  # s: Python and Dask are loaded on a busy machine
+    monkeypatch.setattr(workers, "RESTART", 60.0)
+    progress: list[int] = []
+    kills: list[int] = []
+
+    def kill(done: int, _: int) -> None:
+        progress.append(done)
+        if done >= 8 and not kills:
+            kills.append(done)
+            restarted.kill()
+            restarted.start()
+
+    assert same(made(four_bar, cluster=restarted.address, progress=kill), made(four_bar))
+    assert kills
+    assert kills[0] < 64
+    assert progress == sorted(set(progress))  # nothing was made twice
+    assert progress[-1] == 64
+
+
 def test_a_scheduler_that_is_lost_leaves_a_store_that_continues(
-    four_bar: gelenk.Scene, tmp_path: Any, short_chunks: None
+    four_bar: gelenk.Scene, tmp_path: Any, short_chunks: None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     del short_chunks
+    monkeypatch.setattr(workers, "RESTART", 0.5)  # s: nobody starts it again
     cluster = distributed.LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=":0")
     lost = distributed.Client(cluster, timeout=2)
 

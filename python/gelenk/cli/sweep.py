@@ -48,9 +48,12 @@ def sweep(
         ),
     ] = None,
     design: Annotated[
-        str, typer.Option(metavar="NAME", help="Design: grid, list, latin, sobol or random.")
+        str, typer.Option(metavar="NAME", help="Design: grid, list, latin, sobol, random or saltelli.")
     ] = "grid",
-    samples: Annotated[int | None, typer.Option(help="Number of runs of latin, sobol and random.")] = None,
+    samples: Annotated[
+        int | None,
+        typer.Option(help="Number of runs of latin, sobol and random, of base points of saltelli."),
+    ] = None,
     seed: Annotated[int, typer.Option(help="Of their random numbers.")] = 0,
     stop: Annotated[float | None, typer.Option(help="End of each run [s].")] = None,
     step: Annotated[float | None, typer.Option(help="Communication step [s].")] = None,

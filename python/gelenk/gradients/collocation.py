@@ -39,6 +39,7 @@ class Sample:
         x: the states.
         C: derivatives of the outputs by the states.
         D: of the outputs by inputs and parameters.
+        movable: derivatives of the states by themselves: the unit matrix, unless something is kept at rest.
     """
 
     A: Array
@@ -48,6 +49,20 @@ class Sample:
     x: Array
     C: Array
     D: Array
+    movable: Array
+
+
+def unit(sample: Sample) -> Array:
+    """Return [F, G, P] of no time."""
+    return np.eye(*np.hstack([sample.A, sample.B]).shape)
+
+
+def product(right: Array, left: Array) -> Array:
+    """Return [F, G, P] of two parts of a communication step, the first of them on the right-hand side."""
+    n = len(right)
+    both: Array = right[:, :n] @ left
+    both[:, n:] += right[:, n:]
+    return both
 
 
 def advance(samples: list[Sample], h: float, largest: Array, fastest: Array) -> tuple[Array, float]:

@@ -11,9 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gelenk.errors import StartWarning, UsageError
-from gelenk.gradients.collocation import NODES, Sample, advance
+from gelenk.gradients.collocation import NODES, Sample, advance, product, unit
 from gelenk.gradients.neighbors import Neighbors
 from gelenk.gradients.run import DifferentiatedRun
+from gelenk.gradients.saltation import DOUBTFUL, WINDOWS, NotPassed, Saltation, Window
 from gelenk.model.scene import Scene, Source, load
 from gelenk.model.settable import with_listed
 from gelenk.model.values import Value, check_names, unknown
@@ -28,6 +29,15 @@ MOST_PARTS = 1000  # of a communication step
 # A step that was bisected this often contains a kink. If accelerations change in it by more than this part,
 # they jump.
 BISECTIONS_AT_KINK, LARGEST_CHANGE = 14, 1e-3
+MOST_EVENTS = 1000  # of a communication step
+
+
+class _Event(Exception):  # noqa: N818
+    """There are events in a part of a step."""
+
+    def __init__(self, events: list[tuple[float, str]]) -> None:
+        super().__init__()
+        self.time, self.text = events[0]
 
 
 def sensitivity(
@@ -45,8 +55,9 @@ def sensitivity(
 
     The variational equations are integrated along the run, with the exact Jacobians of the equations of
     motion by states and inputs, through closed loops; those by parameters are found by a formula of fourth
-    order at each state. The derivatives are those of the exact solution, so that the integrator should be as
-    accurate as they have to be. Where a run is not differentiable, it is refused.
+    order at each state. At events, such as impacts at limits, the derivatives jump, as the saltation matrix
+    says. The derivatives are those of the exact solution, so that the integrator should be as accurate as
+    they have to be. Where a run is not differentiable, it is refused.
 
     Args:
         scene: anything `gelenk.load` accepts.
@@ -64,9 +75,8 @@ def sensitivity(
 
     Raises:
         SceneError, AssemblyError, UsageError: the scene, a name or a value is invalid; or derivatives do not
-            exist, because there is an event in the run (a limit, a stop, friction that begins or ceases to
-            hold,
-            a singular position), or accelerations jump. The message says when.
+            exist, because an event grazes, coincides with another one or with a communication point, or a
+            singular position is passed, or accelerations jump without an event. The message says when.
         StepError: a step failed.
 
     >>> run = gelenk.sensitivity(four_bar, ["crank.m", "A.phi_start"], outputs=["D.phi"], stop=0.1)
@@ -132,9 +142,9 @@ class Differentiator:
         self._columns = [plant._input.get(name, -1) for name in inputs_by]
         self._largest, self._fastest = np.zeros((len(self._states), len(by))), np.zeros(len(self._states))
         self._whole = 0.0  # the communication step [s]
-        self._neighbors = Neighbors(
-            scene, [renamed.get(name, name) for name in self._parameters], plant, self._indices
-        )
+        given = [renamed.get(name, name) for name in self._parameters]
+        self._neighbors = Neighbors(scene, given, plant, self._indices)
+        self._saltation = Saltation(scene, given, self._columns, plant)
 
     def run(self, times: Array) -> DifferentiatedRun:
         """Simulate.
@@ -152,12 +162,18 @@ class Differentiator:
         last: Sample | None = None
         for k in range(len(times) - 1):
             begin, end = float(times[k]), float(times[k + 1])
+            fault: UsageError | None = None
             if self._set_inputs(begin, end) or last is None:
-                last = self._sample()
+                try:
+                    last = self._sample()
+                except UsageError as error:  # unless the inputs change a mode just here
+                    if last is None:
+                        raise
+                    fault = error
             if not points:
                 points.append(last)
-            self._parts, self._whole = 0, end - begin
-            matrix, last = self._advanced(last, begin, end, 0)
+            self._whole = end - begin
+            matrix, last = self._through_events(last, begin, end, fault)
             steps.append(matrix)
             points.append(last)
             values.append(self._values())
@@ -213,6 +229,7 @@ class Differentiator:
         inputs, signals = len(self._plant.inputs), len(self._plant._signals)
         B = flat[1].reshape((n, inputs), order="F")
         C = flat[2].reshape((signals, n), order="F")[self._indices]
+        movable = flat[2].reshape((signals, n), order="F")[self._states]
         D = flat[3].reshape((signals, inputs), order="F")[self._indices]
         for name, row in zip(self.outputs, np.hstack([C, D]), strict=True):
             if np.isnan(row).any():
@@ -224,8 +241,87 @@ class Differentiator:
         return Sample(
             A, np.hstack([_columns(B, self._columns), by_parameter[:n]]),
             np.hstack([np.zeros((n, len(self._columns))), noise[:n]]), np.asarray(flat[4]), x,
-            C, np.hstack([_columns(D, self._columns), by_parameter[n:]]),
+            C, np.hstack([_columns(D, self._columns), by_parameter[n:]]), movable,
         )  # fmt: skip
+
+    def _through_events(
+        self, first: Sample, begin: float, end: float, fault: UsageError | None
+    ) -> tuple[Array, Sample]:
+        """Advance the plant from `begin` to `end`; return [F, G, P] and the sample at the end.
+
+        Args:
+            first: the sample at the start.
+            begin: the start.
+            end: the end.
+            fault: why `first` is from before the last change of the inputs, an event at the start perhaps.
+        """
+        matrix, at = unit(first), begin
+        for _ in range(MOST_EVENTS):
+            saved, self._parts = self._plant.save(), 0
+            try:
+                if fault is not None:
+                    self._step(at, at + WINDOWS[-1] * (end - at))
+                    raise fault
+                part, last = self._advanced(first, at, end, 0)
+            except _Event as event:
+                if fault is not None and event.time > at:
+                    raise fault from None
+                fault = None
+                part, first, at = self._across(event, saved, first, at, end)
+                matrix = product(part, matrix)
+            else:
+                return product(part, matrix), last
+            if at >= end:
+                return matrix, first
+        raise UsageError(
+            f"t = {at:.9g} s: derivatives through more than {MOST_EVENTS} events in a step are not computed"
+        )
+
+    def _across(
+        self, event: _Event, saved: bytes, first: Sample, begin: float, end: float
+    ) -> tuple[Array, Sample, float]:
+        """Advance the plant from `begin` to shortly after an event; return [F, G, P], sample and time."""
+        why = "it cannot be passed"
+        for length in WINDOWS:
+            start = event.time - length * self._whole / 2
+            start, stop = max(begin, start), min(end, event.time + length * self._whole / 2)
+            self._plant.restore(saved)
+            self._parts = 0
+            self._set_inputs(begin, end)
+            try:
+                matrix, sample = unit(first), first
+                if start > begin:
+                    matrix, sample = self._advanced(first, begin, start, 0)
+                matrix = product(self._jumped(sample, start, stop), matrix)
+                return matrix, self._sample(), stop
+            except NotPassed as fault:
+                why = str(fault)
+            except _Event as earlier:  # the time of the event depends on the steps that lead to it
+                why = f"its time is not known well enough ({earlier.time:.9g} s)"
+            except UsageError as fault:  # just before or after it, the mode may be about to change
+                why = str(fault)
+        raise UsageError(
+            f"t = {event.time:.9g} s: {event.text}; derivatives through this event are not available: {why}"
+        )
+
+    def _jumped(self, first: Sample, begin: float, end: float) -> Array:
+        """Advance the plant through events from `begin` to `end`; return [F, G, P]."""
+        self._move_inputs(begin, end)
+        before = self._plant.save()
+        self._plant.step_to(end)
+        texts = tuple(text for _, text in self._plant.events)
+        doubtful = [text for text in texts if any(word in text for word in DOUBTFUL)]
+        if doubtful:
+            raise NotPassed(doubtful[0])
+        after = self._plant.save()
+        self._plant.restore(before)
+        self._move_inputs(begin, end)
+        sizes = np.maximum(np.abs(first.x), self._whole * np.abs(first.rates))
+        sizes = np.maximum(sizes, 1e-3 * sizes.max(initial=0.0) or 1.0)
+        window = Window(self._plant, first.x, sizes, first.movable, end, end - begin, texts)
+        matrix = self._saltation.matrix(window)
+        self._plant.restore(after)
+        return matrix
 
     def _advanced(self, first: Sample, begin: float, end: float, depth: int) -> tuple[Array, Sample]:
         """Advance the plant from `begin` to `end`; return [F, G, P] and the sample at the end."""
@@ -259,15 +355,12 @@ class Differentiator:
             self._set_inputs(middle, end)
             between = self._sample()
         right, last = self._advanced(between, middle, end, depth + 1)
-        n = len(right)
-        product = right[:, :n] @ left
-        product[:, n:] += right[:, n:]
-        return product, last
+        return product(right, left), last
 
     def _moves(self) -> bool:
         return any(map(is_motion, self._signals))
 
-    def _step(self, begin: float, end: float) -> None:
+    def _move_inputs(self, begin: float, end: float) -> None:
         if self._moves():
             for name, signal in self._signals.items():
                 if is_motion(name):
@@ -275,14 +368,12 @@ class Differentiator:
                     self._plant.set_input(name, value)
                     for order, derivative in enumerate(derivatives, 1):
                         self._plant.set_input_derivative(name, order, derivative)
+
+    def _step(self, begin: float, end: float) -> None:
+        self._move_inputs(begin, end)
         self._plant.step_to(end)
-        events = self._plant.events
-        if events:
-            time, text = events[0]
-            raise UsageError(
-                f"t = {time:.9g} s: {text}; derivatives through this event are not available, end the "
-                "run before it"
-            )
+        if events := self._plant.events:
+            raise _Event(events)
 
     def _check_jump(self, samples: list[Sample], time: float) -> None:
         rates = np.array([s.rates for s in samples])

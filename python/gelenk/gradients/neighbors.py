@@ -128,13 +128,13 @@ class Neighbors:
             fourth, lower = side.derivative(own)
             first += len(side.plants)
             largest = self._largest[:, k] = np.maximum(self._largest[:, k], np.abs(fourth))
-            if _difference(fourth, lower, own, side.step, largest) > ACCEPTED_DIFFERENCE:
+            if difference(fourth, lower, own, side.step, largest) > ACCEPTED_DIFFERENCE:
                 raise UsageError(
                     f"{self._names[k]}: at t = {self._leader.time:g} s the equations of motion depend on it "
                     "abruptly, so that derivatives by it are not known"
                 )
             found[:, k] = fourth
-            noise[:, k] = _rounding(own, side.step)
+            noise[:, k] = rounding(own, side.step)
         return found, noise
 
     def _chosen(self, scene: Scene, name: str) -> _Side:
@@ -186,12 +186,12 @@ class Neighbors:
             fourth, lower = side.derivative(table)
             # A derivative may be zero just here.
             sizes = 1e-3 * (np.abs(table).max(axis=0) / size + np.abs(fourth).max(initial=0.0))
-            if _difference(fourth, lower, table, side.step, sizes) > CHOSEN_DIFFERENCE:
+            if difference(fourth, lower, table, side.step, sizes) > CHOSEN_DIFFERENCE:
                 return False
         return True
 
 
-def _difference(fourth: Array, lower: Array, rows: Array, step: float, sizes: Array | float = 0.0) -> float:
+def difference(fourth: Array, lower: Array, rows: Array, step: float, sizes: Array | float = 0.0) -> float:
     """Return the largest difference of two formulas beyond rounding errors, relative to the derivatives.
 
     Args:
@@ -203,12 +203,12 @@ def _difference(fourth: Array, lower: Array, rows: Array, step: float, sizes: Ar
     """
     if not len(fourth):
         return 0.0
-    rounding = _rounding(rows, step)
-    apart = np.maximum(np.abs(fourth - lower) - 10 * rounding, 0.0)
-    return float((apart / (np.maximum(np.abs(fourth), sizes) + rounding + 1e-300)).max())
+    noise = rounding(rows, step)
+    apart = np.maximum(np.abs(fourth - lower) - 10 * noise, 0.0)
+    return float((apart / (np.maximum(np.abs(fourth), sizes) + noise + 1e-300)).max())
 
 
-def _rounding(rows: Array, step: float) -> Array:
+def rounding(rows: Array, step: float) -> Array:
     """Return bounds on rounding errors of derivatives; small entries may be differences of larger ones."""
     sizes = np.abs(rows).max(axis=0)
     bounds: Array = ROUNDING * (sizes + 0.01 * sizes.max(initial=0.0)) / step

@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING
 from gelenk._lazy import lazy
 
 if TYPE_CHECKING:
+    from gelenk.sweeps.indices import sobol
     from gelenk.sweeps.runs import sweep
 
-__all__ = ["sweep"]
+__all__ = ["sobol", "sweep"]
 
 if not TYPE_CHECKING:
-    __getattr__, __dir__ = lazy(__name__, {".runs": ["sweep"]})
+    __getattr__, __dir__ = lazy(__name__, {".indices": ["sobol"], ".runs": ["sweep"]})

@@ -7,15 +7,17 @@ import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
+from importlib import import_module
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gelenk.errors import UsageError
+from gelenk.extras import extra
 from gelenk.model.values import Value
 
-DESIGNS = ("grid", "list", "latin", "sobol", "random")
+DESIGNS = ("grid", "list", "latin", "sobol", "random", "saltelli")
 MAX_RUNS = 100_000_000
 _CALL = re.compile(r"\s*(\w+)\s*\(([^()]*)\)\s*")
 # Samples in (0, 1): distributions without bounds have no quantiles at 0 and 1.
@@ -68,7 +70,7 @@ def designed(parameters: Mapping[str, Any], kind: str, samples: int | None, seed
     Args:
         parameters: see `gelenk.sweep`.
         kind: one of `DESIGNS`.
-        samples: number of runs of "latin", "sobol" and "random".
+        samples: number of runs of "latin", "sobol" and "random", of base points of "saltelli".
         seed: of their random numbers.
 
     Raises:
@@ -86,7 +88,7 @@ def designed(parameters: Mapping[str, Any], kind: str, samples: int | None, seed
         if wrong:
             raise UsageError(
                 f"{wrong[0]}: found a distribution with the design {kind}, expected a list of values; "
-                "distributions are sampled by latin, sobol and random"
+                "distributions are sampled by latin, sobol, random and saltelli"
             )
         return _listed(varied, constants, kind)
     return _sampled(varied, constants, kind, samples, seed)
@@ -169,13 +171,13 @@ def _sampled(
         )
     if samples is None or samples < 1:
         raise UsageError(f"samples: found {samples}, expected the number of runs of the design {kind}")
-    _check_count(samples)
+    _check_count(samples * (len(varied) + 2) if kind == "saltelli" else samples)
     if not varied:
         raise UsageError(f"parameters: found no distribution, expected one for the design {kind}")
-    if kind == "sobol" and samples & (samples - 1):
+    if kind in ("sobol", "saltelli") and samples & (samples - 1):
         near = 1 << samples.bit_length()
         raise UsageError(
-            f"samples: found {samples}, expected a power of 2 for the design sobol: {near // 2} or {near}"
+            f"samples: found {samples}, expected a power of 2 for the design {kind}: {near // 2} or {near}"
         )
     points = np.clip(_unit_cube(kind, len(varied), samples, seed), _INSIDE, 1 - _INSIDE)
     columns = {
@@ -189,6 +191,13 @@ def _unit_cube(kind: str, dimensions: int, samples: int, seed: int) -> NDArray[n
 
     if kind == "random":
         return np.random.default_rng(seed).random((samples, dimensions))
+    if kind == "saltelli":
+        extra("SALib", "Sobol indices are computed by SALib")
+        problem = {"num_vars": dimensions, "names": [*map(str, range(dimensions))]}
+        problem["bounds"] = [[0, 1]] * dimensions
+        sample = import_module("SALib.sample.sobol").sample
+        unit: NDArray[np.float64] = sample(problem, samples, calc_second_order=False, seed=seed)
+        return unit
     make = qmc.LatinHypercube if kind == "latin" else qmc.Sobol
     points: NDArray[np.float64] = make(dimensions, rng=np.random.default_rng(seed)).random(samples)
     return points

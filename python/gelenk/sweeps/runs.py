@@ -6,6 +6,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
+from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -21,7 +22,16 @@ from gelenk.sweeps.outputs import Outputs
 from gelenk.sweeps.plan import Chunk, Plan
 from gelenk.sweeps.planning import Request, identity
 from gelenk.sweeps.store import Store
-from gelenk.sweeps.workers import Values, dask_cluster, processes, processors, threads
+from gelenk.sweeps.workers import (
+    PROCESS_SECONDS,
+    THREAD_SECONDS,
+    Values,
+    dask_cluster,
+    processes,
+    processors,
+    restarted,
+    threads,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -59,8 +69,9 @@ def sweep(
         plant: a .fmu file, or anything `gelenk.load` accepts.
         parameters: values by name: parameters, inputs that are constant in a run, and numbers of a scene by
             their path ("coupler.com[1]"). A single value applies to all runs, a list makes them differ. With
-            the designs "latin", "sobol" and "random", a distribution: "uniform(low, high)", "normal(mean,
-            deviation)", "loguniform", "lognormal", "truncnormal", "triangular", or one of scipy.stats.
+            the designs "latin", "sobol", "random" and "saltelli", a distribution: "uniform(low, high)",
+            "normal(mean, deviation)", "loguniform", "lognormal", "truncnormal", "triangular", or one of
+            scipy.stats.
         outputs: what is kept of each run. A list: trajectories of these outputs (names and patterns). A
             mapping: for each of them "trajectory", "last", "max", "min", "mean", "rms", "first>NUMBER",
             "first<NUMBER" (the time at which it is first beyond it), a function of (time, values), or a list
@@ -69,8 +80,10 @@ def sweep(
             trajectories of all outputs.
         inputs: as in `gelenk.simulate`, the same for all runs.
         design: "grid" (all combinations), "list" (the first values, the second values, ...), "latin"
-            (Latin hypercube), "sobol", "random".
-        samples: number of runs of "latin", "sobol" (a power of 2) and "random".
+            (Latin hypercube), "sobol", "random", "saltelli" (for `gelenk.sobol`).
+        samples: number of runs of "latin", "sobol" (a power of 2) and "random"; of base points of
+            "saltelli" (a power of 2), which has as many runs for each of two more than there are
+            parameters.
         seed: of their random numbers.
         stop: end of each run [s]; by default that of the scene or FMU.
         step: communication step [s].
@@ -121,7 +134,9 @@ def sweep(
     todo = [(0, runs.runs)] if kept is None else kept.missing
     chunks = []
     with progress_of(progress) as reached:
-        for chunk in _computed(plan, todo, _workers(plan, values, cluster, workers, isolate), deadline):
+        for chunk in _computed(
+            plan, values, todo, Place(cluster, workers, isolate, kept is not None), deadline
+        ):
             if kept is None:
                 chunks.append(chunk)
             else:
@@ -140,29 +155,49 @@ def sweep(
     return dataset(plan, runs, whole.values | lazy, whole.errors, whole.warnings, units, attributes)
 
 
-def _workers(
-    plan: Plan, values: Values, cluster: Any, count: int | None, isolate: bool
-) -> AbstractContextManager[Workers]:
-    if cluster is not None:
-        return dask_cluster(plan, values, cluster, count)
-    return (processes if isolate else threads)(plan, values, count or processors())
+@dataclass(frozen=True)
+class Place:
+    """Where runs are made: see `sweep`."""
+
+    cluster: Any
+    workers: int | None
+    isolate: bool
+    stored: bool
+
+    def opened(self, plan: Plan, values: Values) -> AbstractContextManager[Workers]:
+        """Return the context of the workers."""
+        if self.cluster is not None:
+            return dask_cluster(plan, values, self.cluster, self.workers)
+        count = self.workers or processors()
+        if self.isolate:
+            return processes(plan, values, count)
+        return threads(plan, values, count, PROCESS_SECONDS if self.stored else THREAD_SECONDS)
 
 
 def _computed(
-    plan: Plan,
-    todo: list[Range],
-    opened: AbstractContextManager[Workers],
-    deadline: float | None,
+    plan: Plan, values: Values, todo: list[Range], place: Place, deadline: float | None
 ) -> Iterator[Chunk]:
-    """Yield the chunks of all runs that are to be made; nothing is started if there are none."""
-    if not todo:
-        return
+    """Yield the chunks of all runs that are to be made; nothing is started if there are none.
+
+    A scheduler that is lost is waited for, and what it had not returned is made again.
+    """
 
     def failed(run: int, why: str) -> Chunk:
         return plan.empty(run, 1, why)
 
-    with opened as workers:
-        yield from Driver(workers, todo, plan.bytes_per_run, deadline, failed).chunks()
+    while todo:
+        try:
+            with place.opened(plan, values) as workers:
+                for chunk in Driver(workers, todo, plan.bytes_per_run, deadline, failed).chunks():
+                    todo = _without(todo, (chunk.first, chunk.last))
+                    yield chunk
+        except ConnectionError:
+            address = restarted(place.cluster)
+            if address is None:
+                raise
+            place = replace(place, cluster=address)
+        else:
+            return
 
 
 def _without(ranges: list[Range], taken: Range) -> list[Range]:

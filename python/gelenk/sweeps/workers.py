@@ -6,6 +6,7 @@ from __future__ import annotations
 import contextlib
 import os
 import pickle
+import time
 from collections.abc import Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
@@ -22,9 +23,12 @@ from gelenk.sweeps.plan import Chunk, Plan
 type Values = tuple[NDArray[Any], NDArray[np.float64]]  # of parameters and of inputs, a row for each run
 
 THREAD_SECONDS = 0.1  # s that a chunk should take in a thread; it costs some microseconds
-PROCESS_SECONDS = 1.0  # s in another process; a chunk costs milliseconds
+PROCESS_SECONDS = (
+    1.0  # s in another process, and with a store; a chunk costs milliseconds, and is a file there
+)
 RETRIES = 3  # of a chunk whose worker has died, before its runs are repeated one by one
 CONNECT = 10.0  # s to wait for an answer of the scheduler
+RESTART = 30.0  # s to wait for a scheduler that was lost and may be started again
 GRACE = 5.0  # s beyond its longest time after which a run that does not return is ended with its process
 
 
@@ -36,13 +40,14 @@ def processors() -> int:
 
 
 @contextmanager
-def threads(plan: Plan, values: Values, count: int) -> Iterator[Workers]:
+def threads(plan: Plan, values: Values, count: int, chunk_seconds: float) -> Iterator[Workers]:
     """Yield threads of this process.
 
     Args:
         plan: the plan of the sweep.
         values: of all runs.
         count: number of threads.
+        chunk_seconds: time that a chunk should take [s].
     """
     parameters, inputs = values
     runner = plan.runner
@@ -52,7 +57,7 @@ def threads(plan: Plan, values: Values, count: int) -> Iterator[Workers]:
             return pool.submit(plan.run, first, parameters[first:last], inputs[first:last])
 
         try:
-            yield Workers(submit, count, THREAD_SECONDS, runner.stop)
+            yield Workers(submit, count, chunk_seconds, runner.stop)
         finally:
             runner.stop()
             pool.shutdown(cancel_futures=True)
@@ -175,6 +180,27 @@ def dask_cluster(plan: Plan, values: Values, cluster: Any, count: int | None) ->
             yield Workers(submit, 2 * slots, PROCESS_SECONDS, stop, died)
         finally:
             stop()
+
+
+def restarted(cluster: Any) -> str | None:
+    """Wait for a scheduler that was lost; return its address when it answers again, None if it does not.
+
+    Args:
+        cluster: see `dask_cluster`.
+    """
+    if cluster == "local":
+        return None
+    distributed = extra("distributed", "clusters are those of Dask")
+    address = cluster if isinstance(cluster, str) else getattr(cluster.scheduler, "address", None)
+    deadline = time.monotonic() + RESTART
+    while address is not None and (left := deadline - time.monotonic()) > 0:
+        try:
+            distributed.Client(address, timeout=min(left, CONNECT), set_as_default=False).close()
+        except (OSError, ValueError):
+            time.sleep(min(left, 0.2))
+        else:
+            return str(address)
+    return None
 
 
 def _client(distributed: Any, stack: contextlib.ExitStack, cluster: str, count: int | None) -> Any:
