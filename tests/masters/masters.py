@@ -89,9 +89,11 @@ def outcome(master: Master, jobs: list[Job], folder: Path) -> Outcome:
     """Runs all jobs in a process of its own. Raises AssertionError where that fails."""
     asked, found = folder / "jobs.json", folder / "found.json"
     write(asked, jobs)
+    # Masters leave logs where they are called.
+    path = os.pathsep.join(filter(None, [str(HERE.parent), os.environ.get("PYTHONPATH", "")]))
     done = subprocess.run(
-        [*master.command, str(asked), str(found)], cwd=HERE.parent, stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT, timeout=1800, check=False,
+        [*master.command, str(asked), str(found)], cwd=folder, stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT, timeout=1800, check=False, env={**os.environ, "PYTHONPATH": path},
     )  # fmt: skip
     said = done.stdout.decode("utf-8", "replace")
     assert done.returncode == 0, said[-3000:]

@@ -9,10 +9,12 @@ import shutil
 import subprocess
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import fmpy
 import numpy as np
+import pytest
 from numpy.typing import NDArray
 
 from gelenk.io import export
@@ -103,6 +105,18 @@ ARM = Machine(
     "aarch64-linux", "aarch64-linux-gnu.2.34", ("qemu-aarch64", "qemu-aarch64-static"),
     "apt-get install qemu-user libc6-arm64-cross",
 )  # fmt: skip
+# As parameters of a test.
+OTHERS = [
+    pytest.param(machine, marks=pytest.mark.skipif(bool(machine.missing), reason=machine.missing), id=name)
+    for name, machine in (("Windows", WINDOWS), ("ARM", ARM))
+]
+
+
+@cache
+def host(name: str, machine: Machine, folder: Path) -> Path:
+    """A host of these tests or those of FMUs as a program of a machine, compiled once."""
+    where = HERE if (HERE / f"{name}.c").exists() else FMU_TESTS
+    return machine.compiled(where / f"{name}.c", folder)
 
 
 @dataclass(frozen=True)
@@ -119,14 +133,18 @@ class Plant:
         return [machine.path(library), self.guid, machine.uri(self.folder / "resources"), *self.arguments]
 
 
-def extracted(fmu: Path, folder: Path) -> Plant:
-    """Unpack an FMU."""
+def extracted(fmu: Path, folder: Path, pushed: str = "") -> Plant:
+    """Unpack an FMU. pushed: the input that the hosts change, otherwise the first one."""
     description = fmpy.read_model_description(str(fmu))
     fmpy.extract(str(fmu), str(folder))
     references = {
         kind: [v.valueReference for v in description.modelVariables if v.causality == kind]
         for kind in ("input", "output")
     }
+    if pushed:
+        references["input"] = [
+            v.valueReference for v in description.modelVariables if (v.causality, v.name) == ("input", pushed)
+        ]
     outputs = references["output"]
     assert outputs == list(range(outputs[0], outputs[0] + len(outputs)))
     numbers = [*references["input"][:1], -1][0], outputs[0], len(outputs)
@@ -136,3 +154,34 @@ def extracted(fmu: Path, folder: Path) -> Plant:
 def table(text: str) -> NDArray[np.float64]:
     """The rows of numbers that a host has printed."""
     return np.array([[float(word) for word in line.split()] for line in text.splitlines()])
+
+
+@dataclass(frozen=True)
+class Life:
+    """A run of `life_host`: tolerance, end [s], number of steps; a state is saved in the middle."""
+
+    tolerance: float
+    stop: float
+    steps: int
+
+    def differences(self, plant: Plant, machine: Machine, hosts: Path, wine: Path, folder: Path) -> float:
+        """Of a run there from one here, and of states that change machines from the run that they left.
+
+        The largest one, relative to the largest value of the output, or 1; hosts, wine: folders for these.
+        """
+        settings = [str(self.tolerance), repr(self.stop / self.steps), str(self.steps), str(self.steps // 2)]
+        files = {HERE_ITSELF: folder / "here", machine: folder / "there"}
+        runs, found = {}, []
+
+        def printed(where: Machine, *task: str) -> NDArray[np.float64]:
+            program = host("life_host", where, hosts)
+            return table(where.output(program, [*plant.on(where), *settings, *task], wine))
+
+        for where, file in files.items():
+            runs[where] = printed(where, "save", where.path(file))
+        scale = 1 + np.abs(runs[HERE_ITSELF]).max(axis=0)
+        found.append(runs[machine] - runs[HERE_ITSELF])
+        for where, other in ((HERE_ITSELF, machine), (machine, HERE_ITSELF)):
+            rest = printed(where, "restore", where.path(files[other]))
+            found.append(rest - runs[other][self.steps // 2 :])
+        return max(float((np.abs(rows) / scale).max()) for rows in found)

@@ -6,7 +6,6 @@
 
 from __future__ import annotations
 
-from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -15,14 +14,10 @@ from numpy.typing import NDArray
 
 import gelenk
 
-from .machines import ARM, FMU_TESTS, HERE, HERE_ITSELF, WINDOWS, Machine, Plant, extracted, table
+from .machines import ARM, HERE, HERE_ITSELF, OTHERS, WINDOWS, Life, Machine, Plant, extracted, host
 
 pytestmark = pytest.mark.platforms
 
-MACHINES = [
-    pytest.param(machine, marks=pytest.mark.skipif(bool(machine.missing), reason=machine.missing), id=name)
-    for name, machine in (("Windows", WINDOWS), ("ARM", ARM))
-]
 SCENES = sorted((HERE.parents[1] / "scenes").glob("*.yaml"))
 # Ends of runs [s] where rounding alone changes results by more than the bound: a test below shows it here.
 # Differences of start values grow by a factor of 10,600 over the run of the five-bar and 390 up to 1.4 s, of
@@ -33,22 +28,6 @@ SCENES = sorted((HERE.parents[1] / "scenes").glob("*.yaml"))
 ENDS = {"five_bar": 1.4, "free_body": 10.0}
 WORST = {"five_bar": 1e-8, "free_body": 1e-10}  # tolerances at which these scenes differ most
 STEPS = 50
-
-
-@pytest.fixture(scope="session")
-def wine(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return tmp_path_factory.mktemp("wine")
-
-
-@pytest.fixture(scope="session")
-def hosts(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return tmp_path_factory.mktemp("hosts")
-
-
-@cache
-def host(name: str, machine: Machine, folder: Path) -> Path:
-    where = HERE if (HERE / f"{name}.c").exists() else FMU_TESTS
-    return machine.compiled(where / f"{name}.c", folder)
 
 
 @pytest.fixture(scope="session")
@@ -64,7 +43,7 @@ def plants(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Plant]:
     }
 
 
-@pytest.mark.parametrize("machine", MACHINES)
+@pytest.mark.parametrize("machine", OTHERS)
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-8, 1e-10])
 @pytest.mark.parametrize("scene", SCENES, ids=lambda scene: scene.stem)
 def test_outputs_are_those_of_linux64_and_states_change_machines(
@@ -76,21 +55,8 @@ def test_outputs_are_those_of_linux64_and_states_change_machines(
     A state saved there in the middle goes on here, and the other way round, as it would have at home.
     """
     stop = ENDS.get(scene.stem, gelenk.load(scene).stop)
-    settings = [str(tolerance), repr(stop / STEPS), str(STEPS), str(STEPS // 2)]
-    files = {HERE_ITSELF: tmp_path / "here", machine: tmp_path / "there"}
-    runs, rests = {}, {}
-    for where, file in files.items():
-        program, plant = host("life_host", where, hosts), plants[scene.stem].on(where)
-        runs[where] = table(where.output(program, [*plant, *settings, "save", where.path(file)], wine))
-    (here, here_state), (there, there_state) = files.items()
-    for where, state in ((here, there_state), (there, here_state)):
-        program, plant = host("life_host", where, hosts), plants[scene.stem].on(where)
-        rests[where] = table(where.output(program, [*plant, *settings, "restore", where.path(state)], wine))
-    scale = 1 + np.abs(runs[here]).max(axis=0)
-    assert (np.abs(runs[there] - runs[here]) / scale).max() < 100 * tolerance
-    half = slice(STEPS // 2, None)
-    for where, other in ((here, there), (there, here)):
-        assert (np.abs(rests[where] - runs[other][half]) / scale).max() < 100 * tolerance
+    life = Life(tolerance, stop, STEPS)
+    assert life.differences(plants[scene.stem], machine, hosts, wine, tmp_path) < 100 * tolerance
 
 
 def run_here(scene: Path, tolerance: float, stop: float, seed: int | None) -> NDArray[np.float64]:
@@ -132,7 +98,7 @@ def test_runs_end_early_only_where_rounding_alone_exceeds_the_bound(name: str) -
     assert cut < 100 / 2  # both of two compilers round
 
 
-@pytest.mark.parametrize("machine", MACHINES)
+@pytest.mark.parametrize("machine", OTHERS)
 def test_the_host_with_many_instances_is_content(
     machine: Machine, plants: dict[str, Plant], hosts: Path, wine: Path
 ) -> None:
@@ -148,7 +114,7 @@ def test_the_host_with_many_instances_is_content(
     assert said[machine.platform] == said["linux64"]
 
 
-@pytest.mark.parametrize("machine", MACHINES)
+@pytest.mark.parametrize("machine", OTHERS)
 def test_a_program_ends_after_the_library_was_unloaded(
     machine: Machine, plants: dict[str, Plant], hosts: Path, wine: Path
 ) -> None:
