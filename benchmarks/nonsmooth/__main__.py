@@ -11,8 +11,21 @@ import csv
 import dataclasses
 import sys
 import warnings
+from collections.abc import Callable
 
-from benchmarks.nonsmooth import draw, engines, judge, laws, page, problems, runs, trials
+from benchmarks.nonsmooth import (
+    draw,
+    engines,
+    judge,
+    laws,
+    loaded_problems,
+    loaded_trials,
+    page,
+    problems,
+    runs,
+    trials,
+)  # fmt: skip
+from benchmarks.nonsmooth.trial import Trial
 from benchmarks.page_parts import NonsmoothStudy, quick_parser
 
 from gelenk.chart.progress import status_line
@@ -22,9 +35,28 @@ MAKER = "benchmarks/nonsmooth"
 INTEGRATORS = ("auto", "cvode", "ida", "dirk")  # of the map; fixed steps have no tolerance
 
 
-def charts(study: NonsmoothStudy) -> dict[str, str]:
+@dataclasses.dataclass(frozen=True)
+class Part:
+    """Problems and trials of a section of the page; `suffix` of its parts, pictures and files."""
+
+    problems: Callable[[], list[problems.Problem]]
+    trials: Callable[[], list[Trial]]
+    suffix: str = ""
+
+    def named(self, name: str) -> str:
+        """Return the name of one of its parts."""
+        return f"{name}-{self.suffix}" if self.suffix else name
+
+
+PARTS = {
+    "friction": Part(problems.problems, trials.trials),
+    "loads": Part(loaded_problems.loaded_problems, loaded_trials.trials, "loads"),
+}
+
+
+def charts(study: NonsmoothStudy, part: Part) -> dict[str, str]:
     """Return the parts of the page with the work-precision diagrams."""
-    parts, found, chosen = {}, [], problems.problems()
+    parts, found, chosen = {}, [], part.problems()
     for problem in chosen:
         mine = [
             *runs.event_driven(problem, study.quick),
@@ -36,25 +68,25 @@ def charts(study: NonsmoothStudy) -> dict[str, str]:
         parts[problem.name] = page.chart(problem, mine, picture.name)
         print(f"{picture.name}: {len(mine)} runs", flush=True)
         found += mine
-    with (study.numbers / "runs.csv").open("w", encoding="utf-8", newline="") as file:
+    with (study.numbers / f"{part.named('runs')}.csv").open("w", encoding="utf-8", newline="") as file:
         table = csv.DictWriter(file, [field.name for field in dataclasses.fields(runs.Run)])
         table.writeheader()
         table.writerows(dataclasses.asdict(run) for run in found)
-    return parts | {"goals": page.goals(chosen, found)} if not study.quick else parts
+    return parts | {part.named("goals"): page.goals(chosen, found)} if not study.quick else parts
 
 
-def failure_map(study: NonsmoothStudy) -> dict[str, str]:
+def failure_map(study: NonsmoothStudy, part: Part) -> dict[str, str]:
     """Return the parts of the page with the failure map."""
-    chosen = trials.trials()[:: 25 if study.quick else 1]
+    chosen = part.trials()[:: 25 if study.quick else 1]
     integrators = INTEGRATORS[:2] if study.quick else INTEGRATORS
     verdicts = []
     with status_line(sys.stderr) as progress:
         for k, trial in enumerate(chosen):
             progress(trial.family, k / len(chosen))
             verdicts += [judge.judged(trial, name) for name in integrators]
-    picture = study.pictures / "friction-map.png"
+    picture = study.pictures / f"friction-{part.named('map')}.png"
     draw.draw_map(verdicts, integrators, picture)
-    with (study.numbers / "map.csv").open("w", encoding="utf-8", newline="") as file:
+    with (study.numbers / f"{part.named('map')}.csv").open("w", encoding="utf-8", newline="") as file:
         table = csv.writer(file)
         table.writerow(
             ["trials", "row", "column", "integrator", "outcome", "error", "events", "exact", "message"]
@@ -66,25 +98,29 @@ def failure_map(study: NonsmoothStudy) -> dict[str, str]:
             )
     print(f"{picture.name}: {len(verdicts)} runs")
     return {
-        "map": f"![outcomes of {len(chosen)} trials](pictures/{picture.name})",
-        "outcomes": page.outcomes(verdicts, integrators),
-        "findings": page.findings(verdicts),
+        part.named("map"): f"![outcomes of {len(chosen)} trials](pictures/{picture.name})",
+        part.named("outcomes"): page.outcomes(verdicts, integrators),
+        part.named("findings"): page.findings(verdicts),
     }
 
 
 def main() -> None:
     parser = quick_parser(__doc__)
     parser.add_argument("--only", choices=["charts", "map"])
+    parser.add_argument("--part", choices=PARTS)
     given = parser.parse_args()
     study = NonsmoothStudy("friction.md", given.quick)
     for expected in (SceneWarning, StartWarning):  # tolerances below those that ida and cvode achieve
         warnings.simplefilter("ignore", expected)
     warnings.filterwarnings("ignore", "lsoda", UserWarning)
     parts: dict[str, str] = {}
-    if given.only in (None, "charts"):
-        parts |= charts(study)
-    if given.only in (None, "map"):
-        parts |= failure_map(study)
+    for name, part in PARTS.items():
+        if given.part not in (None, name):
+            continue
+        if given.only in (None, "charts"):
+            parts |= charts(study, part)
+        if given.only in (None, "map"):
+            parts |= failure_map(study, part)
     study.put(MAKER, parts)
 
 

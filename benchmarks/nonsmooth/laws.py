@@ -14,7 +14,7 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from benchmarks.nonsmooth import problems
+from benchmarks.nonsmooth import loaded_problems, problems
 from benchmarks.nonsmooth.problems import GRAVITY, Problem
 from benchmarks.nonsmooth.runs import Run, error_of, run, with_solver
 from numpy.typing import NDArray
@@ -149,7 +149,33 @@ def four_bar() -> Model:
     return Model(contacts, start, slip, accelerations, lambda y: {"A.phi": y[0]})
 
 
-MODELS: dict[str, Callable[[], Model]] = {"belt": belt, "clutch": clutch, "four_bar": four_bar}
+def hoist() -> Model:
+    """The losses of a gear, whose direction is smoothed: the contact is a smooth sign of the speed."""
+    gear = loaded_problems.HOIST
+    J1, J2 = gear.inertias
+
+    def accelerations(t: float, _y: Array, f: Sequence[float]) -> list[float]:
+        torque = loaded_problems.HOIST_TORQUES[
+            max(begin for begin in loaded_problems.HOIST_TORQUES if begin <= t)
+        ]
+        direction = -f[0]
+        found = []
+        for sign in (1, -1):
+            k = 1 + direction * gear.loss(1 if direction >= 0 else -1, sign) * sign
+            a = (torque + k * gear.load / gear.ratio) / (J1 + k * J2 / gear.ratio**2)
+            mesh = (J2 * a / gear.ratio - gear.load) / gear.ratio
+            if sign * mesh >= 0:
+                return [a]
+            found.append((abs(mesh), a))
+        return [min(found)[1]]
+
+    return Model([Contact(1.0, 1.0)], [0.0, 0.0], lambda y: [y[1]], accelerations,
+                 lambda y: {"first.phi": y[0]})  # fmt: skip
+
+
+MODELS: dict[str, Callable[[], Model]] = {
+    "belt": belt, "clutch": clutch, "four_bar": four_bar, "hoist": hoist
+}  # fmt: skip
 
 
 def smooth_run(problem: Problem, name: str, width: float, tolerance: float, most: int = EVALUATIONS) -> Run:
@@ -209,6 +235,8 @@ def regularized(problem: Problem, quick: bool) -> list[Run]:
     if problem.name == "pendulum":
         stiffnesses = STIFFNESSES[::4] if quick else STIFFNESSES
         return [stop_run(problem, stiffness, 1 if quick else 3) for stiffness in stiffnesses]
+    if problem.name not in MODELS:
+        return []
     # The tolerance is well below the error of the law, which is of the order of its width.
     return [
         smooth_run(problem, name, width, max(1e-3 * width, 1e-10), EVALUATIONS // (20 if quick else 1))

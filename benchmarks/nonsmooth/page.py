@@ -25,11 +25,15 @@ def goals(problems: Sequence[Problem], runs: Sequence[Run]) -> str:
         mine = [run for run in runs if run.problem == problem.name and not run.reason]
         auto = next(run for run in mine if run.series == "auto" and abs(run.setting - 1e-8) < 1e-12)
         laws = [run for run in mine if run.group == "regularized"]
-        best = min(laws, key=lambda run: run.error)
+        best = min(laws, key=lambda run: run.error, default=None)
+        others = (
+            ["not run", "", ""]
+            if best is None
+            else [f"{best.series}, {best.setting:g}", f"{best.error:.1e}", f"{best.evaluations:.0f}"]
+        )
         lines.append(
             [problem.title, str(problem.events), f"{auto.error:.1e}", f"{1e3 * auto.cpu:.2g}",
-             f"{auto.evaluations:.0f}", f"{best.series}, {best.setting:g}", f"{best.error:.1e}",
-             f"{best.evaluations:.0f}"]
+             f"{auto.evaluations:.0f}", *others]
         )  # fmt: skip
     return rows(
         ["problem", "events", "error of `auto` at 1e-8", "CPU [ms/s]", "evaluations/s",

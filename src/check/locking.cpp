@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Friction, limits and one-way clutches together with each other, with gears that have losses, and with contacts.
+// Friction, limits and one-way clutches together with each other, with gears and racks that have losses, and with
+// contacts.
 #include <algorithm>
 #include <string>
 
@@ -23,19 +24,20 @@ std::string loaded_friction(const Scene& scene) {
     if (std::ranges::any_of(joint.along, has_bearing)) return path_of(joint) + ".friction.bearing";
   }
   for (const Constraint& c : scene.constraints) {
-    if (has_losses(c.is)) return "constraints." + text::printable(c.name) + ".efficiency";
+    if (lossy_joint(c.is) >= 0) return "constraints." + text::printable(c.name) + ".efficiency";
   }
   return {};
 }
 
-void check_gear(const Scene& scene, const Constraint& c, Faults& faults) {
-  if (!has_losses(c.is)) return;
-  const Joint* joint = joint_named(scene, c.joints.front());
+void check_mesh(const Scene& scene, const Constraint& c, Faults& faults) {
+  const int lossy = lossy_joint(c.is);
+  if (lossy < 0) return;
+  const Joint* joint = joint_named(scene, c.joints[static_cast<std::size_t>(lossy)]);
   if (joint == nullptr) return;  // reported already
   if (std::ranges::any_of(joint->along, has_friction)) return;
   faults.add("constraints." + text::printable(c.name) + ".efficiency",
              "a joint " + text::quoted(joint->name) + " without friction",
-             path_of(*joint) + ".friction, to which the losses of the gear are added (coulomb: 0 for these alone)");
+             path_of(*joint) + ".friction, to which the losses of the mesh are added (coulomb: 0 for these alone)");
 }
 
 }  // namespace
@@ -46,7 +48,7 @@ void check_locking(const Scene& scene, Faults& faults) {
     faults.add(path_of(joint) + ".one_way", "a limit of the same coordinate",
                "only one of the two: a one-way clutch and a limit need a joint each, with a body between them");
   }
-  for (const Constraint& c : scene.constraints) check_gear(scene, c, faults);
+  for (const Constraint& c : scene.constraints) check_mesh(scene, c, faults);
   const std::string loaded = loaded_friction(scene);
   if (loaded.empty()) return;
   if (!scene.contacts.empty()) {

@@ -119,7 +119,7 @@ class ResidualEvaluatorOf final : public WithReadings<A, ResidualEvaluator<typen
         for (const FrictionLoad& load : friction_loads_) {
           if (load.force != index || (side != 1 && side != -1)) continue;
           const std::array<T, 3> transmitted = transmitted_force(load, this->model_, this->ws_, this->ws_.F, lambda);
-          const T of_bearing = force.element.load_factor(T(T(force.sign) * v[force.v]), u + force.input);
+          const T of_bearing = force.element.load_factor(side, T(T(force.sign) * v[force.v]), u + force.input);
           const T factor = load.friction_per_size(side, transmitted[0] < T(0) ? -1 : 1, of_bearing);
           const T friction = T(-side) * factor * size_of_load(transmitted);
           this->loaded_friction_[static_cast<std::size_t>(index)] += friction;

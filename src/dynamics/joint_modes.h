@@ -191,8 +191,8 @@ class JointModes final : public Branching {
     int index = 0;
     each([&](const auto& force, const double* q, const double* v) {
       if constexpr (Sticks<std::decay_t<decltype(force.element)>>) {
-        const double factor = force.element.load_factor(force.sign * v[force.v], inputs() + force.input);
         const int side = held_ == nullptr ? force.side(q, v) : held_[index];
+        const double factor = force.element.load_factor(side, force.sign * v[force.v], inputs() + force.input);
         if (loaded_.set_factor(index, factor) && (side == 1 || side == -1)) slipping_.push_back({index, side});
       }
       ++index;
@@ -205,8 +205,7 @@ class JointModes final : public Branching {
     for (const auto& term : locks_.row(lock)) f[term.v] += found_[lock].sign * size * term.factor;
   }
 
-  // Called by users of Branching alone.
-  // Without any forces, more than 0.
+  // Called by users of Branching alone. Without any forces, more than 0.
   double slack(int lock) const override {
     return slack_fraction * force_size_ * locks_.inverse_mobility(lock) + std::numeric_limits<double>::min();
   }

@@ -2,21 +2,18 @@
 #pragma once
 
 #include <array>
-#include <cmath>
 #include <limits>
 #include <optional>
 
 #include "element/constraint.h"
-#include "util/text.h"
+#include "element/mesh_losses.h"
 
 namespace gelenk {
 
 // phi_joint - phi_carrier = ratio (phi_with - phi_carrier) + offset. A phi_carrier is omitted if there is no carrier or
 // if the joint in question is on the carrier, since its angle is then relative to the carrier already.
 //
-// Losses: of the power that enters the mesh, the part `efficiency` leaves it if `joint` drives `with`, and
-// `backdriving` if `with` drives `joint`. They are friction of `joint`, proportional to the torque of the mesh. Equal
-// friction in both directions means backdriving = 2 - 1 / efficiency; at 0 or less the gear is self-locking.
+// Losses: `efficiency` if `joint` drives `with`, `backdriving` if `with` drives `joint`.
 struct Gear {
   static constexpr std::string_view kind = "gear";
   static constexpr std::string_view summary =
@@ -68,16 +65,9 @@ struct Gear {
     return (on_base(1) ? ratio : 0) - (on_base(0) ? 1 : 0);
   }
   double constant() const { return offset; }
-  // The friction torque on `joint` per torque that the mesh exerts on it, if `joint` drives, and if it is driven.
-  std::array<double, 2> losses() const {
-    return {1 / efficiency - 1, std::isnan(backdriving) ? 1 / efficiency - 1 : 1 - backdriving};
-  }
-  bool has_losses() const { return losses() != std::array<double, 2>{}; }
-  std::optional<ElementFault> fault(const Coordinate&) const {
-    if (efficiency > 1) return {{"efficiency", text::number(efficiency), "1 or less"}};
-    if (backdriving > 1) return {{"backdriving", text::number(backdriving), "1 or less"}};
-    return {};
-  }
+  static constexpr int lossy_joint = 0;
+  std::array<double, 2> losses() const { return losses_of_mesh(efficiency, backdriving); }
+  std::optional<ElementFault> fault(const Coordinate&) const { return fault_of_mesh(efficiency, backdriving); }
   template <class Seen>
   auto output(const Seen& seen, int, int) const {
     return seen.coordinate_force();

@@ -54,9 +54,9 @@ struct Bearing {
 
 // Dry friction of a joint coordinate, a set-valued law (Coulomb; Stribeck 1902): at rest the torque takes the value,
 // up to `static`, that keeps the coordinate at rest; in motion it is opposite to the speed v, with the magnitude
-// coulomb + (static - coulomb) exp(-(v / stribeck)^2). A bearing adds coefficient radius R, with the force R that the
-// joint transmits across its axis, which itself depends on friction; a guide adds coefficient R. A clutch or a brake is
-// a friction that an input engages: all these are multiplied by the input, below 0 by 0.
+// coulomb + (static - coulomb) exp(-(|v| / stribeck)^exponent). A bearing adds coefficient radius R, with the force R
+// that the joint transmits across its axis, which depends on friction; a guide adds coefficient R. A clutch or a brake
+// is a friction that an input engages: all these are multiplied by the input, below 0 by 0.
 struct JointFriction {
   static constexpr std::string_view group = "friction";
   static constexpr std::string_view summary = "dry friction, which keeps the coordinate at rest up to a limit";
@@ -66,6 +66,7 @@ struct JointFriction {
   double coulomb = 0;                                              // N m (N), in motion
   double static_limit = std::numeric_limits<double>::quiet_NaN();  // N m (N), at rest; NaN: coulomb
   double stribeck = 0;                                             // rad/s (m/s); 0: only at rest is it larger
+  double exponent = 2;                                             // of Stribeck's curve: 1 or 2
   std::optional<Bearing> bearing;
   static constexpr std::string_view inputs_of_it[] = {"engagement"};
   Choice input;
@@ -89,6 +90,10 @@ struct JointFriction {
                                          .text = "Stribeck velocity of the friction on {coordinate}",
                                          .range = Range::not_negative,
                                          .tunable = true}),
+        field<&JointFriction::exponent>({.name = "exponent",
+                                         .unit = "1",
+                                         .text = "exponent of |v| / stribeck in the friction on {coordinate}: 1 or 2",
+                                         .settable = false}),
         field<&JointFriction::bearing>(
             {.name = "bearing", .text = "friction on {coordinate} proportional to the force that the joint transmits"}),
         field<&JointFriction::input>({.name = "input",
@@ -117,6 +122,7 @@ struct JointFriction {
     if (bearing) {
       if (std::optional<ElementFault> found = fault_of_bearing(at)) return found;
     }
+    if (exponent != 1 && exponent != 2) return {{"exponent", text::number(exponent), "1 or 2"}};
     if (!(static_limit < coulomb)) return {};
     const auto shown = [&](double x) { return text::with_unit(text::number(x), spelled(unit_of("{f}", at))); };
     return {{"static", shown(static_limit), "at least coulomb, which is " + shown(coulomb)}};
@@ -132,12 +138,12 @@ struct JointFriction {
   double sticking_limit(const double* u) const { return engagement(u) * full_sticking_limit(); }
   double slipping_limit(const double* u) const { return stribeck > 0 ? sticking_limit(u) : engagement(u) * coulomb; }
   bool is_guide() const { return bearing && std::isnan(bearing->radius); }
-  // The same per force that the bearing or guide transmits, in motion at the speed v [m, 1]; and at rest, and in a
-  // motion that begins.
+  // The same per force that the bearing or guide transmits, in motion in the mode `side` at the speed v [m, 1]; and at
+  // rest, and in a motion that begins.
   template <class T>
-  T load_factor(const T& v, const T* u) const {
+  T load_factor(int side, const T& v, const T* u) const {
     if (!bearing) return T(0);
-    return engagement(u) * T(arm()) * stribeck_curve(v, bearing->coefficient, bearing->full_static());
+    return engagement(u) * T(arm()) * stribeck_curve(side, v, bearing->coefficient, bearing->full_static());
   }
   double sticking_load_factor(const double* u) const {
     return bearing ? engagement(u) * arm() * bearing->full_static() : 0;
@@ -151,7 +157,7 @@ struct JointFriction {
   template <class T>
   T held(int side, const T&, const T& v, const T* u) const {
     if (side != 1 && side != -1) return T(0);
-    T magnitude = stribeck_curve(v, coulomb, full_sticking_limit());
+    T magnitude = stribeck_curve(side, v, coulomb, full_sticking_limit());
     if (is_engaged_by_input()) magnitude *= engagement(u);
     return T(-side) * magnitude;
   }
@@ -181,13 +187,13 @@ struct JointFriction {
   double full_sticking_limit() const { return std::isnan(static_limit) ? coulomb : static_limit; }
   // Of the friction force in a bearing [m]; of a guide 1.
   double arm() const { return std::isnan(bearing->radius) ? 1 : bearing->radius; }
-  // From `at_rest` to `in_motion`.
+  // From `at_rest` to `in_motion`. Smooth where a step of the mode `side` continues beyond its end.
   template <class T>
-  T stribeck_curve(const T& v, double in_motion, double at_rest) const {
+  T stribeck_curve(int side, const T& v, double in_motion, double at_rest) const {
     using std::exp;
     if (!(stribeck > 0 && at_rest > in_motion)) return T(in_motion);
-    const T relative = v * T(1 / stribeck);
-    return T(in_motion) + T(at_rest - in_motion) * exp(T(-(relative * relative)));
+    const T relative = v * T((side < 0 ? -1 : 1) / stribeck);
+    return T(in_motion) + T(at_rest - in_motion) * exp(T(-(exponent == 1 ? relative : T(relative * relative))));
   }
   std::optional<ElementFault> fault_of_bearing(const Coordinate& at) const {
     const auto shown = [](double x) { return text::number(x); };

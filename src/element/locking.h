@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string_view>
 #include <tuple>
+#include <type_traits>
 #include <variant>
 
+#include "element/mesh_losses.h"
 #include "element/registry.h"
 
 namespace gelenk {
@@ -35,12 +38,14 @@ inline bool is_loaded_guide(const JointForces& forces) {
 inline bool has_two_bounds(const JointForces& forces) {
   return std::get<std::optional<JointLimit>>(forces) && std::get<std::optional<JointOneWay>>(forces);
 }
-// Whether a constraint loses power by friction of its first joint.
-inline bool has_losses(const AnyConstraint& constraint) {
+// Which of its joints has the friction by which a constraint loses power; -1: it loses none.
+inline int lossy_joint(const AnyConstraint& constraint) {
   return std::visit(
       [](const auto& of) {
-        if constexpr (requires { of.has_losses(); }) return of.has_losses();
-        return false;
+        if constexpr (LosesPower<std::decay_t<decltype(of)>>) {
+          if (of.losses() != std::array<double, 2>{}) return of.lossy_joint;
+        }
+        return -1;
       },
       constraint);
 }

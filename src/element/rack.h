@@ -1,11 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
+#include <limits>
+#include <optional>
+
 #include "element/constraint.h"
+#include "element/mesh_losses.h"
 
 namespace gelenk {
 
-// Rack and pinion: s_rack = radius phi_pinion + offset.
+// Rack and pinion: s_rack = radius phi_pinion + offset. Losses: `efficiency` if the pinion drives the rack,
+// `backdriving` if the rack drives the pinion.
 struct Rack {
   static constexpr std::string_view kind = "rack";
   static constexpr std::string_view summary = "a rack translates as its pinion rotates";
@@ -20,6 +26,8 @@ struct Rack {
 
   double radius = 1;  // m
   double offset = 0;  // m
+  double efficiency = 1;
+  double backdriving = std::numeric_limits<double>::quiet_NaN();  // NaN: 2 - 1 / efficiency
 
   static std::span<const Field> fields() {
     static constexpr Field all[] = {
@@ -28,7 +36,18 @@ struct Rack {
                               .text = "travel of the rack per radian of the pinion",
                               .range = Range::not_zero,
                               .required = true}),
-        field<&Rack::offset>({.name = "offset", .unit = "m", .text = "position of the rack when the pinion is at 0"})};
+        field<&Rack::offset>({.name = "offset", .unit = "m", .text = "position of the rack when the pinion is at 0"}),
+        field<&Rack::efficiency>({.name = "efficiency",
+                                  .unit = "1",
+                                  .text = "part of the power that leaves the mesh if `pinion` drives `rack`",
+                                  .range = Range::positive,
+                                  .settable = false}),
+        field<&Rack::backdriving>(
+            {.name = "backdriving",
+             .unit = "1",
+             .text = "part of the power that leaves the mesh if `rack` drives `pinion`; 0 or less: it cannot",
+             .optional = true,
+             .settable = false})};
     return all;
   }
   static constexpr SignalGroup outputs[] = {{"f", 0, "N", "force of the pinion on joint {joint}"}};
@@ -38,6 +57,9 @@ struct Rack {
     return i == 0 ? 1 : -radius;
   }
   double constant() const { return offset; }
+  static constexpr int lossy_joint = 1;
+  std::array<double, 2> losses() const { return losses_of_mesh(efficiency, backdriving); }
+  std::optional<ElementFault> fault(const Coordinate&) const { return fault_of_mesh(efficiency, backdriving); }
   template <class Seen>
   auto output(const Seen& seen, int, int) const {
     return seen.coordinate_force();

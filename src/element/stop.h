@@ -12,7 +12,8 @@
 namespace gelenk {
 
 // Unilateral spring and damper beyond a bound of a joint coordinate: with the penetration depth it pushes back with
-// max(0, stiffness depth + damping d depth/dt), and never pulls.
+// max(0, stiffness depth + damping d depth/dt), and never pulls. If the damping force is limited to the size of the
+// spring force, the force is also at most 2 stiffness depth, so that it does not jump at contact.
 struct Stop {
   static constexpr std::string_view group = "stop";
   static constexpr std::string_view summary = "pushes back while the coordinate is beyond a bound, and never pulls";
@@ -23,6 +24,8 @@ struct Stop {
   double upper = std::numeric_limits<double>::infinity();   // rad (m)
   double stiffness = 0;                                     // N m/rad (N/m), more than 0
   double damping = 0;                                       // N m s/rad (N s/m)
+  static constexpr std::string_view laws[] = {"linear", "limited"};
+  Choice law = {0};  // index in laws
 
   static std::span<const Field> fields() {
     static constexpr Field all[] = {field<&Stop::lower>({.name = "lower",
@@ -45,7 +48,11 @@ struct Stop {
                                                            .unit = "{f}.s/{q}",
                                                            .text = "damping of its stop, on {coordinate}",
                                                            .range = Range::not_negative,
-                                                           .tunable = true})};
+                                                           .tunable = true}),
+                                    field<&Stop::law>({.name = "law",
+                                                       .text = "damping force of its stop: proportional to the speed, "
+                                                               "or also limited to the size of the spring force",
+                                                       .words = laws})};
     return all;
   }
 
@@ -67,8 +74,8 @@ struct Stop {
   // the lower one, 0 without contact.
   template <class T>
   T held(int side, const T& q, const T& v, const T* = nullptr) const {
-    if (side > 0) return -(T(stiffness) * (q - T(upper)) + T(damping) * v);
-    if (side < 0) return T(stiffness) * (T(lower) - q) - T(damping) * v;
+    if (side > 0) return -push(T(q - T(upper)), v);
+    if (side < 0) return push(T(T(lower) - q), T(-v));
     return T(0);
   }
   // The mode of a state: there is contact only where the stop pushes.
@@ -104,6 +111,16 @@ struct Stop {
   T energy(const T& q) const {
     const T depth = std::max({T(q - upper), T(lower - q), T(0)});
     return T(stiffness / 2) * depth * depth;
+  }
+
+ private:
+  // Without damping nothing is limited: a step that continues beyond the end of a contact finds a smooth force there.
+  template <class T>
+  T push(const T& depth, const T& rate) const {
+    const T spring = T(stiffness) * depth;
+    const T damper = T(damping) * rate;
+    const bool exceeds = law.index == 1 && damping > 0 && damper > spring;
+    return spring + (exceeds ? spring : damper);
   }
 };
 

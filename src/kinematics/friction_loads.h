@@ -54,11 +54,13 @@ std::vector<FrictionLoad> friction_loads(const Model<A>& model, const Loads& loa
       }
       for (std::size_t r = 0; r < model.coordinate_rows.size() && cut < 0; ++r) {
         const CoordinateRow& row = model.coordinate_rows[r];
-        if (!row.has_losses() || row.terms.front().v != force.v) continue;
+        if (!row.has_losses()) continue;
+        const CoordinateRow::Term& term = row.terms[static_cast<std::size_t>(row.lossy_term)];
+        if (term.v != force.v) continue;
         load.of = FrictionLoad::Of::mesh;
         load.may_be_undetermined = false;
         load.row = model.first_coordinate_row + static_cast<int>(r);
-        load.factor = row.terms.front().factor;
+        load.factor = term.factor;
         load.losses = row.losses;
         out.push_back(load);
       }

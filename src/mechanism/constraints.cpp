@@ -55,7 +55,10 @@ struct CoordinateRowBuilder {
     const JointKind& kind = kind_of(scene.joints[joint_index.at(c.joints.front())].is);
     const int component = component_of(kind, c.coordinate);
     row.is_angle = kind.q[component].unit == "rad";
-    if constexpr (requires { element.losses(); }) row.losses = element.losses();
+    if constexpr (LosesPower<C>) {
+      row.losses = element.losses();
+      row.lossy_term = C::lossy_joint;
+    }
     if constexpr (requires { element.factor(0, [](int) { return true; }); }) add_terms(row, c, element, component);
     if constexpr (requires { element.constant(); }) row.constant = element.constant();
     if constexpr (requires { element.law(); }) row.law = element.law();

@@ -65,9 +65,10 @@ struct CoordinateRow {
   std::optional<MotionLaw> law;  // s; none: s is constant or an input
   double constant = 0;
   int input = -1;  // index in the scene: s, or its rate if positions are not held
-  // Friction along the first coordinate per force of the constraint on it, if that coordinate drives, and if it is
-  // driven.
+  // Friction along the coordinate of one of the terms per force of the constraint on it, if that coordinate drives, and
+  // if it is driven.
   std::array<double, 2> losses{};
+  int lossy_term = 0;
 
   bool has_losses() const { return losses != std::array<double, 2>{}; }
   // Whether the constraint is rheonomic.

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Drive trains of inertias, clutches, one-way clutches and gears with losses, solved without Gelenk.
+"""Drive trains of inertias, clutches, one-way clutches, gears with losses and stops, solved without Gelenk.
 
 From event to event with SciPy; at each one, all modes of all elements are tried for one in which every law
-holds. Inputs are linear within segments.
+holds. Inputs are linear within segments. An inertia may be 0 if the elements determine its motion.
 """
 
 from __future__ import annotations
@@ -15,73 +15,43 @@ from typing import Any
 import numpy as np
 from mechanisms import Array
 from scipy.integrate import solve_ivp
+from scipy.linalg import null_space
+from scipy.optimize import linprog
 
-REST = 1e-9  # rad/s: what is slower than this may stick
-ROUNDING = 1e-10  # of forces at their limits, which are located to about 1e-12
+from models.drive_elements import (
+    REST,
+    ROUNDING,
+    TOUCH,
+    UNLOADED,
+    Element,
+    Flanks,
+    Friction,
+    LossyGear,
+    Modes,
+    OneWay,
+    Rigid,
+)  # fmt: skip
 
 AFTER = 1e-9  # s
 MOST_EVENTS = 40  # in a segment
-UNLOADED = 1e-9  # N m: less in a mesh has no sign, and breaks nothing away
-
-type Modes = tuple[Any, ...]
-
-
-@dataclass(frozen=True)
-class Friction:
-    """Between two inertias or, as a brake, on one; `row` gives its speed from those of the inertias."""
-
-    row: Array
-    sliding: Callable[[Array], float]  # of the inputs [N m]
-    static: Callable[[Array], float]
-
-    def modes(self, v: float) -> Sequence[int]:
-        return (0, 1, -1) if abs(v) < REST else (int(np.sign(v)),)
-
-
-@dataclass(frozen=True)
-class OneWay:
-    """row w is not negative; a clutch beside it resists positive speeds, too."""
-
-    row: Array
-    sliding: Callable[[Array], float] = lambda _u: 0.0
-    static: Callable[[Array], float] = lambda _u: 0.0
-
-    def modes(self, v: float) -> Sequence[int]:
-        return (0, 1) if abs(v) < REST else (1,)  # 0: it holds
-
-
-@dataclass(frozen=True)
-class LossyGear:
-    """w[a] = ratio w[b], with losses of a's torque; `bearing` adds a constant friction on a."""
-
-    a: int
-    b: int
-    ratio: float
-    driving: float  # efficiency if a drives
-    driven: float  # if b drives
-    bearing: float = 0.0
-
-    def modes(self, v: float) -> Sequence[tuple[int, int]]:
-        """Return the direction of motion of a (0: at rest), and the sign of the torque it delivers."""
-        directions = (0, 1, -1) if abs(v) < REST else (int(np.sign(v)),)
-        return [(d, s) for d in directions for s in (1, -1)]
-
-    def loss(self, direction: int, sign: int) -> float:
-        """Return the friction on a per torque in the mesh."""
-        return 1 / self.driving - 1 if direction * sign > 0 else 1 - self.driven
 
 
 @dataclass
 class DriveTrain:
     inertias: Array
     torques: Callable[[Array, Array, Array], Array]  # of the inputs, angles and speeds
-    elements: Sequence[Friction | OneWay | LossyGear]
-    events: int = field(default=0, init=False)
+    elements: Sequence[Element]
+    events: int = field(default=0, init=False)  # of coming to rest
+    impacts: int = field(default=0, init=False)
+    changes: int = field(default=0, init=False)  # of modes
 
-    def speed(self, e: Friction | OneWay | LossyGear, w: Array) -> float:
+    def speed(self, e: Element, w: Array) -> float:
+        """Return the speed of an element, or its position from angles."""
         return float(w[e.a]) if isinstance(e, LossyGear) else float(e.row @ w)
 
-    def solve(self, modes: Modes, u: Array, phi: Array, w: Array) -> tuple[Array, list[Array]]:
+    def solve(
+        self, modes: Modes, u: Array, phi: Array, w: Array, *, forces_too: bool = True
+    ) -> tuple[Array, list[Array]]:
         """Return the accelerations, and of each element its forces: of a gear mesh and friction."""
         n = len(self.inertias)
         load = self.torques(u, phi, w).astype(float)
@@ -95,8 +65,16 @@ class DriveTrain:
                     columns.append(e.row)
                     rows.append(e.row)
                 else:
-                    load += -mode * e.sliding(u) * e.row
+                    size = e.sliding(u) + e.falling(mode * self.speed(e, w))
+                    load += -mode * size * e.row
                     places.append(None)
+            elif isinstance(e, Flanks):
+                load += e.force(mode, self.speed(e, phi), self.speed(e, w)) * e.row
+                places.append(None)
+            elif isinstance(e, Rigid):
+                places.append(len(columns))
+                columns.append(e.row)
+                rows.append(e.row)
             elif isinstance(e, OneWay):
                 places.append(len(columns) if mode == 0 else None)
                 if mode == 0:
@@ -122,8 +100,10 @@ class DriveTrain:
         if m:
             system[:n, n:] = -np.array(columns).T
             system[n:, :n] = np.array(rows)
-        found = np.linalg.lstsq(system, np.concatenate([load, np.zeros(m)]), rcond=1e-12)[0]
+        found, _, rank, _ = np.linalg.lstsq(system, np.concatenate([load, np.zeros(m)]), rcond=1e-12)
         x = found[n:]
+        if rank < n + m and forces_too:
+            x = x + self._distribute(modes, places, u, phi, x, null_space(system, 1e-12)[n:])
         forces = []
         for e, mode, place in zip(self.elements, modes, places, strict=True):
             if isinstance(e, LossyGear):
@@ -132,13 +112,58 @@ class DriveTrain:
                 forces.append(x[place : place + 1] if place is not None else np.zeros(0))
         return found[:n], forces
 
-    def indicators(self, modes: Modes, u: Array, phi: Array, w: Array) -> Array:
+    def _distribute(
+        self, modes: Modes, places: list[Any], u: Array, phi: Array, x: Array, null: Array
+    ) -> Array:
+        """Return what to add to redundant forces so that each is as far from its limit as it can be."""
+        above: list[Array] = []  # above @ (z, t) <= value
+        values: list[float] = []
+
+        def bound(row: Array, value: float, margin: float = 1.0) -> None:
+            if np.isfinite(value):
+                above.append(np.append(row @ null, margin))
+                values.append(value - float(row @ x))
+
+        unit = np.eye(len(x))
+        for e, mode, place in zip(self.elements, modes, places, strict=True):
+            if isinstance(e, LossyGear):
+                direction, sign = mode
+                bound(-sign * unit[place], 0.0, 0.0)
+                if direction == 0:
+                    least, most = e.range(sign)
+                    bound(unit[place + 1] - most * unit[place], e.bearing)
+                    bound(least * unit[place] - unit[place + 1], e.bearing)
+            elif mode == 0 and isinstance(e, Friction):
+                least, most = e.range(self.speed(e, phi), u)
+                bound(unit[place], most)
+                bound(-unit[place], -least)
+            elif mode == 0 and isinstance(e, OneWay):
+                bound(-unit[place], e.static(u))
+        count = null.shape[1]
+        best = linprog(
+            np.append(np.zeros(count), -1.0), np.array(above), values,
+            bounds=[(-1e4, 1e4)] * count + [(-1e4, 1e4)],
+        )  # fmt: skip
+        return null @ best.x[:count] if best.status == 0 else np.zeros(len(x))
+
+    def indicators(self, modes: Modes, u: Array, phi: Array, w: Array, *, flanks: bool = True) -> Array:
         """Return numbers that are all positive or zero while the modes last."""
         _, forces = self.solve(modes, u, phi, w)
         out: list[float] = []
         for e, mode, x in zip(self.elements, modes, forces, strict=True):
             if isinstance(e, Friction):
-                out.append(e.static(u) - abs(x[0]) + UNLOADED if mode == 0 else mode * self.speed(e, w))
+                q = self.speed(e, phi)
+                if mode == 0:
+                    least, most = e.range(q, u)
+                    out.append(min(most - float(x[0]), float(x[0]) - least) + UNLOADED)
+                else:
+                    out += [mode * self.speed(e, w), e.upper - q if mode > 0 else q - e.lower]
+            elif isinstance(e, Flanks):
+                if not flanks:
+                    continue
+                out += e.indicators(mode, self.speed(e, phi), self.speed(e, w))
+            elif isinstance(e, Rigid):
+                pass
             elif isinstance(e, OneWay):
                 out.append(float(x[0]) + e.static(u) + UNLOADED if mode == 0 else self.speed(e, w))
             else:
@@ -146,42 +171,62 @@ class DriveTrain:
                 out.append(sign * x[0] + UNLOADED)
                 if direction == 0:
                     # The friction of a is limited by what its motion in either direction would cause.
-                    up = e.bearing + e.loss(1, sign) * abs(x[0])
-                    down = e.bearing + e.loss(-1, sign) * abs(x[0])
-                    out.append(min(x[1] + up, down - x[1]))
+                    least, most = e.range(sign)
+                    out.append(e.bearing + min(x[1] - least * x[0], most * x[0] - x[1]) + UNLOADED)
                 else:
                     out.append(direction * float(w[e.a]))
         return np.array(out)
 
     def is_consistent(self, modes: Modes, u: Array, phi: Array, w: Array) -> bool:
         a, _ = self.solve(modes, u, phi, w)
-        if (self.indicators(modes, u, phi, w) < -ROUNDING).any():
+        if (self.indicators(modes, u, phi, w, flanks=False) < -ROUNDING).any():
             return False
         for e, mode in zip(self.elements, modes, strict=True):
+            if isinstance(e, (Flanks, Rigid)):
+                continue
             direction = mode[0] if isinstance(e, LossyGear) else mode
             if direction != 0 and abs(self.speed(e, w)) < REST and direction * self.speed(e, a) < ROUNDING:
                 return False
         return True
 
-    def modes_at(self, u: Array, phi: Array, w: Array) -> Modes:
-        """Return the first consistent modes: what can remain at rest does."""
+    def modes_at(self, u: Array, phi: Array, w: Array, a: Array) -> Modes:
+        """Return the first consistent modes: what can remain at rest does.
+
+        a: the accelerations before, which tell on which side of a limit the force of a stop is.
+        """
+        phi = phi + AFTER * w
 
         def moving(modes: Modes) -> int:
             return sum((mode[0] if isinstance(mode, tuple) else mode) != 0 for mode in modes)
 
-        every = sorted(itertools.product(*(e.modes(self.speed(e, w)) for e in self.elements)), key=moving)
+        choices = (
+            e.modes(self.speed(e, phi), self.speed(e, w + AFTER * a if isinstance(e, Flanks) else w))
+            for e in self.elements
+        )
+        every = sorted(itertools.product(*choices), key=moving)
         found = next((modes for modes in every if self.is_consistent(modes, u, phi, w)), None)
         assert found is not None, f"no modes at {phi}, {w}"
         return found
 
     def run(
-        self, inputs: Callable[[float], Array], segment: float, segments: int, w: Array
+        self,
+        inputs: Callable[[float], Array],
+        segment: float,
+        segments: int,
+        w: Array,
+        *,
+        phi: Array | None = None,
+        jump: float = 0.0,
     ) -> Iterator[Array]:
-        """Yield (phi, w) at the ends of the segments, from angles 0."""
+        """Yield (phi, w) at the ends of the segments, from angles 0.
+
+        jump: inputs are linear up to their values so much before the end of each segment [s].
+        """
         n = len(self.inertias)
-        y = np.concatenate([np.zeros(n), w])
+        y = np.concatenate([np.zeros(n) if phi is None else phi, w])
+        before: Modes | None = None
         for k in range(segments):
-            start, end = inputs(k * segment), inputs((k + 1) * segment)
+            start, end = inputs(k * segment), inputs((k + 1) * segment - jump)
 
             def u(t: float, start: Array = start, end: Array = end, first: float = k * segment) -> Array:
                 return start + (end - start) * (t - first) / segment
@@ -192,7 +237,12 @@ class DriveTrain:
                 parts += 1
                 assert parts <= MOST_EVENTS, f"events without end at t = {t}"
                 # Just after an event, where its own indicator is not zero any more.
-                modes = self.modes_at(u(t + AFTER), y[:n] + AFTER * y[n:], y[n:])
+                a = self.solve(before, u(t), y[:n], y[n:], forces_too=False)[0] if before else np.zeros(n)
+                modes = self.modes_at(u(t + AFTER), y[:n], y[n:], a)
+                self.changes += sum(
+                    _logged(old) != _logged(new) for old, new in zip(before or modes, modes, strict=True)
+                )
+                before = modes
                 t, y = self.advance(modes, u, t, (k + 1) * segment, y)
             yield y.copy()
 
@@ -201,19 +251,26 @@ class DriveTrain:
     ) -> tuple[float, Array]:
         n = len(self.inertias)
         count = len(self.indicators(modes, u(t), y[:n], y[n:]))
+        last: dict[tuple[float, bytes], Array] = {}
 
         def event(i: int) -> Any:
             def value(at: float, state: Array) -> float:
                 if at <= t + 1e-12:
                     return 1.0
-                return float(self.indicators(modes, u(at), state[:n], state[n:])[i])
+                key = at, state.tobytes()
+                if key not in last:
+                    last.clear()
+                    last[key] = self.indicators(modes, u(at), state[:n], state[n:])
+                return float(last[key][i])
 
             value.terminal = True  # type: ignore[attr-defined]
             value.direction = -1  # type: ignore[attr-defined]
             return value
 
         solution = solve_ivp(
-            lambda at, s: np.concatenate([s[n:], self.solve(modes, u(at), s[:n], s[n:])[0]]),
+            lambda at, s: np.concatenate(
+                [s[n:], self.solve(modes, u(at), s[:n], s[n:], forces_too=False)[0]]
+            ),
             (t, stop),
             y,
             method="DOP853",
@@ -227,4 +284,22 @@ class DriveTrain:
             direction = mode[0] if isinstance(e, LossyGear) else mode
             if abs(self.speed(e, after[n:])) < 1e-10 and direction != 0:
                 self.events += solution.status == 1
+            if isinstance(e, Friction):
+                self._strike(e, after)
         return float(solution.t[-1]), after
+
+    def _strike(self, e: Friction, y: Array) -> None:
+        """Stop what moves on at a bound."""
+        n = len(self.inertias)
+        q, v = self.speed(e, y[:n]), self.speed(e, y[n:])
+        if (q >= e.upper - TOUCH and v > REST) or (q <= e.lower + TOUCH and v < -REST):
+            column = e.row / self.inertias
+            y[n:] -= column * v / (e.row @ column)
+            self.impacts += 1
+
+
+def _logged(mode: Any) -> int:
+    """Return what Gelenk counts as a mode: neither the sign of a load nor what limits the force of a stop."""
+    if isinstance(mode, tuple):
+        return int(mode[0])
+    return int(np.sign(mode)) if abs(mode) != 3 else 0

@@ -18,7 +18,8 @@ from mechanisms import Array, Scene, body, frame, joint, scene
 
 import gelenk
 
-from .drive_trains import DriveTrain, Friction, LossyGear, OneWay
+from .drive_elements import Friction, LossyGear, OneWay
+from .drive_trains import DriveTrain
 
 SEGMENT, SEGMENTS = 0.1, 10
 TOLERANCE = 1e-9

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Poses at rest of scenes with dry friction and hard limits: what holds them, and with what margin."""
+"""Poses at rest with dry friction, hard limits and one-way clutches: what holds them, with what margin."""
 
 from __future__ import annotations
 
@@ -15,18 +15,20 @@ from gelenk.simulation.scene_plant import ScenePlant
 
 # Largest speed at rest, in the mechanism's own units: assembly leaves rounding.
 SPEED_TOLERANCE = 1e-9
+ONE_WAY = "one_way"
 
 
 @dataclass(frozen=True)
 class Holding:
-    """What keeps a coordinate at rest: dry friction, and contact with a hard limit.
+    """What keeps a coordinate at rest: dry friction, and contact with a hard limit or a one-way clutch.
 
     Attributes:
         friction: force of friction along the coordinate [N m, N].
         limit: the largest static friction [N m, N]; 0 for a joint without friction.
         contact: force of the hard limit along the coordinate [N m, N]: positive at the lower bound, negative
-            at the upper one, 0 away from both.
-        bound: "lower" or "upper" for the bound that the coordinate touches; empty: none.
+            at the upper one, 0 away from both; or that of the one-way clutch, in its free direction.
+        bound: "lower" or "upper" for the bound that the coordinate touches, "one_way" for a one-way clutch;
+            empty: none.
         unit: unit of the forces.
     """
 
@@ -53,7 +55,8 @@ class Holding:
         if self.limit:
             parts.append(f"friction {self.friction:.6g} of {self.limit:.6g} {_spelled(self.unit)}")
         if self.bound:
-            parts.append(f"contact at its {self.bound} limit {self.contact:.6g} {_spelled(self.unit)}")
+            by = "one-way clutch" if self.bound == ONE_WAY else f"contact at its {self.bound} limit"
+            parts.append(f"{by} {self.contact:.6g} {_spelled(self.unit)}")
         return ", ".join([*parts, f"margin {self.margin:.6g}"])
 
 
@@ -78,6 +81,7 @@ class RestingScene:
             point: the operating point with the initial pose.
         """
         self._scene = scene
+        self._one_way = {name for name, joint in scene.to_dict()["joints"].items() if ONE_WAY in joint}
         self.plant = plant = ScenePlant(scene)
         settings = point.reach(plant).settings
         self._forces, self._balanced, self._held = plant.rest_forces()
@@ -137,10 +141,17 @@ class RestingScene:
             name: Holding(friction=force - contact, limit=limit, contact=contact, bound=bound, unit=unit)
             for name, unit, force, limit, side in self._forces
             # Friction does what contact, which only pushes, cannot.
-            for contact, bound in [
-                {1: (min(force, 0.0), "upper"), -1: (max(force, 0.0), "lower"), 0: (0.0, "")}[side]
-            ]
+            for contact, bound in [self._contact(name, force, side)]
         }
+
+    def _contact(self, name: str, force: float, side: int) -> tuple[float, str]:
+        """Return what a limit or a one-way clutch does of the force that is needed, and which it is."""
+        if side == 0:
+            return 0.0, ""
+        contact = min(force, 0.0) if side > 0 else max(force, 0.0)
+        if name.rpartition(".")[0] in self._one_way:
+            return contact, ONE_WAY
+        return contact, "upper" if side > 0 else "lower"
 
     def _beyond_limits(self, starts: Mapping[str, Value]) -> list[str]:
         joints = self._scene.to_dict()["joints"]
@@ -194,9 +205,12 @@ class RestingScene:
         if not self._balanced or needed is None or needed.fraction <= 1:
             raise EquilibriumError(f"friction and limits do not hold this pose{moves}")
         if not needed.limit:
-            raise EquilibriumError(
-                f"friction and limits do not hold this pose: {worst} leaves its {needed.bound} limit{moves}"
+            leaves = (
+                "overruns its one-way clutch"
+                if needed.bound == ONE_WAY
+                else f"leaves its {needed.bound} limit"
             )
+            raise EquilibriumError(f"friction and limits do not hold this pose: {worst} {leaves}{moves}")
         unit = _spelled(needed.unit)
         raise EquilibriumError(
             f"friction does not hold this pose: {worst} would need {abs(needed.friction):.6g} {unit}, "

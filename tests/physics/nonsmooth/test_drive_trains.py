@@ -9,45 +9,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
 import numpy as np
 import pytest
 from mechanisms import Array, Scene, body, frame, joint, scene
-from models.drive_trains import DriveTrain, Friction, LossyGear, OneWay
+from models.drive_cases import INTEGRATORS, Case, run, shafts, truth_of, turning
+from models.drive_elements import Friction, LossyGear, OneWay
+from models.drive_trains import DriveTrain
 from models.running import assert_close
 
 import gelenk
-
-INTEGRATORS = ("erk", "cvode", "cvode-adams", "ida", "dirk")
-
-
-@dataclass(frozen=True)
-class Case:
-    source: Scene
-    inputs: dict[str, int]  # index in `given` by name
-    given: Callable[[float], Array]
-    segment: float
-    segments: int
-    start: Array  # speeds of the inertias
-    truth: Callable[[], DriveTrain]
-    speeds: Callable[[gelenk.Simulation], Array]
-
-
-def shafts(inertias: dict[str, float], joints: dict[str, Any], **sections: Any) -> Scene:
-    return scene(
-        {name: body(1, inertia=(0, 0, J)) for name, J in inertias.items()},
-        joints,
-        gravity=[0, 0, 0],
-        **sections,
-    )
-
-
-def turning(parent: str, child: str, w: float = 0.0, **fields: Any) -> dict[str, Any]:
-    start = {"phi": 0.0, "w": w, "fixed": True}
-    return joint("revolute", frame(parent), frame(child), start=start, **fields)
 
 
 def freewheel(friction: dict[str, Any] | None = None, load: float = 0.0) -> Scene:
@@ -187,24 +160,8 @@ CASES: dict[str, Callable[[], Case]] = {
 def truth(name: str) -> tuple[Array, int]:
     """Return the speeds at the ends of the segments, and the number of events at which something stops."""
     case = CASES[name]()
-    train = case.truth()
-    n = len(case.start)
-    speeds = np.array([y[n:] for y in train.run(case.given, case.segment, case.segments, case.start)])
-    return speeds, train.events
-
-
-def run(case: Case, integrator: str, tolerance: float) -> tuple[Array, gelenk.Simulation]:
-    simulation = gelenk.Simulation(gelenk.load({**case.source, "solver": {"integrator": integrator}}))
-    simulation.initialize(0.0, tolerance)
-    found = []
-    for k in range(case.segments):
-        start, end = case.given(k * case.segment), case.given((k + 1) * case.segment)
-        for name, i in case.inputs.items():
-            simulation.set_input(name, float(start[i]))
-            simulation.set_input_derivative(name, 1, float((end[i] - start[i]) / case.segment))
-        simulation.step_to((k + 1) * case.segment)
-        found.append(case.speeds(simulation))
-    return np.array(found), simulation
+    found, train = truth_of(case)
+    return found[:, len(case.start) :], train.events
 
 
 @pytest.mark.filterwarnings("ignore:solver.tolerance")

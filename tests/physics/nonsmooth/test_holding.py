@@ -323,3 +323,34 @@ def test_result_as_text_and_data() -> None:
     assert data["held"]["A.phi"]["bound"] == "lower"
     assert data["margin"] == 1
     assert "held" not in gelenk.equilibrium(pendulum(0.3)).to_dict()
+
+
+@pytest.mark.parametrize("free", ["positive", "negative"])
+def test_a_one_way_clutch_holds_by_its_name(free: str) -> None:
+    """A backstop carries the weight, or with friction beside it all that friction cannot; it never pulls."""
+    up = 1 if free == "positive" else -1
+    source = scene(
+        {"mass": body(2.0)},
+        {
+            "guide": joint(
+                "prismatic", frame("ground"), frame("mass"), axis=[0, 0, up], one_way={"free": free}
+            )
+        },
+        motors={"lift": {"joint": "guide"}},
+        gravity=[0, 0, -GRAVITY],
+    )
+    found = held(source).held["guide.s"]
+    assert found.bound == "one_way"
+    assert found.contact == pytest.approx(up * 2 * GRAVITY, rel=ROUNDING)
+    assert str(found) == f"one-way clutch {up * 2 * GRAVITY:.6g} N, margin 1"
+    # Exactly balanced it carries nothing; lifted, it overruns.
+    assert held(source, input_values={"lift.f": up * 2 * GRAVITY}).held["guide.s"].contact == pytest.approx(
+        0.0, abs=20 * ROUNDING
+    )
+    told = refusal(source, input_values={"lift.f": up * 20.0})
+    assert "guide.s overruns its one-way clutch" in told
+    source["joints"]["guide"]["friction"] = {"coulomb": 1.0}
+    found = held(source, input_values={"lift.f": up * 20.0}).held["guide.s"]
+    assert found.friction == pytest.approx(up * (2 * GRAVITY - 20), rel=1e-11)
+    assert found.contact == 0.0
+    assert found.bound == "one_way"
