@@ -199,7 +199,7 @@ class Saltation:
                 continue
             fourth = np.asarray(CENTRAL.weights) @ rows / step
             lower = np.asarray(CENTRAL.lower) @ rows / step
-            # Zero for a polynomial of third degree; for a kink, the change of the slope.
+            # Zero for a polynomial of third degree; for a kink, the change of the derivative.
             kink = (np.array([1, -4, -4, 1]) @ rows + 6 * undisplaced) / (4 * step)
             least = np.maximum(
                 1e-3 * window.sizes * np.abs(fourth / window.sizes).max(initial=0.0),
