@@ -29,7 +29,7 @@ set(once
   linear/box_complementarity linear/least_load linear/singular_values
   outputs/outputs_dual outputs/port_readings
   inspection/inspection
-  touch/contact_impact touch/slow_motions touch/touch_changes touch/touch_decision touch/touch_modes touch/touch_outputs
+  touch/contact_impact touch/slow_motions touch/touch_changes touch/touch_decision touch/touch_modes touch/touch_outputs touch/touch_solution
   simulation/assemblies simulation/assembled_start simulation/events simulation/parameters simulation/probe
   simulation/replay simulation/sensitivity simulation/set_up simulation/start_at_equilibrium
   simulation/state_derivatives)

@@ -26,7 +26,9 @@ bool LeastNormSolver::solve(const Eigen::MatrixXd& G, const Eigen::VectorXd& r, 
   for (std::vector<double>* of : {&rest_, &factor_, &gram_}) of->resize(static_cast<std::size_t>(G.size()));
   y_.resize(static_cast<std::size_t>(G.rows()));
   pivots_.resize(y_.size());
-  return solve_redundant(G, r, threshold, x) || solve_regular(G, r, threshold, x);
+  was_unique_ = false;
+  if (solve_redundant(G, r, threshold, x)) return true;
+  return was_unique_ = solve_regular(G, r, threshold, x);
 }
 
 // G = L L^T, with as many columns of L as the rank: x = L (L^T L)^-2 L^T r. Regular matrices are left to the other

@@ -14,6 +14,8 @@ class LeastNormSolver {
   // semidefinite and r in its range. threshold: pivots below this fraction of the largest count as 0. Returns false,
   // and leaves x as it is, if G is another singular matrix.
   bool solve(const Eigen::MatrixXd& G, const Eigen::VectorXd& r, double threshold, Eigen::VectorXd& x);
+  // Whether the last solution is the only one.
+  bool was_unique() const { return was_unique_; }
 
  private:
   bool solve_redundant(const Eigen::MatrixXd& G, const Eigen::VectorXd& r, double threshold, Eigen::VectorXd& x);
@@ -21,6 +23,7 @@ class LeastNormSolver {
 
   std::vector<double> rest_, factor_, gram_, y_;
   std::vector<int> pivots_;
+  bool was_unique_ = false;
 };
 
 }  // namespace gelenk

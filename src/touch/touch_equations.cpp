@@ -22,6 +22,8 @@ constexpr double least_moment = 1e-3;
 // Rounding of gaps, relative to lengths of order 1; and the most repetitions that remove them.
 constexpr double gap_rounding = 1e-15;
 constexpr int most_corrections = 8;
+// Of the sum of normal forces: what an evaluation may miss of a limit in its mode.
+constexpr double overload_rounding = 1e-9;
 
 }  // namespace
 
@@ -237,6 +239,23 @@ const std::vector<TouchEquations::SpotForce>& TouchEquations::forces() {
     }
   }
   return forces_;
+}
+
+bool TouchEquations::are_overloaded() const {
+  if (closed_.empty() || !least_norm_.was_unique()) return false;
+  double slack = 0;
+  for (const Entry& entry : rows_.entries) slack += overload_rounding * std::abs(x_[entry.first]);
+  for (const Entry& entry : rows_.entries) {
+    const double normal = x_[entry.first];
+    if (normal < -slack) return true;
+    for (int group = 0; group < contact_groups; ++group) {
+      const int row = entry.rows[static_cast<std::size_t>(group)];
+      if (row < 0) continue;
+      if (x_.segment(row, entry.kept(group)).norm() > coefficient(entry.spot, group, false) * normal + slack)
+        return true;
+    }
+  }
+  return false;
 }
 
 bool TouchEquations::close_position(double* q) {

@@ -99,6 +99,8 @@ class TouchEquations {
     Eigen::Vector3d force, moment;              // on the tip, in the root frame
   };
   const std::vector<SpotForce>& forces();
+  // Whether those of the last accelerate() are unique, and a contact would have to pull or to hold more than it can.
+  bool are_overloaded() const;
   const Rows& rows() const { return rows_; }
   // Displaces q so that closed contacts have no gap; returns whether it was necessary.
   bool close_position(double* q);

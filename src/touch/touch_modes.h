@@ -57,6 +57,10 @@ class TouchModes final : public ConnectedModes {
   void watch(double t) {
     if (held_ && t > held_from_ && t < mode_exit_time_) check(t);
   }
+  // The same after the accelerations have been solved for: whether contacts cannot exert the forces of the mode.
+  void watch_forces(double t) {
+    if (held_ && t > held_from_ && t < mode_exit_time_ && touch_.are_overloaded()) mode_exit_time_ = t;
+  }
 
   TouchEquations& equations() { return touch_; }
   // Enters the modes in which a step at (t, y) would begin, without recording it.

@@ -63,6 +63,19 @@ def test_cam_lifts_off_where_the_spring_cannot_hold_the_follower() -> None:
     assert_stated("cam", 1e3 * lift_off, "ms")
 
 
+@pytest.mark.parametrize("integrator", ["erk", "cvode"])
+@pytest.mark.parametrize("step", [0.02, 0.005])
+def test_cam_lifts_off_within_a_long_step(integrator: str, step: float) -> None:
+    """At 1e-8 a step of erk begins before the first lift-off and would end after the force has returned, at 0.78 s."""
+    scene = source("cam")
+    scene["solver"] = {"integrator": integrator}
+    fine = gelenk.simulate(source("cam"), stop=0.9).events
+    run = gelenk.simulate(scene, stop=0.9, step=step)
+    assert [text for _, text in run.events] == [text for _, text in fine]
+    # Both runs are within 100 times the tolerance, 1e-8; an impact multiplies errors by some tens.
+    assert [t for t, _ in run.events] == pytest.approx([t for t, _ in fine], abs=1e-6)
+
+
 @pytest.mark.parametrize(("part", "leaves"), [(0.999, False), (1.001, True)])
 def test_cam_at_constant_speed(part: float, leaves: bool) -> None:
     """Just below the speed of lift-off the follower stays on the cam, just above it leaves."""
