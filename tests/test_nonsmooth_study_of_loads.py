@@ -69,9 +69,13 @@ def test_exact_accelerations_of_an_eccentric_wheel() -> None:
 
 @pytest.mark.parametrize("family", loaded_trials.FAMILIES, ids=lambda family: family.__name__)
 def test_a_sample_of_trials_is_right(family: loaded_trials.Family) -> None:
-    for trial in list(family())[::7]:
+    for trial in list(family())[::5]:
         verdict = judge.judged(trial, "auto")
-        assert verdict.outcome == "right", f"{trial.name}: {verdict}"
+        # The page states these.
+        known = trial.column in ("0.99", "0.999999") and trial.row.startswith(
+            ("efficiency 0.8", "efficiency 0.5")
+        )
+        assert verdict.outcome == ("refused" if known else "right"), f"{trial.name}: {verdict}"
 
 
 def test_what_is_to_be_refused_is_not_right_if_it_runs() -> None:

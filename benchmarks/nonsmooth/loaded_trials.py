@@ -206,6 +206,35 @@ def geared(gear: exact_drives.Gear, rack: bool) -> Scene:
     }  # fmt: skip
 
 
+def braked_gears() -> Iterator[Trial]:
+    """A gear with losses and friction on its first shaft; a clutch connects the second to a braked wheel."""
+    ratio, inertias = 4.0, (0.1, 1.5)
+    for efficiency in (1.0, 0.8, 0.5):
+        for bearing_, brake in ((1.0, 0.5), (1.0, 4.0), (1.0, 40.0), (0.0, 4.0)):
+            limit = bearing_ + brake / (efficiency * ratio)
+            law = Law(inertias[0] + inertias[1] / (efficiency * ratio**2), limit, limit)
+            for share in (0.5, 0.99, 0.999999, 1.000001, 1.01, 1.1, 2.0):
+                times, torques = grid(1.0), [share * limit] * 20
+                found, _ = course(law, 0.0, 0.0, times, torques)
+                gear = exact_drives.Gear((inertias[0], 1e-3), ratio, efficiency, efficiency, 0.0)
+                scene = geared(gear, rack=False)
+                del scene["forces"]
+                scene["joints"]["first"]["friction"] = {"coulomb": bearing_}
+                # The second wheel is part of what is braked.
+                scene["bodies"]["wheel"] = {"mass": 1.0, "inertia": [0, 0, inertias[1] - 1e-3]}
+                start, axis = exactly(phi=0.0, w=0.0), [0, 0, 1]
+                scene["joints"] |= {
+                    "wheel": joint("revolute", at("ground"), "wheel", axis, start=start,
+                                   friction={"coulomb": brake}),
+                    "clutch": joint("revolute", at("second"), "wheel", axis, friction={"coulomb": 100.0}),
+                }  # fmt: skip
+                scale = max(1.0, *(max(abs(x), abs(v)) for x, v in found))
+                row = f"efficiency {efficiency:g}, friction {bearing_:g}, brake {brake:g} N m"
+                signals = coordinate(found, "first.phi", "first.w")
+                yield Trial("gear, clutch and brake, torque / limit", row, f"{share:.7g}", scene, times,
+                            signals, math.nan, torques, "drive.tau", scale)  # fmt: skip
+
+
 def two_wheels(inertias: tuple[float, float], w: tuple[float, float], **fields: object) -> Scene:
     """Return two wheels with a motor on the first."""
     one, two = ({"mass": 1.0, "inertia": [0, 0, J]} for J in inertias)
@@ -283,7 +312,8 @@ def chattering() -> Iterator[Trial]:
 
 Family = Callable[[], Iterator[Trial]]
 FAMILIES: tuple[Family, ...] = (
-    turned_in_bearings, eccentric_wheels, slider_cranks, pushed_obliquely, gears, engaging, chattering,
+    turned_in_bearings, eccentric_wheels, slider_cranks, pushed_obliquely, gears, braked_gears, engaging,
+    chattering,
 )  # fmt: skip
 
 

@@ -14,6 +14,7 @@
 //   indicators(q, v, g, gdot)   two event indicators, which are zero where the modes 1 and -1 begin and end, and their
 //                         rates
 //   events[2][2]          for each indicator the texts of the events at which it becomes negative and positive
+//   excess(), is_excess() a second element beside it, with modes that are no events for the user; optional
 //
 // Elements that can keep their coordinate at rest, with a force that is not theirs to compute, have indicators for a
 // given mode; x: the generalized force that keeps the coordinate at rest. One whose mode 0 is rest (friction) has

@@ -11,9 +11,8 @@
 namespace gelenk {
 
 // phi_joint - phi_carrier = ratio (phi_with - phi_carrier) + offset. A phi_carrier is omitted if there is no carrier or
-// if the joint in question is on the carrier, since its angle is then relative to the carrier already.
-//
-// Losses: `efficiency` if `joint` drives `with`, `backdriving` if `with` drives `joint`.
+// if the joint in question is on the carrier, since its angle is then relative to the carrier already. Losses are
+// friction of `joint`.
 struct Gear {
   static constexpr std::string_view kind = "gear";
   static constexpr std::string_view summary =
@@ -43,17 +42,9 @@ struct Gear {
                              .range = Range::not_zero,
                              .required = true}),
         field<&Gear::offset>({.name = "offset", .unit = "rad", .text = "angle of `joint` when `with` is at 0"}),
-        field<&Gear::efficiency>({.name = "efficiency",
-                                  .unit = "1",
-                                  .text = "part of the power that leaves the mesh if `joint` drives `with`",
-                                  .range = Range::positive,
-                                  .settable = false}),
+        field<&Gear::efficiency>(efficiency_info("part of the power that leaves the mesh if `joint` drives `with`")),
         field<&Gear::backdriving>(
-            {.name = "backdriving",
-             .unit = "1",
-             .text = "part of the power that leaves the mesh if `with` drives `joint`; 0 or less: it cannot",
-             .optional = true,
-             .settable = false})};
+            backdriving_info("part of the power that leaves the mesh if `with` drives `joint`; 0 or less: it cannot"))};
     return all;
   }
   static constexpr SignalGroup outputs[] = {{"tau", 0, "N.m", "torque of the gear on joint {joint}"}};

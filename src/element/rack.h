@@ -10,8 +10,7 @@
 
 namespace gelenk {
 
-// Rack and pinion: s_rack = radius phi_pinion + offset. Losses: `efficiency` if the pinion drives the rack,
-// `backdriving` if the rack drives the pinion.
+// Rack and pinion: s_rack = radius phi_pinion + offset. Losses are friction of the pinion.
 struct Rack {
   static constexpr std::string_view kind = "rack";
   static constexpr std::string_view summary = "a rack translates as its pinion rotates";
@@ -37,17 +36,9 @@ struct Rack {
                               .range = Range::not_zero,
                               .required = true}),
         field<&Rack::offset>({.name = "offset", .unit = "m", .text = "position of the rack when the pinion is at 0"}),
-        field<&Rack::efficiency>({.name = "efficiency",
-                                  .unit = "1",
-                                  .text = "part of the power that leaves the mesh if `pinion` drives `rack`",
-                                  .range = Range::positive,
-                                  .settable = false}),
-        field<&Rack::backdriving>(
-            {.name = "backdriving",
-             .unit = "1",
-             .text = "part of the power that leaves the mesh if `rack` drives `pinion`; 0 or less: it cannot",
-             .optional = true,
-             .settable = false})};
+        field<&Rack::efficiency>(efficiency_info("part of the power that leaves the mesh if `pinion` drives `rack`")),
+        field<&Rack::backdriving>(backdriving_info(
+            "part of the power that leaves the mesh if `rack` drives `pinion`; 0 or less: it cannot"))};
     return all;
   }
   static constexpr SignalGroup outputs[] = {{"f", 0, "N", "force of the pinion on joint {joint}"}};

@@ -27,6 +27,15 @@ struct Stop {
   static constexpr std::string_view laws[] = {"linear", "limited"};
   Choice law = {0};  // index in laws
 
+  // What a limited damping force exceeds the spring force by, and is taken off: modes 1 and -1 where it is not zero.
+  std::optional<Stop> excess() const {
+    if (law.index != 1 || damping == 0) return {};
+    Stop out = *this;
+    out.law.index = of_excess;
+    return out;
+  }
+  bool is_excess() const { return law.index == of_excess; }
+
   static std::span<const Field> fields() {
     static constexpr Field all[] = {field<&Stop::lower>({.name = "lower",
                                                          .unit = "{q}",
@@ -74,16 +83,19 @@ struct Stop {
   // the lower one, 0 without contact.
   template <class T>
   T held(int side, const T& q, const T& v, const T* = nullptr) const {
-    if (side > 0) return -push(T(q - T(upper)), v);
-    if (side < 0) return push(T(T(lower) - q), T(-v));
-    return T(0);
+    if (side == 0) return T(0);
+    const T depth = side > 0 ? T(q - T(upper)) : T(T(lower) - q);
+    const T rate = side > 0 ? v : T(-v);
+    const T spring = T(stiffness) * depth;
+    const T damper = T(damping) * rate;
+    return T(side) * (is_excess() ? damper - spring : -(spring + damper));
   }
   // The mode of a state: there is contact only where the stop pushes.
   template <class T>
   int side(const T& q, const T& v) const {
-    if (q > T(upper)) return held(1, q, v) < T(0) ? 1 : 0;
-    if (q < T(lower)) return held(-1, q, v) > T(0) ? -1 : 0;
-    return 0;
+    const int beyond = q > T(upper) ? 1 : q < T(lower) ? -1 : 0;
+    const T force = T(beyond) * held(beyond, q, v);
+    return (is_excess() ? force > T(0) : force < T(0)) ? beyond : 0;
   }
   // Event indicators of the upper and the lower bound, zero where contact begins or ends, and their rates, NaN where
   // unknown. Beyond a bound the stop pushes where stiffness depth + damping rate > 0, so that contact with a damped
@@ -93,6 +105,12 @@ struct Stop {
     for (const double side : {1.0, -1.0}) {
       const double depth = side * (q - (side > 0 ? upper : lower));
       const double rate = side * v;
+      if (is_excess()) {
+        const double over = damping * rate - stiffness * depth;
+        *g++ = std::min(stiffness * depth, over);
+        *gdot++ = stiffness * depth <= over ? stiffness * rate : NAN;
+        continue;
+      }
       const bool releasing = time_constant > 0 && rate < 0 && depth > 0;
       *g++ = releasing ? depth + time_constant * rate : depth;
       *gdot++ = releasing ? NAN : rate;
@@ -105,23 +123,18 @@ struct Stop {
                                                      "{joint}.{coordinate} meets the stop at its lower bound"}};
   template <class T>
   T effort(const T& q, const T& v, const T*) const {
-    return held(side(q, v), q, v);
+    const std::optional<Stop> less = excess();
+    return held(side(q, v), q, v) + (less ? less->held(less->side(q, v), q, v) : T(0));
   }
   template <class T>
   T energy(const T& q) const {
+    if (is_excess()) return T(0);
     const T depth = std::max({T(q - upper), T(lower - q), T(0)});
     return T(stiffness / 2) * depth * depth;
   }
 
  private:
-  // Without damping nothing is limited: a step that continues beyond the end of a contact finds a smooth force there.
-  template <class T>
-  T push(const T& depth, const T& rate) const {
-    const T spring = T(stiffness) * depth;
-    const T damper = T(damping) * rate;
-    const bool exceeds = law.index == 1 && damping > 0 && damper > spring;
-    return spring + (exceeds ? spring : damper);
-  }
+  static constexpr int of_excess = 2;  // beside the words of `law`
 };
 
 }  // namespace gelenk

@@ -58,6 +58,7 @@ void EventLog::serialize(Archive& archive) {
 }
 
 void EventLog::add(const Event& event) {
+  if (text(event).empty()) return;  // a change of a force within its contact
   ++in_step_;
   last_ = event;
   if (events_.size() < events_.capacity()) events_.push_back(event);  // steps allocate no memory

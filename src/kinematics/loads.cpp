@@ -124,8 +124,14 @@ struct LoadCollector {
 
   template <class E>
   static void add(JointLoads& to, const E& element, const JointPlace& place, bool cut, int i, int input, int joint) {
-    std::get<std::vector<AlongCoordinate<E>>>(to.lists).push_back(
-        {element, (cut ? 0 : place.iq) + i, (cut ? 0 : place.iv) + i, place.v_sign[i], input, joint, i});
+    const auto push = [&](const E& part) {
+      std::get<std::vector<AlongCoordinate<E>>>(to.lists).push_back(
+          {part, (cut ? 0 : place.iq) + i, (cut ? 0 : place.iv) + i, place.v_sign[i], input, joint, i});
+    };
+    push(element);
+    if constexpr (requires { element.excess(); }) {
+      if (const std::optional<E> part = element.excess()) push(*part);
+    }
   }
 
   // Registers the inputs of coordinate constraints.
@@ -290,11 +296,12 @@ std::vector<int> links_with_loads(const Mechanism& mechanism, const Loads& loads
 std::vector<BranchingForce> branching_forces(const Loads& loads) {
   std::vector<BranchingForce> out;
   const auto add = [&](const auto& force) {
+    BranchingForce& of = out.emplace_back(BranchingForce{force.joint, force.component, force.element.group, {}});
+    if constexpr (requires { force.element.is_excess(); }) {
+      if (force.element.is_excess()) return;
+    }
     const auto& events = force.element.events;
-    out.push_back({force.joint,
-                   force.component,
-                   force.element.group,
-                   {{{events[0][0], events[0][1]}, {events[1][0], events[1][1]}}}});
+    of.events = {{{events[0][0], events[0][1]}, {events[1][0], events[1][1]}}};
   };
   loads.tree.each_branching(add);
   for (const JointLoads& on : loads.cuts) on.each_branching(add);

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -61,15 +62,25 @@ def truth_of(case: Case) -> tuple[Array, DriveTrain]:
     return np.array(list(found)), train
 
 
-def run(case: Case, integrator: str, tolerance: float) -> tuple[Array, gelenk.Simulation]:
-    """Return the speeds, after positions if the case has them, at the ends of the segments."""
+def different(times: list[float]) -> list[float]:
+    """Return the instants among these times; nearer than 1e-8 s is the same, and 0 is none."""
+    ordered = [0.0, *sorted(times)]
+    return [t for before, t in pairwise(ordered) if t - before > 1e-8]
+
+
+def run(case: Case, integrator: str, tolerance: float) -> tuple[Array, list[float]]:
+    """Return the speeds, after positions if the case has them, at the ends of the segments, and the times of
+    events.
+    """
     simulation = gelenk.Simulation(gelenk.load({**case.source, "solver": {"integrator": integrator}}))
     found = []
+    times: list[float] = []
     for k in range(case.segments):
         case.set_inputs(simulation, k)
         if k == 0:
             simulation.initialize(0.0, tolerance)
         simulation.step_to((k + 1) * case.segment)
+        times += [t for t, _ in simulation.events]
         speeds = case.speeds(simulation)
         found.append(speeds if case.positions is None else [*case.positions(simulation), *speeds])
-    return np.array(found), simulation
+    return np.array(found), times

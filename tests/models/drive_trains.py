@@ -41,9 +41,7 @@ class DriveTrain:
     inertias: Array
     torques: Callable[[Array, Array, Array], Array]  # of the inputs, angles and speeds
     elements: Sequence[Element]
-    events: int = field(default=0, init=False)  # of coming to rest
-    impacts: int = field(default=0, init=False)
-    changes: int = field(default=0, init=False)  # of modes
+    instants: list[float] = field(default_factory=list, init=False)  # at which modes change, later than 0
 
     def speed(self, e: Element, w: Array) -> float:
         """Return the speed of an element, or its position from angles."""
@@ -239,9 +237,8 @@ class DriveTrain:
                 # Just after an event, where its own indicator is not zero any more.
                 a = self.solve(before, u(t), y[:n], y[n:], forces_too=False)[0] if before else np.zeros(n)
                 modes = self.modes_at(u(t + AFTER), y[:n], y[n:], a)
-                self.changes += sum(
-                    _logged(old) != _logged(new) for old, new in zip(before or modes, modes, strict=True)
-                )
+                if before and any(_logged(a) != _logged(b) for a, b in zip(before, modes, strict=True)):
+                    self.instants.append(t)
                 before = modes
                 t, y = self.advance(modes, u, t, (k + 1) * segment, y)
             yield y.copy()
@@ -280,10 +277,7 @@ class DriveTrain:
             events=[event(i) for i in range(count)],
         )
         after = solution.y[:, -1]
-        for e, mode in zip(self.elements, modes, strict=True):
-            direction = mode[0] if isinstance(e, LossyGear) else mode
-            if abs(self.speed(e, after[n:])) < 1e-10 and direction != 0:
-                self.events += solution.status == 1
+        for e in self.elements:
             if isinstance(e, Friction):
                 self._strike(e, after)
         return float(solution.t[-1]), after
@@ -295,7 +289,6 @@ class DriveTrain:
         if (q >= e.upper - TOUCH and v > REST) or (q <= e.lower + TOUCH and v < -REST):
             column = e.row / self.inertias
             y[n:] -= column * v / (e.row @ column)
-            self.impacts += 1
 
 
 def _logged(mode: Any) -> int:

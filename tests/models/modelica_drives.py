@@ -204,7 +204,7 @@ def rotational_heat_losses(wheel: float = 0.0) -> Case:
     )  # fmt: skip
 
 
-LOSSES = ("three", "four", "five", "six", "freewheel")
+LOSSES = ("three", "five", "six", "freewheel")  # joints without motor and gear
 
 
 def brake() -> Case:

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import pytest
 from mechanisms import Array, Scene, body, frame, joint, scene
-from models.drive_cases import INTEGRATORS, Case, run, shafts, truth_of, turning
+from models.drive_cases import INTEGRATORS, Case, different, run, shafts, truth_of, turning
 from models.drive_elements import Friction, LossyGear, OneWay
 from models.drive_trains import DriveTrain
 from models.running import assert_close
@@ -157,11 +157,11 @@ CASES: dict[str, Callable[[], Case]] = {
 
 
 @cache
-def truth(name: str) -> tuple[Array, int]:
-    """Return the speeds at the ends of the segments, and the number of events at which something stops."""
+def truth(name: str) -> tuple[Array, list[float]]:
+    """Return the speeds at the ends of the segments, and the times at which modes change."""
     case = CASES[name]()
     found, train = truth_of(case)
-    return found[:, len(case.start) :], train.events
+    return found[:, len(case.start) :], train.instants
 
 
 @pytest.mark.filterwarnings("ignore:solver.tolerance")
@@ -173,6 +173,16 @@ def test_speeds_agree_with_a_search_through_all_modes(name: str, integrator: str
     found, _ = run(CASES[name](), integrator, tolerance)
     size = max(1.0, np.abs(expected).max())
     assert_close("speeds", found, expected, 100 * tolerance * size, "100 times the tolerance of the speeds")
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+@pytest.mark.parametrize("name", CASES)
+def test_events_are_those_of_the_exact_solution(name: str, integrator: str) -> None:
+    _, instants = truth(name)
+    _, times = run(CASES[name](), integrator, 1e-8)
+    expected, found = different(instants), different(times)
+    assert len(found) == len(expected)
+    assert_close("times", [0.0, *found], [0.0, *expected], 1e-6, "100 times the tolerance")
 
 
 def test_a_gear_stalls_between_its_limits() -> None:
