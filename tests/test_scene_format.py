@@ -110,7 +110,7 @@ def test_start_values_by_name_array_and_rotation() -> None:
 
 def test_stop_keeps_the_bounds_it_has() -> None:
     for stop in ({"lower": -0.1, "upper": 0.2}, {"upper": 0.0}, {"lower": 1e-3}):
-        full = {**stop, "stiffness": 3e4, "damping": 2.5}
+        full = {**stop, "stiffness": 3e4, "damping": 2.5, "law": "limited"}
         joint = read(two_bodies({"type": "prismatic", "stop": full}))
         assert joint["stop"] == full
         assert read(two_bodies(joint)) == joint

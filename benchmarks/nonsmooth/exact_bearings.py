@@ -144,7 +144,8 @@ def reversing(
 
     Raises ParadoxError where the motion comes to a position without a law.
     """
-    now, y, found, events = 0.0, np.array([phi, w]), [], 0
+    now, y, events = 0.0, np.array([phi, w]), 0
+    found: list[tuple[float, float]] = []
     side = math.copysign(1.0, w) if w else 0.0
     extra = 1e-9  # rad, beyond a dead center
     while len(found) < len(times):
@@ -176,7 +177,7 @@ def reversing(
                         atol=1e-14, max_step=0.05, first_step=1e-7)  # fmt: skip
         for t in times[len(found) :]:
             if t <= run.t[-1]:
-                found.append(tuple(float(x) for x in run.sol(t)))
+                found.append((float(run.sol(t)[0]), float(run.sol(t)[1])))
         now, y = float(run.t[-1]), run.y[:, -1].copy()
         if run.status == 1:
             events += 1

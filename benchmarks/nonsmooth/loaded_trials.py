@@ -101,7 +101,7 @@ def slider_cranks() -> Iterator[Trial]:
             machine = SliderCrank((0.15, 0.56), (0.5, 0.8, 1.5), coefficient, torque=torque)
             phi, times = 0.6, grid(0.4, 8)
             tilt = math.asin(0.15 * math.sin(phi) / 0.56)
-            about = [0, -1, 0]
+            about = [0.0, -1.0, 0.0]
             guide = joint(
                 "prismatic", at("ground"), "slider", [1, 0, 0],
                 start={"s": 0.15 * math.cos(phi) + 0.56 * math.cos(tilt)},
@@ -192,7 +192,8 @@ def geared(gear: exact_drives.Gear, rack: bool) -> Scene:
     if rack:
         second = joint("prismatic", at("ground"), "second", [1, 0, 0], start=exactly(s=0.0, v=0.0))
         mesh |= {"type": "rack", "rack": "second", "pinion": "first", "radius": 1 / gear.ratio}
-        body, push["force"] = {"mass": gear.inertias[1]}, [gear.load, 0, 0]
+        body: Scene = {"mass": gear.inertias[1]}
+        push["force"] = [gear.load, 0, 0]
     else:
         second = joint("revolute", at("ground"), "second", [0, 0, 1], start=start)
         mesh |= {"type": "gear", "joint": "first", "with": "second", "ratio": gear.ratio}
@@ -222,7 +223,7 @@ def braked_gears() -> Iterator[Trial]:
                 scene["joints"]["first"]["friction"] = {"coulomb": bearing_}
                 # The second wheel is part of what is braked.
                 scene["bodies"]["wheel"] = {"mass": 1.0, "inertia": [0, 0, inertias[1] - 1e-3]}
-                start, axis = exactly(phi=0.0, w=0.0), [0, 0, 1]
+                start, axis = exactly(phi=0.0, w=0.0), [0.0, 0.0, 1.0]
                 scene["joints"] |= {
                     "wheel": joint("revolute", at("ground"), "wheel", axis, start=start,
                                    friction={"coulomb": brake}),
@@ -287,13 +288,13 @@ def chattering() -> Iterator[Trial]:
     for period in (1e-4, 1e-2, 1.0):
         times = [period * (k + 1) for k in range(40)]
         for load in (0.0, -0.5):
-            torques = [(3.0 if k % 2 == 0 else -2.0) for k in range(40)]
+            torques = [3.0 if k % 2 == 0 else -2.0 for k in range(40)]
             inertias = (0.5, 1.0)
-            found, events = exact_drives.freewheel_course(inertias, load, times, torques)
+            speeds, events = exact_drives.freewheel_course(inertias, load, times, torques)
             scene = two_wheels(inertias, (0.0, 0.0), one_way={"free": "positive"})
             scene["forces"] = {"load": {"type": "wrench", "body": "two", "torque": [0, 0, load]}}
-            signals = {"shaft.w": [a for a, _ in found], "clutch.w": [b - a for a, b in found]}
-            scale = max(1.0, *(max(abs(a), abs(b)) for a, b in found))
+            signals = {"shaft.w": [a for a, _ in speeds], "clutch.w": [b - a for a, b in speeds]}
+            scale = max(1.0, *(max(abs(a), abs(b)) for a, b in speeds))
             yield Trial("chatter, period", f"freewheel, load {load:g} N m", f"{period:g} s", scene, times,
                         signals, events, torques, "drive.tau", scale)  # fmt: skip
         for restitution in (0.0, 0.5):
@@ -301,13 +302,13 @@ def chattering() -> Iterator[Trial]:
             width = 0.5 / 0.5 * (0.6 * period) ** 2
             law = Law(0.5, lower=-width / 2, upper=width / 2, restitution=restitution)
             torques = [(-1.0) ** k for k in range(40)]
-            found, events = course(law, 0.0, 0.0, times, torques)
-            events = events if restitution == 0 else math.nan  # series of impacts
+            found, count = course(law, 0.0, 0.0, times, torques)
+            count = count if restitution == 0 else math.nan  # series of impacts
             limit = {"lower": -width / 2, "upper": width / 2, "restitution": restitution}
             scene = wheel(0.0, 0.0, 0.5, limit=limit)
             scale = max(1.0, 2 / (2 * width) ** 0.5)  # acceleration / speed at the impact
             yield Trial("chatter, period", f"play, e = {restitution:g}", f"{period:g} s", scene, times,
-                        coordinate(found), events, torques, "drive.tau", scale)  # fmt: skip
+                        coordinate(found), count, torques, "drive.tau", scale)  # fmt: skip
 
 
 Family = Callable[[], Iterator[Trial]]

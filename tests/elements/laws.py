@@ -66,6 +66,8 @@ def drawn(field: Kind, rng: np.random.Generator) -> Any:
             return float(rng.uniform(0.3, 0.7))
         return float(rng.choice(signs) * rng.uniform(0.3, 2.0))
 
+    if field["name"] == "exponent":
+        return 1.0  # or 2
     if field["type"] == "number":
         return number()
     if field["type"] in ("vector", "direction"):

@@ -28,7 +28,8 @@ def rows(n: int) -> Array:
 
 def relative(n: int, a: int, b: int) -> Array:
     """Return the row of b relative to a."""
-    return np.eye(n)[b] - np.eye(n)[a]
+    out: Array = np.eye(n)[b] - np.eye(n)[a]
+    return out
 
 
 def sliding(parent: str, child: str, s: float = 0.0, v: float = 0.0, **fields: Any) -> dict[str, Any]:
