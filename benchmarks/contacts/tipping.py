@@ -123,4 +123,4 @@ def sliding_rod(
 
     start = [theta, 0, half * math.cos(theta), -1.0]
     found = solve_ivp(rates, (0, times[-1]), start, "DOP853", times, rtol=1e-13, atol=1e-15).y
-    return np.column_stack([found[2], half * np.sin(found[0]) + tip]).tolist()
+    return [[float(x), half * math.sin(angle) + tip] for angle, x in zip(found[0], found[2], strict=True)]

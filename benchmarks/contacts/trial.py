@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from benchmarks.nonsmooth.trials import Trial
+from benchmarks.nonsmooth.trial import Trial
 
 type Scene = dict[str, Any]
 
