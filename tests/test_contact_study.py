@@ -8,7 +8,7 @@ import math
 import numpy as np
 import pytest
 from benchmarks.contacts import __main__ as study
-from benchmarks.contacts import engines, piles, problems
+from benchmarks.contacts import engines, failure_map, piles, problems, trials
 
 PROBLEMS = {problem.name: problem for problem in problems.problems()}
 
@@ -108,3 +108,15 @@ def test_a_small_pile_is_measured() -> None:
     assert row["settled ms"] > 0
     assert math.isnan(piles.measured("Gelenk", 8, 0.0)["falling ms"])
     assert "| 8 | Gelenk |" in piles.table([row])
+
+
+EVENTS = failure_map.WAYS[0]  # auto
+
+
+@pytest.mark.parametrize("family", dict.fromkeys(trial.family for trial in trials.trials()))
+def test_trials_of_the_failure_map_are_right(family: str) -> None:
+    """Each third one: where Painleve's rod has no motion, right is a refusal."""
+    chosen = [trial for trial in trials.trials() if trial.family == family]
+    for trial in chosen[::3]:
+        verdict = failure_map.judged(trial, EVENTS)
+        assert verdict.outcome == "right", (trial.row, trial.column, verdict.error, verdict.words)

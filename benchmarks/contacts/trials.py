@@ -102,7 +102,7 @@ def bouncing() -> Iterator[ContactTrial]:
     """A ball falls on the floor until it rests."""
     radius = 0.1
     for e in (0.0, 0.1, 0.5, 0.9, 1.0):
-        for height in (1e-9, 1e-6, 1e-3, 1.0, 100.0):
+        for height in (1e-9, 1e-6, 1e-3, 1.0, 10.0):
             first = math.sqrt(2 * height / GRAVITY)
             times = [first * k for k in (0.5, 1.5, 2.5, 4.2, 8.1, 16.3, 25.0)]
             found = []
@@ -226,8 +226,8 @@ def slipping() -> Iterator[ContactTrial]:
 def stacks() -> Iterator[ContactTrial]:
     """Boxes on each other, at rest."""
     side, times = 0.1, [0.1, 0.5, 1.0]
-    for count in (1, 2, 4, 8):
-        for ratio in (1e-6, 1e-3, 1.0, 1e3, 1e6):
+    for count in (2, 4, 8):
+        for ratio in (1e-6, 1e-3, 1.0, 1e3):
             masses = [ratio ** (i / max(1, count - 1)) for i in range(count)]
             cube = {"box": [side] * 3}
             scene = {

@@ -236,7 +236,13 @@ class AlongOne {
           check(u, n, "inputs");
           AlongCoordinate<F> placed;
           placed.element = force;
-          const Dual::Directions found = gelenk::derivatives_by_duals(placed, &q, &v, u.data(), n);
+          Dual::Directions found = gelenk::derivatives_by_duals(placed, &q, &v, u.data(), n);
+          if constexpr (requires { force.excess(); }) {
+            if (const auto part = force.excess()) {
+              placed.element = *part;
+              found += gelenk::derivatives_by_duals(placed, &q, &v, u.data(), n);
+            }
+          }
           return std::vector<double>(found.data(), found.data() + 2 + n);
         },
         force_);

@@ -80,11 +80,11 @@ bool Formulation::evaluate(double t, const double* y, double* ydot) {
   dynamics_.set_position(y);
   if (!row_domain_.is_defined()) return false;
   modes_.watch(t, v);
-  if (contacts_.touch() != nullptr) contacts_.touch()->watch(t);
+  if (contacts_.touch() != nullptr) contacts_.touch()->watch(t, false);
   if (!accelerate(t, y, vdot)) return false;
   if (!modes_.locks().empty() && dynamics_.branching().loads().undetermined() >= 0) return false;
   modes_.watch_holding_forces(t);
-  if (contacts_.touch() != nullptr) contacts_.touch()->watch_forces(t);
+  if (contacts_.touch() != nullptr) contacts_.touch()->watch(t, true);
   if (mechanism_.rows > 0 && factorizes_constraints()) singularity_monitor_.observe(t, dynamics_.pivot_ratio());
   dynamics_.qdot_from_v(y, v, ydot);
   return all_finite(ydot, size());

@@ -53,13 +53,12 @@ class TouchModes final : public ConnectedModes {
   void start();
   // Call when inputs have jumped.
   void inputs_jumped() { jumped_ = true; }
-  // Records whether an evaluation at t, at the present position of `dynamics`, is outside the held mode.
-  void watch(double t) {
-    if (held_ && t > held_from_ && t < mode_exit_time_) check(t);
-  }
-  // The same after the accelerations have been solved for: whether contacts cannot exert the forces of the mode.
-  void watch_forces(double t) {
-    if (held_ && t > held_from_ && t < mode_exit_time_ && touch_.are_overloaded()) mode_exit_time_ = t;
+  // Records whether an evaluation at t, at the present position of `dynamics`, is outside the held mode; after the
+  // accelerations have been solved for: whether contacts cannot exert the forces of the mode.
+  void watch(double t, bool is_solved) {
+    if (!held_ || t <= held_from_ || t >= mode_exit_time_) return;
+    if (!is_solved) return check(t);
+    if (touch_.are_overloaded()) mode_exit_time_ = t;
   }
 
   TouchEquations& equations() { return touch_; }
