@@ -95,6 +95,7 @@ accuracy: $(VENV)/gelenk.stamp
 nonsmooth: $(VENV)/gelenk.stamp
 	$(BIN)/python -m benchmarks.nonsmooth $(if $(QUICK),--quick)
 	$(BIN)/python -m benchmarks.contacts $(if $(QUICK),--quick)
+	$(BIN)/python -m benchmarks.contacts.failure_map $(if $(QUICK),--quick)
 	$(BIN)/python -m benchmarks.cones $(if $(QUICK),--quick)
 
 # NAMES="bennett bricard": only these.

@@ -8,7 +8,7 @@ import math
 import numpy as np
 import pytest
 from benchmarks.contacts import __main__ as study
-from benchmarks.contacts import engines, failure_map, piles, problems, trials
+from benchmarks.contacts import engines, failure_map, piles, problems, tipping, trials
 
 PROBLEMS = {problem.name: problem for problem in problems.problems()}
 
@@ -110,13 +110,23 @@ def test_a_small_pile_is_measured() -> None:
     assert "| 8 | Gelenk |" in piles.table([row])
 
 
-EVENTS = failure_map.WAYS[0]  # auto
+AUTO, ERK = failure_map.WAYS[:2]
+
+
+def test_a_reference_whose_edge_slides_back_is_refused() -> None:
+    """A box that tips pushes its edge back; here from 0.15 s on."""
+    force = 1.2 * tipping.BOX_FRICTION * tipping.BOX_MASS * 9.81
+    lift = (1.05 * 0.1 - tipping.BOX_FRICTION * 0.3) * tipping.BOX_MASS * 9.81 / force
+    assert tipping.tipping_box(force, lift, [0.1]).shape == (1, 2)
+    with pytest.raises(ValueError, match="slides back"):
+        tipping.tipping_box(force, lift, [0.1, 0.2])
 
 
 @pytest.mark.parametrize("family", dict.fromkeys(trial.family for trial in trials.trials()))
 def test_trials_of_the_failure_map_are_right(family: str) -> None:
-    """Each third one: where Painleve's rod has no motion, right is a refusal."""
+    """Each third one; and where Painleve's rod has no motion, erk says so."""
     chosen = [trial for trial in trials.trials() if trial.family == family]
-    for trial in chosen[::3]:
-        verdict = failure_map.judged(trial, EVENTS)
+    for trial in [*chosen[::3], *(trial for trial in chosen if trial.refused)]:
+        verdict = ERK(trial) if trial.refused else AUTO(trial)
+        assert verdict is not None
         assert verdict.outcome == "right", (trial.row, trial.column, verdict.error, verdict.words)

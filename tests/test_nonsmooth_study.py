@@ -68,14 +68,18 @@ def test_spring_stop_has_the_restitution_of_the_limit() -> None:
     assert soft.error / stiff.error == pytest.approx(10, rel=0.1)
 
 
+def run_of_auto(problem: problems.Problem) -> runs.Run:
+    """The run at a tolerance of 1e-7."""
+    (found,) = [
+        run for run in runs.event_driven(problem, quick=True) if (run.series, run.setting) == ("auto", 1e-7)
+    ]
+    return found
+
+
 def test_gelenk_solves_the_problems() -> None:
     """Bounds: 100 times the tolerance; 50 measured, for the four-bar."""
     for problem in problems.problems():
-        (found,) = [
-            run
-            for run in runs.event_driven(problem, quick=True)
-            if (run.series, run.setting) == ("auto", 1e-7)
-        ]
+        found = run_of_auto(problem)
         assert found.error < 1e-5
         assert found.events == problem.events
 

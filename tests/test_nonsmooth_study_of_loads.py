@@ -14,8 +14,8 @@ from benchmarks.nonsmooth import (
     laws,
     loaded_problems,
     loaded_trials,
-    runs,
 )
+from test_nonsmooth_study import run_of_auto
 
 
 def test_exact_motion_of_a_gear_with_losses() -> None:
@@ -91,11 +91,7 @@ def test_what_is_to_be_refused_is_not_right_if_it_runs() -> None:
 def test_gelenk_solves_the_problems() -> None:
     """Bounds: 100 times the tolerance of the largest angle; the four-bar turns four times."""
     for problem in loaded_problems.loaded_problems():
-        (found,) = [
-            run
-            for run in runs.event_driven(problem, quick=True)
-            if (run.series, run.setting) == ("auto", 1e-7)
-        ]
+        found = run_of_auto(problem)
         largest = max(abs(x) for values in problem.positions.values() for x in values)
         assert found.error < 1e-5 * max(1.0, largest)
         assert found.events == problem.events

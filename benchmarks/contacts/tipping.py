@@ -46,15 +46,17 @@ def tipping_box(force: float, lift: float, times: Sequence[float]) -> Array:
 
     found = solve_ivp(rates, (0, times[-1]), [0, 0, 0, 0], "DOP853", times, rtol=1e-13, atol=1e-15).y
     height = half * np.sin(found[2]) + high * np.cos(found[2])
+    if not (found[1] > found[3] * height).all():
+        raise ValueError("the edge slides back, so that friction has another direction")
     return np.column_stack([found[0], height])
 
 
 def pushed() -> Iterator[ContactTrial]:
     """A box is pushed at a height: its weight is on its middle, its front edge, or it tips about that."""
-    times = [0.05, 0.1, 0.2]
+    times = [0.04, 0.08, 0.12]
     half, high = BOX[0] / 2, BOX[2] / 2
     for push in (1.2, 2.0):
-        for part in (0.0, 0.5, 1 - NEAR, 1.0, 1 + NEAR, 1.05):  # beyond, the edge slides back
+        for part in (0.0, 0.5, 1 - NEAR, 1.0, 1 + NEAR, 1.05):
             force = push * BOX_FRICTION * BOX_MASS * GRAVITY
             lift = (part * half - BOX_FRICTION * high) * BOX_MASS * GRAVITY / force
             a = (push - 1) * BOX_FRICTION * GRAVITY
@@ -84,7 +86,8 @@ def rods() -> Iterator[ContactTrial]:
             friction = part * critical
             # The normal force grows beyond all bounds towards the critical friction, and stops the rod.
             normal = GRAVITY / ((1 + 3 * math.cos(theta) ** 2) * max(1 - part, NEAR))
-            times = [k * min(0.03, 1 / (friction * normal + GRAVITY)) for k in (0.1, 0.3)]
+            shortest = min(0.03, 1 / (friction * normal + GRAVITY))
+            times = [0.1 * shortest, 0.3 * shortest] if part < 1 else [1e-3]
             found = sliding_rod(theta, friction, half, tip, times) if part < 1 else []
             turn = (math.pi / 2 - theta) / 2
             start = {"v": [-1.0, 0, 0], "Q": [0, math.sin(turn), 0, math.cos(turn)]}
@@ -103,6 +106,7 @@ def rods() -> Iterator[ContactTrial]:
                 scene,
                 times,
                 places(found) if found else {},
+                refused=not found,
                 speed=1.0,
             )
 

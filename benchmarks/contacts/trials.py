@@ -34,7 +34,7 @@ def sloping(
     v: float,
     **fields: Any,
 ) -> ContactTrial:
-    """A body that moves along a slope. way: by time [m]; v: its speed at the start, downwards [m/s]."""
+    """A body that moves along an incline. way: by time [m]; v: its speed at the start, downwards [m/s]."""
     down = np.array([math.cos(angle), -math.sin(angle)])
     off = height * np.array([math.sin(angle), math.cos(angle)])
     scene = on_plane(shape, [off[0], 0, off[1]], angle=angle, v=[v * down[0], 0, v * down[1]], **fields)
@@ -45,7 +45,7 @@ def sloping(
 
 
 def on_slopes() -> Iterator[ContactTrial]:
-    """A block with the friction of a slope, or nearly."""
+    """A block with the friction of an incline, or nearly."""
     angle, times = math.radians(30), (0.1, 0.3, 1.0)
     pull, press = GRAVITY * math.sin(angle), GRAVITY * math.cos(angle)
     for v in (0.0, 1.0, -1.0):
@@ -61,7 +61,7 @@ def on_slopes() -> Iterator[ContactTrial]:
             row = "at rest" if v == 0 else "downwards" if v > 0 else "upwards"
             block = {"box": [0.4, 0.3, 0.1]}
             yield sloping(
-                "block on a slope, tan / friction",
+                "block on an incline, tan / friction",
                 row,
                 share(ratio),
                 block,
@@ -85,7 +85,7 @@ def on_slopes_rolling() -> Iterator[ContactTrial]:
             a = pull - friction * GRAVITY * math.cos(angle) if slips else 5 / 7 * pull
             way = {t: v * t + a / 2 * t * t for t in (0.1, 0.3, 1.0)}
             yield sloping(
-                "ball on a slope, (2/7) tan / friction",
+                "ball on an incline, (2/7) tan / friction",
                 row,
                 share(ratio),
                 sphere(radius),

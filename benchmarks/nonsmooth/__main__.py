@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import csv
 import dataclasses
-import sys
 import warnings
 from collections.abc import Callable
+from functools import partial
 
 from benchmarks.nonsmooth import (
     draw,
@@ -20,6 +20,7 @@ from benchmarks.nonsmooth import (
     laws,
     loaded_problems,
     loaded_trials,
+    maps,
     page,
     problems,
     runs,
@@ -28,7 +29,6 @@ from benchmarks.nonsmooth import (
 from benchmarks.nonsmooth.trial import Trial
 from benchmarks.page_parts import NonsmoothStudy, quick_parser
 
-from gelenk.chart.progress import status_line
 from gelenk.errors import SceneWarning, StartWarning
 
 MAKER = "benchmarks/nonsmooth"
@@ -79,29 +79,11 @@ def failure_map(study: NonsmoothStudy, part: Part) -> dict[str, str]:
     """Return the parts of the page with the failure map."""
     chosen = part.trials()[:: 25 if study.quick else 1]
     integrators = INTEGRATORS[:2] if study.quick else INTEGRATORS
-    verdicts = []
-    with status_line(sys.stderr) as progress:
-        for k, trial in enumerate(chosen):
-            progress(trial.family, k / len(chosen))
-            verdicts += [judge.judged(trial, name) for name in integrators]
-    picture = study.pictures / f"friction-{part.named('map')}.png"
-    draw.draw_map(verdicts, integrators, picture)
-    with (study.numbers / f"{part.named('map')}.csv").open("w", encoding="utf-8", newline="") as file:
-        table = csv.writer(file)
-        table.writerow(
-            ["trials", "row", "column", "integrator", "outcome", "error", "events", "exact", "message"]
-        )
-        for v in verdicts:
-            t = v.trial
-            table.writerow(
-                [t.family, t.row, t.column, v.integrator, v.outcome, v.error, v.events, t.events, v.words]
-            )
-    print(f"{picture.name}: {len(verdicts)} runs")
-    return {
-        part.named("map"): f"![outcomes of {len(chosen)} trials](pictures/{picture.name})",
-        part.named("outcomes"): page.outcomes(verdicts, integrators),
-        part.named("findings"): page.findings(verdicts),
-    }
+    ways = {name: partial(judge.judged, integrator=name) for name in integrators}
+    found = maps.failure_map(
+        study, f"friction-{part.named('map')}.png", f"{part.named('map')}.csv", chosen, ways
+    )
+    return {part.named(name): text for name, text in found.items()}
 
 
 def main() -> None:

@@ -68,7 +68,7 @@ def findings(verdicts: Sequence[Verdict]) -> str:
     lines = []
     for (family, column, outcome, names), found in groups.items():
         worst = max((v for _, mine in found for v in mine), key=lambda v: v.error)
-        much = f"error {worst.error:.1e}" if outcome == "wrong" else worst.words.split(". The state")[0]
+        much = f"error {worst.error:.1e}" if outcome == "wrong" else worst.words.split(". The ")[0]
         lines.append([family, column, "; ".join(row for row, _ in found), names, f"{outcome}: {much}"])
     if not lines:
         return "All trials are right."

@@ -94,8 +94,7 @@ void gelenk::bind_placement(nb::module_& m, nb::class_<Plant>& simulation) {
           },
           nb::arg("other"), nb::arg("x"),
           "After initialize(): make the next step from the time, inputs and modes of another plant, at these states, "
-          "in "
-          "the order of _states(). Raises UsageError.")
+          "in the order of _states(). Raises UsageError.")
       .def(
           "modes", [](Plant& p) { return p.with([](Simulation& s) { return Placement(s).modes(); }); },
           "After assemble(): what has modes that change at events; empty: nothing.")

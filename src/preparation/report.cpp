@@ -387,8 +387,7 @@ std::string describe_closed_contact(const Scene& scene, const Mechanism& mechani
 std::string describe_mode_boundary(const Scene& scene, const Loads& loads, int force, double t) {
   const BranchingForce of = branching_forces(loads)[static_cast<std::size_t>(force)];
   return "t = " + text::rounded(t) + " s: joints." + scene.joints[of.joint].name + "." + std::string(of.group) +
-         " is between two modes, or a load on which it depends is zero: derivatives on both sides differ, so that "
-         "there is none";
+         " is between two modes, or a load on which it depends is zero: derivatives do not exist there";
 }
 
 }  // namespace gelenk

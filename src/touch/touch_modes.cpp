@@ -7,7 +7,6 @@
 
 #include "contact/contact_finder.h"
 #include "contact/step_limits.h"
-#include "util/text.h"
 
 namespace gelenk {
 namespace {
@@ -21,8 +20,6 @@ constexpr double force_rounding = 1e-11;
 constexpr double reached_fraction = 1e-2;
 // Gaps beyond the held mode by less than this are rounding.
 constexpr double watched_depth = touch_tolerance;
-// Far above what events leave.
-constexpr double missed_depth = 100 * touch_tolerance;
 
 }  // namespace
 
@@ -297,10 +294,11 @@ void TouchModes::update_guards(double t) {
     const double depth = std::max(0.0, -outputs_.gap(guard.contact));
     guard.allowed = depth + watched_depth;
     guard.least = std::min(guard.least, depth);
-    if (depth <= guard.least + missed_depth) continue;
+    if (depth <= guard.least + TouchOutputs::least_overlap) continue;
     const std::string event = log_.report({t, first_indicator_ + per_spot * guard.spot, true}).text;
-    refusal_ = event.substr(0, event.rfind(": ")) + ": shapes have come to overlap by " + text::rounded(depth, 3) +
-               " m without an event: use the integrator auto, or a smaller tolerance";
+    refusal_ = event.substr(0, event.rfind(": ")) +
+               ": shapes overlap, but where they came into contact was not found: use the integrator auto, or a "
+               "smaller tolerance";
   }
 }
 

@@ -33,11 +33,10 @@ void TouchOutputs::record() {
 }
 
 bool TouchOutputs::any_overlap(const double* q) {
-  constexpr double depth = 100 * touch_tolerance;  // far above what events and steps with impulses leave
   dynamics_.set_position(q);
   dynamics_.readings().set_root_poses();
   for (std::size_t contact = 0; contact < sums_.size(); ++contact) {
-    if (gap(static_cast<int>(contact)) < -depth) return true;
+    if (gap(static_cast<int>(contact)) < -least_overlap) return true;
   }
   return false;
 }

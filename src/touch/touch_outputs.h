@@ -18,6 +18,8 @@ class TouchOutputs final : public ContactReadings {
  public:
   // Numbers of indicators of a spot: of its contact, of each group of friction, and of the ends of its features.
   static constexpr int per_spot = 2 + contact_groups;
+  // Far above what events and steps with impulses leave [natural units of length].
+  static constexpr double least_overlap = 100 * touch_tolerance;
 
   // All must outlive it. contacts: of the scene.
   TouchOutputs(const Mechanism& mechanism, Dynamics& dynamics, TouchEquations& touch, std::size_t contacts);

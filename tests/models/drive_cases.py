@@ -9,7 +9,7 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from mechanisms import Array, Scene, body, frame, joint, scene
+from mechanisms import GRAVITY, Array, Scene, body, frame, joint, scene
 
 import gelenk
 from models.drive_trains import DriveTrain
@@ -45,6 +45,18 @@ def shafts(inertias: dict[str, float], joints: dict[str, Any], **sections: Any) 
         joints,
         gravity=[0, 0, 0],
         **sections,
+    )
+
+
+def backstop(free: str) -> Scene:
+    """A mass on a guide with a one-way clutch and a motor; it moves up freely whatever the sign of `free`."""
+    up = 1 if free == "positive" else -1
+    guide = joint("prismatic", frame("ground"), frame("mass"), axis=[0, 0, up], one_way={"free": free})
+    return scene(
+        {"mass": body(2.0)},
+        {"guide": guide},
+        motors={"lift": {"joint": "guide"}},
+        gravity=[0, 0, -GRAVITY],
     )
 
 

@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from mechanisms import Array, Scene, body, frame, joint, scene
-from models.drive_cases import INTEGRATORS, Case, different, run, shafts, truth_of, turning
+from mechanisms import Array, Scene, frame, joint
+from models.drive_cases import INTEGRATORS, Case, backstop, different, run, shafts, truth_of, turning
 from models.drive_elements import Friction, LossyGear, OneWay
 from models.drive_trains import DriveTrain
 from models.running import assert_close
@@ -248,16 +248,7 @@ def test_an_unloaded_gear_has_no_linear_model(w: float) -> None:
 def test_a_backstop_holds_a_load_and_lets_it_be_raised(free: str) -> None:
     """A mass on a guide that moves up freely, also where the coordinate points down."""
     up = 1 if free == "positive" else -1
-    source = scene(
-        {"mass": body(2.0)},
-        {
-            "guide": joint(
-                "prismatic", frame("ground"), frame("mass"), axis=[0, 0, up], one_way={"free": free}
-            )
-        },
-        motors={"lift": {"joint": "guide"}},
-        gravity=[0, 0, -9.81],
-    )
+    source = backstop(free)
     plant = gelenk.Simulation(gelenk.load(source))
     plant.initialize(0.0, 1e-9)
     plant.step_to(0.5)

@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 from mechanisms import GRAVITY, Scene, body, frame, joint, scene
+from models.drive_cases import backstop
 
 import gelenk
 
@@ -329,16 +330,7 @@ def test_result_as_text_and_data() -> None:
 def test_a_one_way_clutch_holds_by_its_name(free: str) -> None:
     """A backstop carries the weight, or with friction beside it all that friction cannot; it never pulls."""
     up = 1 if free == "positive" else -1
-    source = scene(
-        {"mass": body(2.0)},
-        {
-            "guide": joint(
-                "prismatic", frame("ground"), frame("mass"), axis=[0, 0, up], one_way={"free": free}
-            )
-        },
-        motors={"lift": {"joint": "guide"}},
-        gravity=[0, 0, -GRAVITY],
-    )
+    source = backstop(free)
     found = held(source).held["guide.s"]
     assert found.bound == "one_way"
     assert found.contact == pytest.approx(up * 2 * GRAVITY, rel=ROUNDING)
