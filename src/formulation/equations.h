@@ -52,6 +52,8 @@ class Equations {
   virtual bool rhs(double t, const double* y, double* ydot) = 0;
   // Exact df/dy at (t, y), column-major. Returns false as rhs() does.
   virtual bool jacobian(double t, const double* y, double* J) = 0;
+  // Whether the derivatives at the start of the present step are far from those of the last jacobian().
+  virtual bool jacobian_is_outdated() { return false; }
   // Projects y onto the constraints by the smallest change in the mass metric. Returns false if that fails. For a DAE,
   // which satisfies them itself, only normalizes quaternions.
   virtual bool project(double t, double* y) = 0;

@@ -79,12 +79,14 @@ bool Formulation::evaluate(double t, const double* y, double* ydot) {
   double* vdot = ydot + mechanism_.nq;
   dynamics_.set_position(y);
   if (!row_domain_.is_defined()) return false;
-  modes_.watch(t, v);
-  if (contacts_.touch() != nullptr) contacts_.touch()->watch(t, false);
+  // What is evaluated for differences is beside the motion.
+  TouchModes* const watched_touch = takes_differences_ ? nullptr : contacts_.touch();
+  if (!takes_differences_) modes_.watch(t, v);
+  if (watched_touch != nullptr) watched_touch->watch(t, false);
   if (!accelerate(t, y, vdot)) return false;
   if (!modes_.locks().empty() && dynamics_.branching().loads().undetermined() >= 0) return false;
-  modes_.watch_holding_forces(t);
-  if (contacts_.touch() != nullptr) contacts_.touch()->watch(t, true);
+  if (!takes_differences_) modes_.watch_holding_forces(t);
+  if (watched_touch != nullptr) watched_touch->watch(t, true);
   if (mechanism_.rows > 0 && factorizes_constraints()) singularity_monitor_.observe(t, dynamics_.pivot_ratio());
   dynamics_.qdot_from_v(y, v, ydot);
   return all_finite(ydot, size());
@@ -131,12 +133,16 @@ bool Formulation::jacobian(double t, const double* y, double* J) {
   count_jacobian();
   if (!rhs(t, y, ydot_.data())) return false;
   Eigen::Map<Eigen::MatrixXd> out(J, size(), size());
-  if (contacts_.touch() != nullptr && contacts_.touch()->equations().any_closed())
+  if (contacts_.touch() != nullptr && !contacts_.touch()->equations().closed().empty())
     return jacobian_by_differences(t, y, out);
   differentiate(ydot_.data() + nq, out);
   out.topLeftCorner(nq, nq) = jacobians_.qdot_q;
   out.topRightCorner(nq, mechanism_.nv) = jacobians_.qdot_v;
   return out.allFinite();
+}
+
+bool Formulation::jacobian_is_outdated() {
+  return contacts_.touch() != nullptr && contacts_.touch()->equations().slides_otherwise();
 }
 
 // The present state is y. Newton's methods, which use it, need no exact derivatives, but those of slow sliding, which
@@ -147,6 +153,7 @@ bool Formulation::jacobian_by_differences(double t, const double* y, Eigen::Map<
   std::vector<double> rates(at.size());
   TouchEquations& touch = contacts_.touch()->equations();
   touch.begin_differences(size());
+  takes_differences_ = true;
   bool is_finite = true;
   for (std::size_t k = 0; k < at.size() && is_finite; ++k) {
     at[k] += relative_step * std::max(1.0, std::abs(y[k]));
@@ -157,6 +164,7 @@ bool Formulation::jacobian_by_differences(double t, const double* y, Eigen::Map<
     at[k] = y[k];
   }
   is_finite = rhs(t, y, rates.data()) && is_finite;
+  takes_differences_ = false;
   touch.end_differences(out.bottomRows(mechanism_.nv));
   return is_finite && out.allFinite();
 }

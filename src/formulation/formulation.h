@@ -110,6 +110,7 @@ class Formulation : public Equations, private ModeEquations, private TouchedEqua
   Jacobians jacobians_;
 
  private:
+  bool jacobian_is_outdated() final;
   void displace(double* q, const double* dv) const final { dynamics_.displace(q, dv); }
   std::string describe_dead_center();
   void mode_changed() override {}
@@ -129,6 +130,7 @@ class Formulation : public Equations, private ModeEquations, private TouchedEqua
   SingularityMonitor singularity_monitor_;
   long jacobian_count_ = 0;
   long last_evaluation_ = LONG_MAX;
+  bool takes_differences_ = false;
   std::vector<double> dv_, ydot_;
 };
 

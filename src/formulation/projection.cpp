@@ -339,7 +339,7 @@ bool Projection::project(double t, double* y) {
 bool Projection::close_contacts(double* y) {
   constexpr int most_turns = 4;
   TouchEquations& touched = contacts().touch()->equations();
-  if (!touched.any_closed()) return true;
+  if (touched.closed().empty()) return true;
   bool closed = true;
   for (int k = 0; k < most_turns && touched.close_position(y) && mechanism_.rows > 0; ++k)
     closed = rows_.close_position(y) && closed;

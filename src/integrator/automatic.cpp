@@ -8,7 +8,7 @@
 #include <limits>
 #include <vector>
 
-#include "integrator/fastest_rate.h"
+#include "formulation/fastest_rate.h"
 #include "integrator/integrator.h"
 
 namespace gelenk {
@@ -43,7 +43,9 @@ class EvaluationCounter final : public Equations {
     ++jacobians_;
     return counter_.jacobian(t, y, J);
   }
+  bool jacobian_is_outdated() override { return counter_.jacobian_is_outdated(); }
   bool project(double t, double* y) override { return counter_.project(t, y); }
+  void polish(bool on) override { counter_.polish(on); }
   void displace(double* q, const double* dv) const override { counter_.displace(q, dv); }
   void accepted(double t, const double* y) override { counter_.accepted(t, y); }
   bool budget_exhausted() const override { return counter_.budget_exhausted(); }

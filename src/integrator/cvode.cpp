@@ -100,6 +100,14 @@ class Bdf final : public Cvode {
   bool restarts_at_jumps() const override { return false; }
   double finest_tolerance() const override { return inverse_bdf_tolerance(bdf_fraction, min_tolerance); }
 
+  // CVODE reuses a Jacobian for up to 51 steps. If it is too stiff in one direction, corrections there are too small,
+  // but look as if Newton's method converged.
+  void before_step() override {
+    const long frequency = system_.jacobian_is_outdated() ? 1 : 0;  // 0: the default
+    CVodeSetJacEvalFrequency(memory_, frequency);
+    CVodeSetLSetupFrequency(memory_, frequency);
+  }
+
   // As with IDA (ida.cpp), the difference of the projected state from the prediction is returned as the correction of
   // the step. CVODE's own projection function changes the state only, not the derivatives of the history.
   static int solve_and_project(SUNNonlinearSolver solver, N_Vector y0, N_Vector correction, N_Vector weights,

@@ -60,12 +60,14 @@ class Dirk final : public ArkodeIntegrator {
       : ArkodeIntegrator(system),
         linear_(y_.get(), context_),
         newton_(sundials::made(SUNNonlinSol_Newton(y_.get(), context_))),
-        damped_(sundials::new_vector(system, context_)) {
+        damped_(sundials::new_vector(system, context_)),
+        last_correction_(sundials::new_vector(system, context_)) {
     set_owner(y_.get(), this);
     y_->ops->nvclone = clone;
     y_->ops->nvwrmsnorm = [](N_Vector x, N_Vector weights) { return owner(x).norm(x, weights); };
     const double tolerance = std::max(min_tolerance, local_fraction * options.tolerance);
     adopt(ARKStepCreate(nullptr, sundials::rhs, 0, y_.get(), context_), tolerance);
+    rounding_ = newton_rounding / tolerance;
     // Order 5: a pair of order 4 (ESDIRK436L2SA) takes 1.6 times the evaluations at 1e-8; with a fast undamped
     // oscillation, where the errors of all steps add up, errors are ten times as large in addition.
     ARKStepSetTableNum(memory_, ARKODE_ESDIRK547L2SA2_7_4_5, ARKODE_ERK_NONE);
@@ -74,9 +76,12 @@ class Dirk final : public ArkodeIntegrator {
     SUNNonlinSolSetConvTestFn(newton_.get(), converged, this);
     ARKodeSetMaxNonlinIters(memory_, max_iterations);
     ARKodeSetMaxConvFails(memory_, max_error_test_failures);  // discontinuities affect Newton's method, too
-    ARKodeSetNonlinConvCoef(memory_, std::max(newton_fraction, newton_rounding / tolerance));
+    ARKodeSetNonlinConvCoef(memory_, std::max(newton_fraction, rounding_));
     ARKodeSetLinearSolver(memory_, linear_.solver.get(), linear_.matrix.get());
     ARKodeSetJacFn(memory_, sundials::jacobian);
+    // By default a Jacobian is used for up to 51 steps, also if the factors are renewed: that takes up to 1.4
+    // times the evaluations, in more iterations.
+    ARKodeSetJacEvalFrequency(memory_, 1);
     // Takes the derivative of a stage from the equation that the stage solves. Evaluated again, it would multiply the
     // error left by Newton's method by the fastest rate (Hairer & Wanner 1996, sec. IV.8).
     ARKodeSetDeduceImplicitRhs(memory_, 1);
@@ -95,16 +100,33 @@ class Dirk final : public ArkodeIntegrator {
                        N_Vector weights, void* self) {
     Dirk& dirk = *static_cast<Dirk*>(self);
     const double size = N_VWrmsNorm_Serial(correction, weights);
-    const double last = dirk.last_correction_;
     int iteration = 0;
     SUNNonlinSolGetCurIter(newton, &iteration);
-    if (iteration == 0 ? size <= tolerance : size * size <= tolerance * (last - size)) {
+    const double remaining = iteration == 0 ? size : dirk.remaining_error(size, correction, weights);
+    if (remaining <= tolerance || size <= dirk.rounding_) {
       dirk.estimate_due_ = true;
       return SUN_SUCCESS;
     }
-    if (iteration > 0 && size > divergence_ratio * last) return SUN_NLS_CONV_RECVR;
-    dirk.last_correction_ = size;
+    if (iteration > 0 && size > divergence_ratio * dirk.last_size_) return SUN_NLS_CONV_RECVR;
+    dirk.last_size_ = size;
+    N_VScale(1, correction, dirk.last_correction_.get());
     return SUN_NLS_CONTINUE;
+  }
+
+  // size: weighted norm of the correction. The ratio is that of the sizes, or that along the correction, if it is
+  // larger: if the factors are too stiff in one direction, as those from a time at which a body slid more slowly,
+  // corrections along it are small, and hardly any smaller the next time. After a first correction in other directions,
+  // the second one would look as if Newton's method converged.
+  double remaining_error(double size, N_Vector correction, N_Vector weights) const {
+    const double* const d = N_VGetArrayPointer_Serial(correction);
+    const double* const last = N_VGetArrayPointer_Serial(last_correction_.get());
+    const double* const w = N_VGetArrayPointer_Serial(weights);
+    const auto n = N_VGetLength_Serial(correction);
+    double product = 0;
+    for (sunindextype i = 0; i < n; ++i) product += w[i] * d[i] * w[i] * last[i];
+    product = std::abs(product) / static_cast<double>(n);
+    const double ratio = std::max(size / last_size_, size * size / product);
+    return ratio < 1 ? ratio / (1 - ratio) * size : std::numeric_limits<double>::infinity();
   }
 
   // After the last stage ARKODE measures its error estimate, which is damped here first; other vectors are measured
@@ -123,12 +145,15 @@ class Dirk final : public ArkodeIntegrator {
     return N_VWrmsNorm_Serial(damped_.get(), weights);
   }
 
+  void before_step() override { ARKodeSetLSetupFrequency(memory_, system_.jacobian_is_outdated() ? 1 : 0); }
   void reinitialize(void* memory) override { ARKStepReInit(memory, nullptr, sundials::rhs, t_, y_.get()); }
 
   sundials::DenseSolver linear_;
   sundials::NonlinearSolver newton_;
   sundials::Vector damped_;
-  double last_correction_ = 0;  // weighted norm
+  sundials::Vector last_correction_;
+  double last_size_ = 0;  // its weighted norm
+  double rounding_ = 0;   // weighted norm of corrections that are rounding
   bool estimate_due_ = false;
 };
 

@@ -10,7 +10,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "integrator/fastest_rate.h"
+#include "formulation/fastest_rate.h"
 
 namespace gelenk {
 namespace {

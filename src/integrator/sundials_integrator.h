@@ -62,9 +62,14 @@ class SundialsIntegrator : public Integrator, private Stepping {
   bool jumped_ = false;  // inputs have changed since the last step
 
  private:
+  // Called at the start of each step, and of each repetition.
+  virtual void before_step() {}
   double time() const final { return t_; }
   const double* state() const final { return sundials::data(y_.get()); }
-  Step step_towards(double end) final { return make_step(end); }
+  Step step_towards(double end) final {
+    before_step();
+    return make_step(end);
+  }
   void go_to(double t, const double* y) final { restart(t, y); }
   void stop_at(double end) final { begin(end); }
   [[noreturn]] void fail(Step step, double start);

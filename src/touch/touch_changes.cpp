@@ -206,7 +206,7 @@ void TouchModes::enter(double t, std::vector<SpotMode> next, bool logs) {
 void TouchModes::finish(double* y) {
   std::ranges::fill(triggered_, Trigger{});
   if (!locks_.empty()) locks_.finish(y);
-  if (!touch_.any_closed()) return;
+  if (touch_.closed().empty()) return;
   double* const v = y + mechanism_.nq;
   const double rest = slow(v);
   go_to(y);

@@ -53,13 +53,21 @@ void TouchEquations::add_row(const Entry& entry, const Vector3d& d, bool turns, 
   dynamics_.branching().contact_rows().row(spot.core_link, spot.tip_link, entry.at.p, d, turns, out);
 }
 
-// Beyond a stop within a step, the direction remains what it was, so that the equations are smooth there.
-Vector3d TouchEquations::moving_direction(int spot, int group, const Vector3d& slip,
-                                          const std::vector<SpotMode>& modes) const {
-  const Vector3d& before = modes[static_cast<std::size_t>(spot)].groups[static_cast<std::size_t>(group)].direction;
+// Direction against which friction acts. Within a step that extends beyond a stop, the velocity's component along the
+// direction `before` the stop is mirrored, so that the equations are continuous there and what slips across it is still
+// slowed down. Along the opposite of the velocity it would be accelerated: stages of implicit methods would have a
+// second solution, in which the body veers off instead of stopping.
+Vector3d TouchEquations::moving_direction(const Entry& entry, int group, const std::vector<SpotMode>& modes) const {
+  const auto g = static_cast<std::size_t>(group);
+  const Vector3d& before = modes[static_cast<std::size_t>(entry.spot)].groups[g].direction;
+  const Vector3d& slip = entry.slip[g];
   const double speed = slip.norm();
   if (speed <= (keeps_directions_ ? slow_sliding : no_direction)) return before;
-  return slip.dot(before) < 0 ? Vector3d(-slip / speed) : Vector3d(slip / speed);
+  const double along = slip.dot(before);
+  if (along >= 0) return slip / speed;
+  if (group == 1) return -slip / speed;  // about the normal
+  const Vector3d mirrored = slip - 2 * along * before;
+  return (mirrored - mirrored.dot(entry.at.n) * entry.at.n).normalized();
 }
 
 // Numbers the rows and allocates them.
@@ -112,7 +120,7 @@ void TouchEquations::set_group(const std::vector<SpotMode>& modes, int group, co
     return d.dot(acceleration) + (about_normal ? d.dot(at.n) * at.n_dot.dot(velocity) : 0);
   };
   if (entry.moving[g] >= 0) {
-    entry.along[g] = moving_direction(entry.spot, group, entry.slip[g], modes);
+    entry.along[g] = moving_direction(entry, group, modes);
     add_row(entry, entry.along[g], turns, out.S.row(entry.moving[g]).data());
     out.moving_rates[entry.moving[g]] = rate_along(entry.along[g]);
     out.D.row(&entry - out.entries.data()) -= coefficient(entry.spot, group, true) * out.S.row(entry.moving[g]);

@@ -50,7 +50,6 @@ class TouchEquations {
   double coefficient(int spot, int group, bool moves) const;
   const std::vector<SpotMode>& modes() const { return modes_; }
   void set_modes(const std::vector<SpotMode>& modes);
-  bool any_closed() const { return !closed_.empty(); }
   std::span<const int> closed() const { return closed_; }
 
   // --- the rows of some spots, after set_position() and set_velocity() of `dynamics` ---
@@ -89,6 +88,9 @@ class TouchEquations {
   void begin_differences(int components);
   void record_difference(int k, double dy);
   void end_differences(Eigen::Ref<Eigen::MatrixXd> vdot_y);
+  // Whether something slid at quite another speed, or in another direction, at the last accelerate() than at the last
+  // begin_differences().
+  bool slides_otherwise() const;
   // Adds the effect of closed contacts to the vdot of the last solve() of `dynamics`.
   void accelerate(double* vdot);
   // Forces of the last accelerate(), by closed spot, distributed so that where they are redundant, friction is in
@@ -109,8 +111,7 @@ class TouchEquations {
   void close_velocity(double* v);
 
  private:
-  Eigen::Vector3d moving_direction(int spot, int group, const Eigen::Vector3d& slip,
-                                   const std::vector<SpotMode>& modes) const;
+  Eigen::Vector3d moving_direction(const Entry& entry, int group, const std::vector<SpotMode>& modes) const;
   void number_rows(const std::vector<SpotMode>& modes, bool by_modes, Rows& out) const;
   void set_group(const std::vector<SpotMode>& modes, int group, const RelativeMotion& motion, Entry& entry, Rows& out);
   void add_row(const Entry& entry, const Eigen::Vector3d& d, bool turns, double* out) const;
@@ -128,13 +129,15 @@ class TouchEquations {
   // A motion so slow that differences cannot show how its direction turns.
   struct SlowMotion {
     std::size_t entry = 0, group = 0;
-    Eigen::Vector3d slip;    // at the first state
-    Eigen::Vector3d across;  // unit: where it turns to
+    Eigen::Vector3d slip;        // at the first state
+    Eigen::Vector3d across;      // unit: where the direction turns to
+    Eigen::Vector3d turns_with;  // unit: a slip velocity along it turns the direction
   };
   bool keeps_directions_ = false;
   std::vector<SpotMode> modes_before_;
   std::vector<SlowMotion> slow_;
-  Eigen::MatrixXd turning_;  // by slow motion and component: derivatives of its velocity across
+  std::vector<Eigen::Vector3d> differenced_slips_;  // by spot and group
+  Eigen::MatrixXd turning_;                         // by slow motion and component: derivatives of its velocity across
   Rows rows_, kept_;
   RowMatrix B_, Z_, zero_;
   Eigen::MatrixXd G_;

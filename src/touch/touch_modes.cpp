@@ -69,7 +69,7 @@ void TouchModes::indicator_values(double t, const double* y, double* g, double* 
   const int n = touch_.spots().count();
   std::fill_n(g, per_spot * n, -1.0);
   std::fill_n(gdot, per_spot * n, 0.0);
-  if (touch_.any_closed()) {
+  if (!touch_.closed().empty()) {
     equations_.touched_accelerations(t, y, vdot_.data());
     indicators_of_closed(g, gdot);
   }
@@ -105,7 +105,7 @@ void TouchModes::find_penetration(double* g) {
 }
 
 void TouchModes::redistribute(double t, const double* y, double* locks, double* own) {
-  if (!touch_.any_closed()) return;
+  if (touch_.closed().empty()) return;
   std::vector<double*> yielding;
   find_yielding(own, yielding);
   std::size_t kept = touch_.closed().size();
@@ -272,7 +272,7 @@ bool TouchModes::update_modes(double t, const double* y) {
     const SpotState at = touch_.spots().state(i);
     touches = touches || (mode.leaves_from == 0 && at.gap <= reached_fraction * touch_tolerance && at.rate < -rest);
   }
-  if (touch_.any_closed()) {
+  if (!touch_.closed().empty()) {
     TouchEquations::Rows rows;
     touch_.build(touch_.closed(), touch_.modes(), true, rows);
     for (const TouchEquations::Entry& entry : rows.entries) {

@@ -2,7 +2,7 @@
 """Contacts whose changes are located, to the tolerance of adaptive integrators, against closed forms."""
 
 from itertools import pairwise
-from math import asin, atan, cos, radians, sin, sqrt
+from math import asin, atan, cos, radians, sin, sqrt, tan
 
 import numpy as np
 import pytest
@@ -61,6 +61,32 @@ def test_problems_with_other_integrators(problem: Problem, integrator: str) -> N
 def test_fixed_steps_end_at_events(problem: Problem) -> None:
     """Of order 4, as the motion is smooth between events: steps of 1 ms leave far less than 1e-7."""
     assert error(problem, "rk4", 1e-8) <= 1e-7
+
+
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-8, 1e-10])
+@pytest.mark.parametrize("share", [0.1, 0.3, 0.5, 0.7, 0.9, 0.99])
+@pytest.mark.parametrize("integrator", ["auto", *INTEGRATORS])
+def test_a_block_that_slides_up_returns_straight(integrator: str, share: float, tolerance: float) -> None:
+    """Where it returns, its direction is one of rounding, and turns the faster, the slower it slides: implicit
+    methods whose Jacobian is that of slower sliding let it veer off. share: of friction in the weight along the
+    incline.
+    """
+    angle = radians(30)
+    down = np.array([cos(angle), 0, -sin(angle)])
+    normal = np.array([sin(angle), 0, cos(angle)])
+    start = {"r": list(0.05 * normal), "Q": [0, sin(angle / 2), 0, cos(angle / 2)], "v": list(-down)}
+    size, law = [0.4, 0.3, 0.1], {"friction": share * tan(angle)}
+    scene = on_plane({"box": size}, 1.0, inertia_of_box(1.0, size), start, law, normal=list(normal))
+    pull = G * sin(angle)
+    up = 1 / (pull * (1 + share))  # s: until it stops
+    way = -up / 2 + pull * (1 - share) / 2 * (1 - up) ** 2
+    for first in (0.05, 0.1, 0.11, 0.12, 0.13, 0.135):  # others have other steps at the return
+        plant = gelenk.Simulation(gelenk.load({**scene, "solver": {"integrator": integrator}}))
+        plant.initialize(0.0, tolerance)
+        for t in (first, 0.3, 1.0):
+            plant.step_to(t)
+        error = plant.values(["J.r[1]", "J.r[2]", "J.r[3]"]) - 0.05 * normal - way * down
+        assert np.abs(error).max() <= 100 * tolerance
 
 
 def ball(radius: float, mass: float, start: SceneData, law: SceneData) -> SceneData:

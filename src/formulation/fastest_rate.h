@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Detects whether stability limits the steps of an explicit method.
+// The fastest rate of the equations, by which stability limits the steps of an explicit method.
 #pragma once
 
 #include <vector>

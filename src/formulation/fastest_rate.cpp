@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "integrator/fastest_rate.h"
+#include "formulation/fastest_rate.h"
 
 #include <algorithm>
 #include <cmath>
