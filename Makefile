@@ -128,9 +128,9 @@ costs: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 clocks: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 	$(BIN)/python -m pytest -m clock $(TESTS)
 
-# Some five minutes.
+# Half an hour.
 studies: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
-	$(BIN)/python -m pytest -m study $(TESTS)
+	$(BIN)/python -m pytest -n $(JOBS) -m study $(TESTS)
 
 # Half an hour; findings are written to build/special.txt. ARGS="--only 'random 87'" repeats one comparison.
 ARGS ?=

@@ -15,6 +15,7 @@ from gelenk.cli import app
 pytest.importorskip("PIL.Image", reason="matplotlib (the extra charts) is not installed")
 
 
+@pytest.mark.study
 def test_cones_from_the_command_line(tmp_path: Path) -> None:
     """Twelve problems, and twelve recorded ones: what the default solver solves, also Coulomb's law."""
     for options, name in ([], "cones"), (["--coulomb"], "cones-coulomb"):

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 from benchmarks.growth import FAMILIES, exponent, measured
+from samples import sampled
 
 import gelenk
 
@@ -31,7 +32,7 @@ def test_cost_grows_as_the_number_of_bodies(family: str) -> None:
         assert found < 1.5, f"{what}: from {times[0]:.2f} s to {times[1]:.2f} s; 1.3 on an idle machine"
 
 
-@pytest.mark.parametrize("family", LINEAR)
+@pytest.mark.parametrize("family", sampled(LINEAR, ["chain", "tree"]))
 def test_memory_of_many_bodies_has_a_bound(family: str) -> None:
     """A full matrix in their velocities alone would take 130 MB."""
     large = measured(family, LARGE)

@@ -3,7 +3,7 @@
 
 The headers of tests/recipes are put into a copy of the sources. All that reads, writes and describes scenes
 is built and run with them; of the equations of motion, the files that see every kind are compiled without
-making code. It takes some 120 s of a processor that has nothing else to do.
+making code. It takes some 300 s of a processor.
 """
 
 from __future__ import annotations
@@ -23,6 +23,8 @@ from typing import Any
 
 import jsonschema
 import pytest
+
+pytestmark = pytest.mark.study
 
 RECIPES = Path(__file__).parent / "recipes"
 # What the headers of tests/recipes are, and the list that each is to stand in.

@@ -191,6 +191,7 @@ def shelf() -> list[Path]:
     return sorted(Path(str(f.locate())) for f in files if str(f).endswith(".urdf"))
 
 
+@pytest.mark.study
 def test_robots_of_the_package_import_and_run() -> None:
     """68 of 69: ur3.urdf has neither links nor joints. What is possible stays to the bit."""
     if not shelf():

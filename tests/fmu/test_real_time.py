@@ -39,9 +39,9 @@ def heap_calls(host: Path, fmu: Path, folder: Path, tunable: str, first: int = 0
 # The speed of `cranked` jumps, which is an impact.
 PLANTS = [
     (crank_rocker, "A.damping"),
-    (driven, "bobs.damping"),
+    pytest.param(driven, "bobs.damping", marks=pytest.mark.study),
     (cranked, "bobs.damping"),
-    (weightless, "bobs.damping"),
+    pytest.param(weightless, "bobs.damping", marks=pytest.mark.study),
 ]
 
 

@@ -29,6 +29,7 @@ NEAREST = (
 ALARM = 1e-3  # a warning is justified if the smallest pivot is a ten-thousandth of its value elsewhere
 TIGHTER = 0.1
 STEP = 2e-4  # rad, m
+SLOW = 60  # s of CPU time: three times what the slowest comparison takes here
 # Refusals at positions that need not be singular.
 DOCUMENTED = ("not all rotations of a joint with a quaternion are free", "moves without inertia")
 
@@ -127,7 +128,7 @@ class Comparison:
             yield from self.linear_models()
             yield from self.runs()
         spent = time.process_time() - began
-        if spent > 20:
+        if spent > SLOW:
             yield Verdict("time", "SLOW", f"{spent:.1f} s")
 
     @cached_property

@@ -34,7 +34,7 @@ skipped   nothing to compare
 DISAGREE  beyond the tolerance
 REFUSED   by one way of computing alone, or at a position where nothing is singular
 CRASH     without a message
-SLOW      more than 20 s of CPU time
+SLOW      more than 60 s of CPU time
 ELSEWHERE loops are closed farther from the guesses in another order of the file: no error, for inspection
 SINGULAR  beyond the tolerance, at a position where derivatives or accelerations may not exist, and no warning
 ALARM     a warning, although nothing is singular

@@ -178,6 +178,7 @@ def test_two_cranks_in_line_are_not_singular(angle: float) -> None:
 
 
 # Bars fully extended between the ground and a crank that is on the branch of its own loop.
+@pytest.mark.study
 @pytest.mark.parametrize(
     ("family", "name"), [("speed: nfourbar_2", "j_V0 at -90°"), ("windows 3", "A0 at -90°")]
 )

@@ -67,8 +67,8 @@ def test_fixed_steps_end_at_events(problem: Problem) -> None:
 @pytest.mark.parametrize("share", [0.1, 0.3, 0.5, 0.7, 0.9, 0.99])
 @pytest.mark.parametrize("integrator", ["auto", *INTEGRATORS])
 def test_a_block_that_slides_up_returns_straight(integrator: str, share: float, tolerance: float) -> None:
-    """Where it returns, its direction is one of rounding, and turns the faster, the slower it slides: implicit
-    methods whose Jacobian is that of slower sliding let it veer off. share: of friction in the weight along the
+    """Where it returns, its direction is one of rounding, and turns faster, the slower it slides. Implicit
+    methods with the Jacobian of slower sliding let it veer off. share: friction over the weight along the
     incline.
     """
     angle = radians(30)
