@@ -32,6 +32,8 @@ class Branching {
   // Friction and limits are in their held modes. holding: by lock, the force that keeps it at rest. vdot: the
   // accelerations, or null.
   virtual void indicators(const std::vector<double>& holding, const double* vdot, double* g, double* gdot) const = 0;
+  // Whether rates of indicators at the current state depend on vdot, of forces other than friction and limits.
+  virtual bool needs_accelerations() const = 0;
   // Holds the forces in these modes (or JointLoads::of_state, JointLoads::released) in the equations and in
   // differentiate(); `sides` is read at each evaluation. null: they are in the modes of the state, and nothing is
   // locked.
@@ -66,6 +68,9 @@ class Branching {
   virtual HoldingForces& holding_forces() = 0;
   // Whether some held coordinates would remain at rest without their holding forces.
   virtual bool is_redundant() const = 0;
+  // Brings the loads of friction at rest to other holding forces, by lock, with the same effect as those of the last
+  // solve(). Overwrites its multipliers.
+  virtual void distribute_loads(const std::vector<double>& holding) = 0;
   // A holding force beyond its bound by less than this is rounding of the forces in the last solve().
   virtual double slack(int lock) const = 0;
   // W: the accelerations of the coordinates of these locks (rows) per force along them (columns), all released, with

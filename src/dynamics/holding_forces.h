@@ -27,13 +27,17 @@ class HoldingForces {
   }
   // Replaces them by others with the same effect; constraint forces follow.
   void redistribute(const std::vector<double>& x) {
-    for (std::size_t i = 0; i < x.size(); ++i) {
-      redistribution_[i] = (is_redistributed_ ? redistribution_[i] : 0) + signs_[i] * (x[i] - x_[i]);
-    }
+    find_difference(x, redistribution_);
     x_ = x;
     is_redistributed_ = true;
   }
-  // By how much they differ from those of the last solve(), in the mechanism's signs; null: not at all.
+  // out: by how much x differs from those of the last solve(), in the mechanism's signs.
+  void find_difference(const std::vector<double>& x, std::vector<double>& out) const {
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      out[i] = (is_redistributed_ ? redistribution_[i] : 0) + signs_[i] * (x[i] - x_[i]);
+    }
+  }
+  // The same of the present ones; null: not at all.
   const double* redistribution() const { return is_redistributed_ ? redistribution_.data() : nullptr; }
 
   void in_users_signs(const std::vector<double>& x, double* out) const {

@@ -122,12 +122,21 @@ class JointModes final : public Branching {
           force.element.indicators(side, at, speed, holding[lock], adhesion, g, gdot);
         }
       } else {
-        force.element.indicators(at, speed, g, gdot);
+        const bool is_known = vdot != nullptr && force.element.needs_acceleration(at);
+        force.element.indicators(at, speed, is_known ? acceleration(force, index, vdot) : NAN, g, gdot);
       }
       ++index;
       g += 2;
       gdot += 2;
     });
+  }
+  bool needs_accelerations() const override {
+    bool needs = false;
+    each([&](const auto& force, const double* q, const double*) {
+      if constexpr (requires { force.element.needs_acceleration(0.0); })
+        needs = needs || force.element.needs_acceleration(force.sign * q[force.q]);
+    });
+    return needs;
   }
   void hold(const int* sides) override { held_ = sides; }
 
@@ -139,7 +148,7 @@ class JointModes final : public Branching {
         const double* u = inputs() + force.input;
         out.sticking_limit = limit_at_rest(force, out.friction);
         out.slipping_limit =
-            with_loads(out.friction, force.element.slipping_limit(u), force.element.slipping_load_factor(u));
+            loaded_.limit(out.friction, force.element.slipping_limit(u), force.element.slipping_load_factor(u));
       }
     });
     visit(out.limit, [&](const auto& force) {
@@ -185,6 +194,16 @@ class JointModes final : public Branching {
   }
 
  private:
+  // Of the coordinate of a force, in the user's sign; of a cut joint, that of the last set_acceleration().
+  template <class Force>
+  double acceleration(const Force& force, int index, const double* vdot) const {
+    const int cut = places_[static_cast<std::size_t>(index)].cut;
+    if (cut < 0) return force.sign * vdot[force.v];
+    const auto at = kernels::counted_cut_motion(state_.model, state_.ws, cut, state_.cut_reference.data());
+    double a[max_cut_nv] = {};
+    kernels::cut_accelerations<A>(state_.model.cuts[cut], state_.ws, cut, at.q.data(), at.v.data(), a);
+    return force.sign * a[force.v];
+  }
   // What slips at the present velocities, of the friction that depends on loads; brings its factors up to date.
   const std::vector<typename LoadedFriction<A>::Slipping>& find_slipping() {
     slipping_.clear();
@@ -208,6 +227,14 @@ class JointModes final : public Branching {
   // Called by users of Branching alone. Without any forces, more than 0.
   double slack(int lock) const override {
     return slack_fraction * force_size_ * locks_.inverse_mobility(lock) + std::numeric_limits<double>::min();
+  }
+
+  void distribute_loads(const std::vector<double>& holding) override {
+    difference_.resize(holding.size());
+    lambda_.assign(static_cast<std::size_t>(state_.model.rows), 0.0);
+    holding_.find_difference(holding, difference_);
+    locks_.add_multipliers(difference_.data(), lambda_.data());
+    loaded_.follow(lambda_.data());
   }
 
   void compliance(const std::vector<int>& locks, Eigen::MatrixXd& W, Eigen::VectorXd& scale) override {
@@ -240,20 +267,10 @@ class JointModes final : public Branching {
   const double* inputs() const override { return inputs_.data(); }
   bool is_redundant() const override { return locks_.rank() < locks_.locked_count(); }
 
-  // The limits of friction without loads, and per size of the load of a bearing, with loads.
-  DirectedLimit with_loads(int force, double limit, double bearing_factor) const {
-    DirectedLimit out{limit, limit};
-    for (const auto& load : loaded_.loads()) {
-      if (load.is.force != force) continue;
-      out.positive += load.friction(1, bearing_factor);
-      out.negative += load.friction(-1, bearing_factor);
-    }
-    return out;
-  }
   template <class Force>
   DirectedLimit limit_at_rest(const Force& force, int index) const {
     const double* u = inputs() + force.input;
-    return with_loads(index, force.element.sticking_limit(u), force.element.sticking_load_factor(u));
+    return loaded_.limit(index, force.element.sticking_limit(u), force.element.sticking_load_factor(u));
   }
 
   // Of coordinates at rest that constraint equations hardly permit to move. Where friction depends on loads, such a one
@@ -376,7 +393,7 @@ class JointModes final : public Branching {
   std::vector<double> inputs_;      // by number
   double sqrt_mass_ = 0;            // of the whole mechanism
   double force_size_ = 0;           // |L^-T f| for a force f that acts on the whole mechanism
-  std::vector<double> work_;
+  std::vector<double> work_, difference_, lambda_;
 };
 
 }  // namespace gelenk

@@ -12,6 +12,7 @@
 #include <cmath>
 #include <vector>
 
+#include "dynamics/branching.h"
 #include "dynamics/load_dependence.h"
 #include "kinematics/friction_loads.h"
 #include "linear/dense_factor.h"
@@ -30,8 +31,9 @@ class LoadedFriction final : public LoadDependence {
     FrictionLoad is;
     double factor = 0;  // friction per size in the present motion, if it is a bearing's [m, 1]
     std::array<double, 3> force{};
-    bool has_sign = false;  // it is along a line
-    int held_sign = 0;      // 0: that of the force
+    std::array<double, 3> solved{};  // that of the last solve()
+    bool has_sign = false;           // it is along a line
+    int held_sign = 0;               // 0: that of the force
     double sign() const { return held_sign != 0 ? held_sign : force[0] < 0 ? -1 : 1; }
     double size() const { return has_sign ? sign() * force[0] : size_of_load(force); }
     // Against motion in this direction. of_bearing: per size, of a bearing or a guide.
@@ -83,6 +85,16 @@ class LoadedFriction final : public LoadDependence {
     }
     return any;
   }
+  // What the friction with this index can exert: without loads, and per size of the load of a bearing.
+  DirectedLimit limit(int force, double without, double of_bearing) const {
+    DirectedLimit out{without, without};
+    for (const Load& load : loads_) {
+      if (load.is.force != force) continue;
+      out.positive += load.friction(1, of_bearing);
+      out.negative += load.friction(-1, of_bearing);
+    }
+    return out;
+  }
   // By force with modes: the friction in motion due to loads, in the user's sign.
   const std::vector<double>& torque() const { return torque_; }
   void freeze(bool on) override { is_frozen_ = on; }
@@ -116,6 +128,18 @@ class LoadedFriction final : public LoadDependence {
     }
     std::ranges::fill(torque_, 0.0);
     iterate();
+    for (Load& load : loads_) load.solved = load.force;
+  }
+
+  // Brings the loads of what does not slip to multipliers that differ by these from those of the last solve().
+  void follow(const double* multipliers) {
+    vdot_.assign(static_cast<std::size_t>(model_.nv), 0.0);
+    kernels::wrenches_of(model_, ws_, vdot_.data(), multipliers, true, wrenches_);
+    for (Load& load : loads_) {
+      if (std::ranges::find(slipping_, load.is.force, &Slipping::force) != slipping_.end()) continue;
+      const std::array<double, 3> change = transmitted(load, multipliers);
+      for (std::size_t k = 0; k < 3; ++k) load.force[k] = load.solved[k] + change[k];
+    }
   }
 
   // Room for multipliers.

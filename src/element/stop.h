@@ -97,10 +97,10 @@ struct Stop {
     const T force = T(beyond) * held(beyond, q, v);
     return (is_excess() ? force > T(0) : force < T(0)) ? beyond : 0;
   }
-  // Event indicators of the upper and the lower bound, zero where contact begins or ends, and their rates, NaN where
-  // unknown. Beyond a bound the stop pushes where stiffness depth + damping rate > 0, so that contact with a damped
-  // stop ends before the depth reaches zero.
-  void indicators(double q, double v, double* g, double* gdot) const {
+  bool needs_acceleration(double q) const { return damping > 0 && (q > upper || q < lower); }  // for rates below
+  // Event indicators of the upper and the lower bound, zero where contact begins or ends, and their rates; as a, NaN
+  // if unknown. A damped stop pushes where stiffness depth + damping rate > 0, which ends before the depth is zero.
+  void indicators(double q, double v, double a, double* g, double* gdot) const {
     const double time_constant = damping / stiffness;  // s
     for (const double side : {1.0, -1.0}) {
       const double depth = side * (q - (side > 0 ? upper : lower));
@@ -108,12 +108,12 @@ struct Stop {
       if (is_excess()) {
         const double over = damping * rate - stiffness * depth;
         *g++ = std::min(stiffness * depth, over);
-        *gdot++ = stiffness * depth <= over ? stiffness * rate : NAN;
+        *gdot++ = stiffness * depth <= over ? stiffness * rate : damping * side * a - stiffness * rate;
         continue;
       }
       const bool releasing = time_constant > 0 && rate < 0 && depth > 0;
       *g++ = releasing ? depth + time_constant * rate : depth;
-      *gdot++ = releasing ? NAN : rate;
+      *gdot++ = releasing ? rate + time_constant * side * a : rate;
     }
   }
   // For each indicator, the texts of the events at which it becomes negative and positive.

@@ -24,6 +24,7 @@ void EventModes::indicator_values(double t, const double* y, double* g, double* 
   const double* vdot = locks_.accelerations(t, y);
   dynamics_.set_position(y);
   dynamics_.set_velocity(y + nq_);
+  if (vdot != nullptr && forces_.needs_accelerations()) dynamics_.set_acceleration(vdot);
   locks_.indicators(vdot, g, gdot);
   if (others_ == nullptr) {
     forces_.loads().indicators(g + own_indicators());
@@ -43,7 +44,10 @@ double EventModes::mode_exit_time() const {
 }
 
 void EventModes::change_mode(double t, double* y) {
-  if (others_ == nullptr) return locks_.change(t, y);
+  if (others_ == nullptr) {
+    hold_mode(t, nullptr);  // stops and signs of loads follow from the state, at which others decide
+    return locks_.change(t, y);
+  }
   others_->change_mode(t, y);
 }
 

@@ -22,6 +22,9 @@ constexpr double reached_fraction = 1e-2;
 // What leaves a bound may be beyond it by rounding, and go further by this fraction of what counts as contact before it
 // meets the bound again.
 constexpr double leaving_fraction = 0.1;
+// Limits that depend on loads depend on how the holding forces are distributed, which depends on the limits.
+constexpr int most_distributions = 60;
+constexpr double distribution_tolerance = 1e-13;  // change of the forces, relative to the largest
 
 }  // namespace
 
@@ -75,7 +78,9 @@ int LockModes::touched_side(int lock) const {
 }
 
 const double* LockModes::accelerations(double t, const double* y) {
-  if (!any_at_rest_ && !any_friction_) return nullptr;
+  dynamics_.set_position(y);
+  dynamics_.set_velocity(y + nq_);
+  if (!any_at_rest_ && !any_friction_ && !forces_.needs_accelerations()) return nullptr;
   find_holding_forces(t, y);
   return vdot_.data();
 }
@@ -93,8 +98,21 @@ const std::vector<double>& LockModes::distribute_holding_forces() {
   for (int i = 0; i < count(); ++i) {
     if (rests(i)) locks.push_back(i);
   }
-  const VectorXd x = distributed_forces(forces_, locks, holding_bounds(forces_, locks, modes_.contacts));
-  for (Index i = 0; i < x.size(); ++i) holding_[static_cast<std::size_t>(locks[i])] = x[i];
+  double change = INFINITY;
+  for (int round = 0; round < most_distributions && change > distribution_tolerance; ++round) {
+    const VectorXd x = distributed_forces(forces_, locks, holding_bounds(forces_, locks, modes_.contacts));
+    double largest = 0;
+    change = 0;
+    for (Index i = 0; i < x.size(); ++i) {
+      double& holding = holding_[static_cast<std::size_t>(locks[i])];
+      change = std::max(change, std::abs(x[i] - holding));
+      largest = std::max(largest, std::abs(x[i]));
+      holding = x[i];
+    }
+    if (forces_.loads().empty()) break;
+    change = largest > 0 ? change / largest : 0;
+    forces_.distribute_loads(holding_);
+  }
   return holding_;
 }
 

@@ -213,7 +213,7 @@ void LockModes::decide_with_loads(State& next, const std::vector<int>& undecided
     doubtful_.clear();
     const State decided = next;
     set_state(next);
-    equations_.accelerations_at(t, y, vdot_.data());
+    find_holding_forces(t, y);
     const VectorXd now = limits();
     forces_.loads().freeze(true);
     set_state(before);

@@ -28,8 +28,7 @@ NEAREST = (
 )
 ALARM = 1e-3  # a warning is justified if the smallest pivot is a ten-thousandth of its value elsewhere
 TIGHTER = 0.1
-STEP = 2e-4  # rad, m
-SLOW = 60  # s of CPU time: three times what the slowest comparison takes here
+STEP, SLOW = 2e-4, 60  # rad, m; s of CPU time: three times what the slowest comparison takes here
 # Refusals at positions that need not be singular.
 DOCUMENTED = ("not all rotations of a joint with a quaternion are free", "moves without inertia")
 

@@ -44,8 +44,6 @@ def truth(name: str) -> tuple[Array, DriveTrain]:
 @pytest.mark.parametrize("integrator", INTEGRATORS)
 @pytest.mark.parametrize("name", CASES)
 def test_motions_agree_with_a_search_through_all_modes(name: str, integrator: str, tolerance: float) -> None:
-    if (name, integrator, tolerance) == ("Rotational.HeatLosses", "ida", 1e-8):
-        pytest.xfail("its step passes over a loss of contact of 1 ms: 5.8e-5 rad/s")
     case = CASES[name]()
     expected, _ = truth(name)
     found, _ = run(case, integrator, tolerance)
@@ -57,10 +55,8 @@ def test_motions_agree_with_a_search_through_all_modes(name: str, integrator: st
     )
 
 
-# Left out is Rotational.HeatLosses: its gear, clutch and brake hold redundantly, where the losses of the
-# gear are those of another distribution. They slip 8 us too late, at 1.035 and not at 1.031 N m.
 @pytest.mark.parametrize("integrator", INTEGRATORS)
-@pytest.mark.parametrize("name", [name for name in CASES if name != "Rotational.HeatLosses"])
+@pytest.mark.parametrize("name", CASES)
 def test_events_are_those_of_the_exact_solution(name: str, integrator: str) -> None:
     case = CASES[name]()
     _, train = truth(name)
