@@ -68,6 +68,7 @@ SHOTS: dict[str, dict[str, Shot]] = {
         "planetary_gear": Shot((0, 3.5), 0.3, camera=(-80, 50)),
         "gear_shift": Shot((0, 3), 0.3, camera=(-60, 25), inputs={"clutch2.friction.engagement": 0.5}),
         "worm_hoist": Shot((0, 2), 0.3, camera=(-60, 15)),
+        "backlash_drive": Shot((0, 2), 0.15, speed=0.5, camera=(-70, 50)),
         "differential": Shot((0, 7), 0.5, speed=1.5),
         "rolling_disc": Shot((0, 4.19), 0.6, trails=True),
         "mast_arm_disc": Shot((0, 6), 0.0, speed=1.5),

@@ -12,6 +12,7 @@ from mechanisms import GRAVITY, Array
 from models.car import BRAKES, CORNERS, car, mass, sliding_friction
 from models.disc import steady
 from models.whipple import linear_theory
+from scipy.integrate import solve_ivp
 
 import gelenk
 from gallery.entries import assert_stated, file, ran, source, vectors
@@ -75,6 +76,46 @@ def test_worm_hoist() -> None:
     assert (run["motor.w"][held] == 0).all()
     np.testing.assert_allclose(run["motor.friction.tau"][held], weight, rtol=1e-12)
     assert_stated("worm_hoist", 1e3 * lifted, "mm")
+
+
+def strikes_of_the_backlash_drive(stop: float) -> list[float]:
+    """Instants at which the table meets a flank, by integration from event to event."""
+    rotor, table, half, stiffness, damping = 0.01, 0.03, 0.12, 4.0, 0.08
+    strikes: list[float] = []
+    t, y, side = 0.0, np.array([0.6, 0.0, 0.6, 0.0]), 0  # phi and w of the rotor, of the table
+    while t < stop:
+        inertia = rotor if side == 0 else rotor + table
+
+        def rates(_t: float, y: Array, inertia: float = inertia, side: int = side) -> list[float]:
+            a = -(stiffness * y[0] + damping * y[1]) / inertia
+            return [y[1], a, y[3], a if side else 0.0]
+
+        def ends(now: float, y: Array, side: int = side, start: float = t) -> float:
+            # In contact, the flank would have to pull; else, the play is used up, but not where it begins.
+            if side:
+                return side * rates(0, y)[1]
+            return half - abs(y[2] - y[0]) if now > start + 1e-6 else 1.0
+
+        ends.terminal = True  # type: ignore[attr-defined]
+        found = solve_ivp(rates, (t, stop), y, "DOP853", events=ends, rtol=1e-12, atol=1e-13, first_step=1e-4)
+        t, y = found.t[-1], found.y[:, -1]
+        if found.status == 0:
+            break
+        side = 0 if side else int(np.sign(y[2] - y[0]))
+        if side:
+            strikes.append(t)
+            y[1] = y[3] = (rotor * y[1] + table * y[3]) / (rotor + table)
+    return strikes
+
+
+def test_backlash_drive() -> None:
+    """The table strikes when an independent integration says so."""
+    strikes = strikes_of_the_backlash_drive(2.0)
+    run = ran("backlash_drive")
+    found = [t for t, text in run.events if "meets" in text]
+    np.testing.assert_allclose(found, strikes, atol=1e-7)  # ten tolerances
+    assert len(strikes) == 5
+    assert_stated("backlash_drive", strikes[-1], "s")
 
 
 def test_differential() -> None:
