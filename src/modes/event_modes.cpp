@@ -24,7 +24,6 @@ void EventModes::indicator_values(double t, const double* y, double* g, double* 
   const double* vdot = locks_.accelerations(t, y);
   dynamics_.set_position(y);
   dynamics_.set_velocity(y + nq_);
-  if (vdot != nullptr && forces_.needs_accelerations()) dynamics_.set_acceleration(vdot);
   locks_.indicators(vdot, g, gdot);
   if (others_ == nullptr) {
     forces_.loads().indicators(g + own_indicators());

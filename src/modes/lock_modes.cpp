@@ -80,8 +80,10 @@ int LockModes::touched_side(int lock) const {
 const double* LockModes::accelerations(double t, const double* y) {
   dynamics_.set_position(y);
   dynamics_.set_velocity(y + nq_);
-  if (!any_at_rest_ && !any_friction_ && !forces_.needs_accelerations()) return nullptr;
+  const bool needs_all = forces_.needs_accelerations();
+  if (!any_at_rest_ && !any_friction_ && !needs_all) return nullptr;
   find_holding_forces(t, y);
+  if (needs_all) dynamics_.set_acceleration(vdot_.data());  // of cut joints, too
   return vdot_.data();
 }
 
