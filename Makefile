@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # make demo     build into .venv, export a four-bar, simulate its FMU, plot the results
 # make test     check formatting, run the linters and all tests
-# make tidy     compile everything with warnings as errors and clang-tidy (half an hour; CI does so, too)
+# make tidy     run clang-tidy on everything (a quarter of an hour; CI does so, too); FILES=src/touch: on these files only
 # make lint     the checks of make test and make tidy, without running any tests
 # make format   format all code
 # make pytest   run the tests only; one file: make pytest TESTS=tests/test_layout.py
@@ -20,7 +20,7 @@
 # make thrown   simulate 3000 random scenes of thrown bodies with contacts at located events; COUNT=... other numbers
 # make masters  run the shipped scenes in third-party masters and VDMCheck: table of docs/fmu.md; needs Maven, Java and cargo
 # make sanitize run the FMU under AddressSanitizer, UBSan, ThreadSanitizer and Valgrind
-# make smoke    fuzz for one minute, if clang is installed, and run the native unit tests under sanitizers
+# make units    run the native unit tests under AddressSanitizer and UBSan; CI does so, too
 # make fuzz     fuzz the readers of scenes and saved states with libFuzzer, SECONDS_EACH=600; needs clang
 # make states   regenerate the fuzzers' seeds of FMU states, after the contents of a state have changed
 # make runtimes  build the FMU runtimes for other platforms with Zig, and install them as gelenk-runtimes; needs cargo; QUICK=1: not optimized; COMPARE=1: only linux64, to compare compilers
@@ -48,7 +48,7 @@ NATIVE  := $(shell find src modelDescription fmu python/bindings \( -name '*.cpp
 PACKAGE := $(shell find python/gelenk scenes -type f -not -path '*/__pycache__/*' 2>/dev/null)
 BUILD   := pyproject.toml CMakeLists.txt $(wildcard cmake/*) LICENSE $(wildcard licenses/*.txt licenses/*/*.txt)
 
-.PHONY: help demo test lint style tidy format pytest reductions charts accuracy nonsmooth gallery tutorial real-time growth bench costs clocks studies special thrown masters sanitize smoke fuzz states runtimes wheels platforms clean
+.PHONY: help demo test lint style tidy format pytest reductions charts accuracy nonsmooth gallery tutorial real-time growth bench costs clocks studies special thrown masters sanitize units fuzz states runtimes wheels platforms clean
 help:
 	@sed -n '2,29s/^# //p' Makefile
 
@@ -73,12 +73,13 @@ style: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 	$(BIN)/ruff check
 	$(BIN)/mypy
 
-# Compiles everything with warnings as errors and clang-tidy, and builds the FMUs of scenes/ like a C++ project.
+# clang-tidy on all files, or on those whose path matches FILES; nothing is compiled. It does not know -fno-gnu-unique.
+FILES ?= (src|modelDescription|fmu|python/bindings)/
 tidy: $(VENV)/tools.stamp
-	@echo "Compiling with warnings as errors and clang-tidy (half an hour the first time)"
+	@echo "Running clang-tidy (a quarter of an hour)"
 	PATH="$(abspath $(BIN)):$$PATH" cmake --preset ci -DPython_EXECUTABLE=$(abspath $(BIN))/python
-	PATH="$(abspath $(BIN)):$$PATH" cmake --build --preset ci -j $(JOBS)
-	PATH="$(abspath $(BIN)):$$PATH" bash tests/cmake_user/run.sh build/ci build/cmake_user
+	$(BIN)/python $(BIN)/run-clang-tidy.py -clang-tidy-binary $(abspath $(BIN))/clang-tidy -p build/ci -j $(JOBS) -quiet \
+	  -removed-arg=-fno-gnu-unique -extra-arg=-Wno-unknown-warning-option -extra-arg=-Wno-ignored-optimization-argument '^$(CURDIR)/$(FILES)'
 
 reductions: $(VENV)/gelenk.stamp
 	$(BIN)/python benchmarks/reductions.py
@@ -165,18 +166,18 @@ sanitize: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 	PYTHONPATH=tests $(BIN)/python -m fmu.sanitizers memcheck
 	PYTHONPATH=tests $(BIN)/python -m fmu.sanitizers helgrind
 
-# Part of continuous integration. The runtimes of the sanitizers are preloaded, since the interpreter has none.
+# The runtimes of the sanitizers are preloaded, since the interpreter has none.
 RUNTIMES = $(shell $(CXX) -print-file-name=libasan.so) $(shell $(CXX) -print-file-name=libubsan.so)
-smoke: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
-	@if command -v $(CLANGXX) >/dev/null; then $(MAKE) fuzz SECONDS_EACH=20; \
-	else echo "make smoke: fuzzing skipped: $(CLANGXX) was not found (CLANGXX=... selects another compiler)"; fi
+units: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 	@case "$(RUNTIMES)" in \
-	  /*\ /*) GELENK_SANITIZE=address LD_PRELOAD="$(RUNTIMES)" ASAN_OPTIONS=detect_leaks=0 PYTHONMALLOC=malloc \
+	  /*\ /*) echo "Running the native unit tests under sanitizers (some minutes)"; \
+	    GELENK_SANITIZE=address LD_PRELOAD="$(RUNTIMES)" ASAN_OPTIONS=detect_leaks=0 PYTHONMALLOC=malloc \
 	    $(BIN)/python -m pytest -q -s tests/native ;; \
-	  *) echo "make smoke: sanitizers skipped: $(CXX) has no libasan.so or no libubsan.so" ;; \
+	  *) echo "make units: skipped: $(CXX) has no libasan.so or no libubsan.so" ;; \
 	esac
 
-# New inputs are kept in build/fuzz/corpus, inputs that cause a failure in build/fuzz.
+# New inputs are kept in build/fuzz/corpus, inputs that cause a failure in build/fuzz. The build takes twenty minutes, so
+# continuous integration only reads the seeds, with the package as it is: tests/fuzz/test_corpus.py.
 SECONDS_EACH ?= 600
 CLANGXX ?= clang++
 fuzz: $(VENV)/tools.stamp

@@ -19,8 +19,7 @@ target_compile_options(gelenk_flags INTERFACE
   -Wall -Wextra -Wpedantic
   -ffp-contract=off  # fused multiply-add would make results depend on the compiler
   -ffunction-sections -fdata-sections
-  # Unique symbols would be shared by several FMUs in one process. clang-tidy does not know the flag.
-  $<$<AND:$<CXX_COMPILER_ID:GNU>,$<NOT:$<BOOL:${GELENK_TIDY}>>>:-fno-gnu-unique>
+  $<$<CXX_COMPILER_ID:GNU>:-fno-gnu-unique>  # unique symbols would be shared by several FMUs in one process
   # GCC 12 falsely warns of overlapping copies inside std::string (GCC bug 105651).
   $<$<AND:$<CXX_COMPILER_ID:GNU>,$<VERSION_LESS:$<CXX_COMPILER_VERSION>,13>>:-Wno-restrict>
   $<$<BOOL:${GELENK_WERROR}>:-Werror>)
@@ -67,18 +66,3 @@ if(GELENK_COVERAGE)
   target_compile_options(gelenk_flags INTERFACE --coverage -fprofile-update=atomic)
   target_link_options(gelenk_flags INTERFACE --coverage)
 endif()
-
-# clang-tidy runs with the compiler, so that only changed files are checked again; for targets of Gelenk only.
-function(gelenk_tidy)
-  if(NOT GELENK_TIDY)
-    return()
-  endif()
-  cmake_path(GET Python_EXECUTABLE PARENT_PATH scripts)
-  find_program(GELENK_CLANG_TIDY clang-tidy HINTS ${scripts} REQUIRED)
-  foreach(target IN LISTS ARGN)
-    if(TARGET ${target})
-      set_target_properties(${target} PROPERTIES CXX_CLANG_TIDY
-        "${GELENK_CLANG_TIDY};--quiet;--extra-arg=-Wno-unknown-warning-option;--extra-arg=-Wno-ignored-optimization-argument")
-    endif()
-  endforeach()
-endfunction()

@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 
 HERE = Path(__file__).parent
-SANITIZE = os.environ.get("GELENK_SANITIZE", "OFF")  # set by `make smoke`; the CMake option of that name
+SANITIZE = os.environ.get("GELENK_SANITIZE", "OFF")  # set by `make units`; the CMake option of that name
 BUILD = HERE.parent.parent / "build" / ("native" if SANITIZE == "OFF" else f"native_{SANITIZE}")
 
 
