@@ -24,18 +24,38 @@ int ArticulatedFactor<A>::factorize(const std::vector<double>& added) {
   return -1;
 }
 
+// Takes velocity k of link i into account in the forces on that link.
+template <class A>
+inline void ArticulatedFactor<A>::carry_inwards(int i, int k, double* x) const {
+  const double left = x[k] - kernels::along<A>(model_.links[i].is_revolute_about_z, ws_.S[k], p_[i]);
+  p_[i] += (left * inverse_[k]) * U_[k];
+  x[k] = left * root_[k];
+}
+
 template <class A>
 void ArticulatedFactor<A>::solve_transposed(double* x) const {
   const int n = static_cast<int>(model_.links.size());
   for (int i = 1; i < n; ++i) p_[i] = {};
   for (int i = n - 1; i >= 1; --i) {
     const auto& link = model_.links[i];
-    for (int k = link.iv + link.nv - 1; k >= link.iv; --k) {
-      const double left = x[k] - kernels::along<A>(link.is_revolute_about_z, ws_.S[k], p_[i]);
-      p_[i] += (left * inverse_[k]) * U_[k];
-      x[k] = left * root_[k];
-    }
+    for (int k = link.iv + link.nv - 1; k >= link.iv; --k) carry_inwards(i, k, x);
     if (link.parent > 0) p_[link.parent] += ws_.X_PL[i].to_parent(p_[i]);
+  }
+}
+
+template <class A>
+void ArticulatedFactor<A>::solve_transposed(double* x, std::span<const int> nonzeros) const {
+  for (const int k : nonzeros) p_[link_of_[k]] = {};
+  for (auto k = nonzeros.rbegin(); k != nonzeros.rend();) {
+    const int i = link_of_[*k];
+    for (; k != nonzeros.rend() && link_of_[*k] == i; ++k) carry_inwards(i, *k, x);
+    Force p = p_[i];
+    int inner = i;
+    do {  // across links without velocities, which nonzeros do not name
+      p = ws_.X_PL[inner].to_parent(p);
+      inner = model_.links[inner].parent;
+    } while (inner > 0 && model_.links[inner].nv == 0);
+    if (inner > 0) p_[inner] += p;
   }
 }
 

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cmath>
+#include <span>
 #include <vector>
 
 #include "kinematics/kernels.h"
@@ -24,7 +25,12 @@ class ArticulatedFactor {
         U_(model.nv),
         root_(model.nv),
         inverse_(model.nv),
-        column_(model.nv) {}
+        column_(model.nv),
+        link_of_(model.nv) {
+    for (std::size_t i = 1; i < model.links.size(); ++i) {
+      for (int k = 0; k < model.links[i].nv; ++k) link_of_[model.links[i].iv + k] = static_cast<int>(i);
+    }
+  }
 
   // added: inertia added to the diagonal of M, by velocity. Returns -1, or the velocity at which M has no inertia.
   int factorize(const std::vector<double>& added);
@@ -32,7 +38,9 @@ class ArticulatedFactor {
   double pivot(int k) const { return 1 / inverse_[k]; }  // L_kk^2: the articulated inertia at k
 
   void solve_transposed(double* x) const;  // x <- L^-T x
-  void solve(double* x) const;             // x <- L^-1 x
+  // The same for a sparse x. nonzeros: its indices, ascending and with all velocities inwards of each.
+  void solve_transposed(double* x, std::span<const int> nonzeros) const;
+  void solve(double* x) const;  // x <- L^-1 x
   // The same for each column of x (nv x columns), stored row by row.
   void solve_transposed(double* x, int columns) const;
   void solve(double* x, int columns) const;
@@ -41,6 +49,7 @@ class ArticulatedFactor {
  private:
   template <class Solve>
   void by_columns(double* x, int columns, Solve solve) const;
+  void carry_inwards(int i, int k, double* x) const;
 
   using Force = typename A::Force;
   using Motion = typename A::Motion;
@@ -53,6 +62,7 @@ class ArticulatedFactor {
   std::vector<Force> U_;                // by velocity: G_ S, with all later velocities of the link free
   std::vector<double> root_, inverse_;  // 1 / sqrt(D) and 1 / D, with D = S . U
   mutable std::vector<double> column_;
+  std::vector<int> link_of_;  // by velocity
 };
 
 extern template class ArticulatedFactor<Planar>;

@@ -38,8 +38,9 @@ class Branching {
   // differentiate(); `sides` is read at each evaluation. null: they are in the modes of the state, and nothing is
   // locked.
   virtual void hold(const int* sides) = 0;
-  // Inputs of the scene at the last solve(), those that forces with modes have.
+  // Inputs of the scene at the last solve() or set_inputs(), those that forces with modes have.
   virtual const double* inputs() const = 0;
+  virtual void set_inputs(const double* u) = 0;
 
   // --- coordinates with friction or a limit, by lock: values have the user's signs ---
   struct Lock {

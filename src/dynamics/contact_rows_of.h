@@ -173,7 +173,6 @@ class ContactRowsOf final : public ContactRows {
     std::sort(whitened_columns_.begin() + pattern_begin, whitened_columns_.end());
     ++stamp_;
     const auto nonzeros = std::span<const int>(whitened_columns_).subspan(static_cast<std::size_t>(pattern_begin));
-    if (!M_.uses_pattern()) std::ranges::fill(work_, 0.0);
     for (const int k : nonzeros) work_[k] = 0;
     for (int k = begin; k < end; ++k) work_[columns_[k]] += values_[k];
     M_.solve_transposed(work_.data(), nonzeros);

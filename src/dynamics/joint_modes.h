@@ -56,7 +56,7 @@ class JointModes final : public Branching {
   }
   LockedCoordinates<A>& locked() { return locks_; }
   // Keeps the inputs on which modes depend. u: all inputs of the scene.
-  void set_inputs(const double* u) {
+  void set_inputs(const double* u) override {
     for (const int input : input_numbers_) inputs_[static_cast<std::size_t>(input)] = u[input];
   }
   ContactRowsOf<A>& contact_rows() override { return contact_rows_; }

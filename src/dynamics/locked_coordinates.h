@@ -44,7 +44,13 @@ class LockedCoordinates {
         gap_(rows_.size()),
         w_(static_cast<std::size_t>(nv)),
         column_(static_cast<std::size_t>(nv)),
-        factor_(nv, static_cast<int>(rows_.size())) {}
+        factor_(nv, static_cast<int>(rows_.size())) {
+    for (const Row& row : rows_) {
+      std::vector<int> velocities;
+      for (const Term& term : row) velocities.push_back(term.v);
+      pattern_.push_back(M.inwards(velocities.data(), static_cast<int>(velocities.size())));
+    }
+  }
 
   int count() const { return static_cast<int>(rows_.size()); }
   const Row& row(int i) const { return rows_[static_cast<std::size_t>(i)]; }
@@ -147,7 +153,7 @@ class LockedCoordinates {
   void whiten(int i, double* out) const {
     std::fill(out, out + n_, 0.0);
     for (const Term& term : rows_[i]) out[term.v] += term.factor;
-    M_.solve_transposed(out);
+    M_.solve_transposed(out, pattern_[i]);
   }
   // Returns the size of that part; 0, as the part, if other constraints determine the coordinate.
   double permitted_part(const double* y, double* z) const {
@@ -175,6 +181,7 @@ class LockedCoordinates {
   int n_;
   double rank_threshold_;
   std::vector<Row> rows_;
+  std::vector<std::vector<int>> pattern_;  // by lock: the nonzeros of its whitened row, ascending
   std::vector<char> locked_;
   int locked_count_ = 0;
   bool is_current_ = false;

@@ -100,11 +100,10 @@ class MassFactor {
   void solve_transposed(double* x) const {  // x <- L^-T x: whitens a generalized force
     articulated_ ? articulated_->solve_transposed(x) : sparse_->solve_transposed(x);
   }
-  // The same for a sparse x, which is zero elsewhere unless uses_pattern(). nonzeros: its indices, as from inwards().
+  // The same for a sparse x. nonzeros: its indices, as from inwards().
   void solve_transposed(double* x, std::span<const int> nonzeros) const {
-    articulated_ ? articulated_->solve_transposed(x) : sparse_->solve_transposed(x, nonzeros);
+    articulated_ ? articulated_->solve_transposed(x, nonzeros) : sparse_->solve_transposed(x, nonzeros);
   }
-  bool uses_pattern() const { return !articulated_; }
   // The next velocity inwards of k in the pattern of L; -1 at the ground.
   int inward(int k) const { return parent_[static_cast<std::size_t>(k)]; }
   // These velocities and all their ancestors, ascending.

@@ -198,6 +198,12 @@ void Formulation::accelerations_at(double t, const double* y, double* vdot) {
   solve_at(t, y, vdot);
 }
 
+bool Formulation::bring_inputs(double t) {
+  drives_.go_to(t);
+  dynamics_.branching().set_inputs(drives_.u().data());
+  return drives_.inputs().moving();
+}
+
 // Does not use the factors of the projector: reading outputs must not change the run.
 void Formulation::solve_at(double t, const double* y, double* vdot) {
   dynamics_.set_position(y);

@@ -114,6 +114,7 @@ class Formulation : public Equations, private ModeEquations, private TouchedEqua
   void displace(double* q, const double* dv) const final { dynamics_.displace(q, dv); }
   std::string describe_dead_center();
   void mode_changed() override {}
+  bool bring_inputs(double t) final;
   void touch_changed() override {}
   void accelerations_at(double t, const double* y, double* vdot) final;
   void touched_accelerations(double t, const double* y, double* vdot) final { accelerations_at(t, y, vdot); }

@@ -23,6 +23,8 @@ class ModeEquations {
   virtual void accelerations_at(double t, const double* y, double* vdot) = 0;
   // Called when a remembered mode has changed.
   virtual void mode_changed() = 0;
+  // Brings the inputs of `dynamics` to t; returns whether they change from there on.
+  virtual bool bring_inputs(double t) = 0;
 
  protected:
   ~ModeEquations() = default;
@@ -107,6 +109,7 @@ class LockModes {
   bool is_slow(int lock, const double* v) const;
   int touched_side(int lock) const;
   void find_holding_forces(double t, const double* y);
+  bool any_can_stick(double t) const;
   bool exceed(const std::vector<double>& holding) const;
   int on_boundary(double t, const double* y);
   int limit_indicator(int lock, int side) const { return 2 * forces_.lock(lock).limit + (side > 0 ? 0 : 1); }

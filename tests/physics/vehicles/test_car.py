@@ -263,3 +263,42 @@ def test_the_energy_of_a_coasting_car_is_lost_in_slip_dampers_and_air() -> None:
     found = energies[0] - np.array(energies)[2::2]
     assert found[-1] > 1000
     np.testing.assert_allclose(found, lost, atol=1e-5 * found[-1])
+
+
+# --- cost ---
+
+
+def evaluations(brakes: dict[str, float], rate: float = 0.0) -> float:
+    """Return those of 100 steps of rk4; rate: of the first brake's engagement [1/s]."""
+    scene = car() | {"solver": {"integrator": "rk4", "step": 1e-3}}
+    plant = gelenk.Simulation(gelenk.load(scene))
+    for brake, engagement in brakes.items():
+        plant.set_input(brake, engagement)
+    plant.initialize()
+    before = plant.diagnostic("solver.evaluations")
+    if rate:
+        plant.set_input_derivative(BRAKES[0], 1, rate)
+    plant.step_to(0.1)
+    return plant.diagnostic("solver.evaluations") - before
+
+
+def test_open_brakes_cost_nothing() -> None:
+    """The rates of their wheels' speeds at both ends of a step are not evaluated, as those of other brakes are."""
+    assert evaluations(dict.fromkeys(BRAKES, 0.0)) == 400
+    assert evaluations({BRAKES[2]: 0.01}) >= 600
+    assert evaluations({}, rate=0.01) >= 600  # a brake that begins to close in the step
+
+
+@pytest.mark.parametrize("integrator", ["auto", "rk4", "cvode-adams"])
+def test_a_brake_that_closes_from_zero_stops_its_wheel(integrator: str) -> None:
+    """Its reversal is found, although rates were not evaluated while it was open."""
+    hub, brake = "hub_fl", BRAKES[0]
+    solver = {"integrator": integrator} | ({"step": 1e-3} if integrator == "rk4" else {})
+    plant = gelenk.Simulation(gelenk.load(car(5.0) | {"solver": solver}))
+    plant.initialize()
+    plant.step_to(0.1)
+    assert plant.output(f"{hub}.w") == pytest.approx(5.0 / HEIGHT, rel=0.05)
+    plant.set_input_derivative(brake, 1, 5.0)
+    plant.step_to(0.3)
+    assert plant.output(f"{hub}.w") == 0
+    assert plant.output(f"{hub}.phi") > 0
