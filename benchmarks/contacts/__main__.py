@@ -23,6 +23,7 @@ from gelenk.chart.tables import rows
 
 MAKER = "benchmarks/contacts"
 STEPS = (1e-2, 1e-3, 1e-4, 1e-5)  # s
+TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10)  # of located events
 ROUNDS = 3  # of runs that take less than a second; the fastest counts
 LONGEST = 15.0  # s of CPU time, expected of a run
 EXACT = 1e-9  # m, rad; smaller errors are those of rounding and of the cone solver
@@ -34,7 +35,7 @@ class Run:
 
     problem: str
     series: str
-    step: float  # s
+    step: float  # s; of located events: the tolerance
     error: float = math.nan  # largest at the reference times [m, rad]
     cpu: float = math.nan  # s per simulated second
     reason: str = ""
@@ -45,13 +46,15 @@ class Run:
         return 1e6 * self.cpu * self.step
 
 
-def runs_of(problem: Problem, steps: tuple[float, ...]) -> Iterator[Run]:
+def runs_of(problem: Problem, count: int) -> Iterator[Run]:
+    """Run all series with their first `count` steps or tolerances."""
     for series, (package, runner) in engines.SERIES.items():
         if importlib.util.find_spec(package) is None:
             continue
         least = 0.0
-        for n, h in enumerate(steps):
-            if n > 0 and least * steps[n - 1] / h > LONGEST:
+        settings = (TOLERANCES if series == engines.EVENTS else STEPS)[:count]
+        for n, h in enumerate(settings):
+            if n > 0 and series != engines.EVENTS and least * settings[n - 1] / h > LONGEST:
                 break
             try:
                 poses, least = runner(problem, h)
@@ -68,7 +71,7 @@ def runs_of(problem: Problem, steps: tuple[float, ...]) -> Iterator[Run]:
 
 def order(found: list[Run]) -> str:
     """Return the order that a straight line through the errors has."""
-    shown = [run for run in found if run.series == "Gelenk"]
+    shown = [run for run in found if run.series == "Gelenk, steps"]
     if max(run.error for run in shown) < EXACT:
         return "exact"
     slope = np.polyfit(np.log([run.step for run in shown]), np.log([run.error for run in shown]), 1)[0]
@@ -80,9 +83,9 @@ def table(chosen: list[Problem], found: list[Run]) -> str:
     for problem in chosen:
         mine = [run for run in found if run.problem == problem.name]
         at = [run for run in mine if abs(run.step - 1e-3) < 1e-9 and not run.reason]
-        own = next(run for run in at if run.series == "Gelenk")
+        own = next(run for run in at if run.series == "Gelenk, steps")
         cells = [problem.title, f"{own.error:.1e}", f"{own.per_step:.1f}", order(mine)]
-        others = [run for run in at if run is not own]
+        others = [run for run in at if run is not own and run.series != engines.EVENTS]
         if others:
             best = min(others, key=lambda run: run.error)
             cells += [best.series, f"{best.error:.1e}", f"{best.per_step:.1f}"]
@@ -95,12 +98,33 @@ def table(chosen: list[Problem], found: list[Run]) -> str:
     )  # fmt: skip
 
 
+def table_of_events(chosen: list[Problem], found: list[Run]) -> str:
+    lines = []
+    for problem in chosen:
+        mine = [run for run in found if run.problem == problem.name]
+        located = [run for run in mine if run.series == engines.EVENTS]
+        cells = [problem.title, *(run.reason or f"{run.error:.1e}" for run in located)]
+        cells.append(" / ".join(f"{1e3 * run.cpu:.1f}" for run in located))
+        others = [run for run in mine if not run.series.startswith("Gelenk") and not run.reason]
+        if others:
+            best = min(others, key=lambda run: run.error)
+            cells += [best.series, f"{best.error:.1e}", f"{1e3 * best.cpu:.1f}"]
+        else:
+            cells += ["", "", ""]
+        lines.append(cells)
+    heads = [f"error at {run.step:g} [m, rad]" for run in located]
+    return rows(
+        ["problem, located events", *heads, "ms per simulated second", "best of the others at any step",
+         "its error", "its ms per simulated second"], lines,
+    )  # fmt: skip
+
+
 def main() -> None:
     study = NonsmoothStudy("contact.md", quick_parser(__doc__).parse_args().quick)
     chosen = problems.problems()
     found: list[Run] = []
     for problem in chosen:
-        found += runs_of(problem, STEPS[:2] if study.quick else STEPS)
+        found += runs_of(problem, 2 if study.quick else len(STEPS))
         print(f"{problem.title}: {sum(run.problem == problem.name for run in found)} runs", flush=True)
     with (study.numbers / "contacts.csv").open("w", encoding="utf-8", newline="") as file:
         out = csv.DictWriter(file, [field.name for field in dataclasses.fields(Run)])
@@ -109,7 +133,7 @@ def main() -> None:
     picture = study.pictures / "contacts.png"
     draw.draw(chosen, found, picture)
     shown = f"![work against error of contacts](pictures/{picture.name})\n\n{table(chosen, found)}"
-    study.put(MAKER, {"contacts": shown})
+    study.put(MAKER, {"contacts": shown, "events": table_of_events(chosen, found)})
 
 
 if __name__ == "__main__":

@@ -13,7 +13,8 @@ from gelenk.chart.style import save
 from gelenk.extras import pyplot
 
 LOOKS: dict[str, dict[str, Any]] = {
-    "Gelenk": {"color": "black", "marker": "o", "linewidth": 2.4, "markersize": 6, "zorder": 5},
+    "Gelenk, steps": {"color": "black", "marker": "o", "linewidth": 2.4, "markersize": 6, "zorder": 5},
+    "Gelenk, events": {"color": "#009E73", "marker": "*", "linewidth": 2.4, "markersize": 9, "zorder": 6},
     "MuJoCo": {"color": "#B22222", "marker": "v", "linestyle": ":"},
     "MuJoCo, contacts of 2 steps": {"color": "#B22222", "marker": "v"},
     "MuJoCo, contacts of 10 steps": {"color": "#E08214", "marker": "v"},

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Gelenk, MuJoCo, Drake and EXUDYN on the problems, each with its own default and with tightened settings.
 
-All but Gelenk regularize contact: stiffness and the speed below which friction is viscous follow the step
-in the tightened settings. Each runner returns the poses at the times of the problem, shape (times, 7), and
-the CPU time.
+Gelenk has two schemes: steps with impulses, and located events, whose accuracy is a tolerance. All others
+regularize contact: stiffness and the speed below which friction is viscous follow the step in the tightened
+settings. Each runner is called with a step [s], or a tolerance; it returns the poses at the times of the
+problem, shape (times, 7), and the CPU time.
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ def damping_ratio(restitution: float) -> float:
     return float(brentq(lambda d: -math.pi * d / math.sqrt(1 - d * d) - e, 0.0, 0.99))
 
 
-def scene(problem: Problem, h: float) -> dict[str, Any]:
+def scene(problem: Problem, solver: dict[str, Any]) -> dict[str, Any]:
     """Return the problem as a scene of Gelenk."""
     p, Q = problem.start
     kind = {"sphere": problem.size[0]} if problem.is_ball else {"box": list(problem.size)}
@@ -66,7 +67,7 @@ def scene(problem: Problem, h: float) -> dict[str, Any]:
                 "restitution": problem.restitution,
             }
         },
-        "solver": {"integrator": "moreau-jean", "step": h},
+        "solver": solver,
     }
     if problem.force:
         push = {"type": "wrench", "body": "b", "position": list(problem.at), "force": [problem.force, 0, 0]}
@@ -74,10 +75,18 @@ def scene(problem: Problem, h: float) -> dict[str, Any]:
     return out
 
 
-def gelenk_run(problem: Problem, h: float) -> Found:
+def gelenk_steps(problem: Problem, h: float) -> Found:
+    return gelenk_run(problem, {"integrator": "moreau-jean", "step": h})
+
+
+def gelenk_events(problem: Problem, tolerance: float) -> Found:
+    return gelenk_run(problem, {"integrator": "erk", "tolerance": tolerance})
+
+
+def gelenk_run(problem: Problem, solver: dict[str, Any]) -> Found:
     import gelenk
 
-    plant = gelenk.Simulation(gelenk.load(scene(problem, h)))
+    plant = gelenk.Simulation(gelenk.load(scene(problem, solver)))
     plant.initialize()
     names = [f"J.r[{k}]" for k in (1, 2, 3)] + [f"J.Q[{k}]" for k in (1, 2, 3, 4)]
     found, begin = [], time.process_time()
@@ -277,9 +286,12 @@ def _with(run: Callable[..., Found], *settings: Any) -> Runner:
     return lambda problem, h: run(problem, h, *settings)
 
 
+#: The series whose settings are tolerances.
+EVENTS = "Gelenk, events"
 #: By series: the package, and its runner.
 SERIES: dict[str, tuple[str, Runner]] = {
-    "Gelenk": ("gelenk", gelenk_run),
+    "Gelenk, steps": ("gelenk", gelenk_steps),
+    EVENTS: ("gelenk", gelenk_events),
     "MuJoCo": ("mujoco", mujoco_run),
     "MuJoCo, contacts of 2 steps": ("mujoco", _with(mujoco_run, 2)),
     "MuJoCo, contacts of 10 steps": ("mujoco", _with(mujoco_run, 10)),

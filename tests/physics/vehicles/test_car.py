@@ -283,7 +283,7 @@ def evaluations(brakes: dict[str, float], rate: float = 0.0) -> float:
 
 
 def test_open_brakes_cost_nothing() -> None:
-    """The rates of their wheels' speeds at both ends of a step are not evaluated, as those of other brakes are."""
+    """At the ends of a step, the rates of wheels' speeds are evaluated only for brakes that can stop them."""
     assert evaluations(dict.fromkeys(BRAKES, 0.0)) == 400
     assert evaluations({BRAKES[2]: 0.01}) >= 600
     assert evaluations({}, rate=0.01) >= 600  # a brake that begins to close in the step
