@@ -45,7 +45,7 @@ BEST = {
 @pytest.mark.parametrize("name", PROBLEMS)
 def test_errors_are_smaller_than_those_of_other_engines(name: str) -> None:
     problem = PROBLEMS[name]
-    poses, _ = engines.gelenk_run(problem, 1e-3)
+    poses, _ = engines.gelenk_steps(problem, 1e-3)
     assert problem.error(poses) < BEST[name]
 
 
@@ -53,14 +53,14 @@ def test_errors_are_smaller_than_those_of_other_engines(name: str) -> None:
 def test_errors_are_at_least_of_first_order(name: str) -> None:
     """From 10 ms to 0.1 ms they decrease by 100, up to 10 for where in its step an event is."""
     problem = PROBLEMS[name]
-    coarse, fine = (problem.error(engines.gelenk_run(problem, h)[0]) for h in (1e-2, 1e-4))
+    coarse, fine = (problem.error(engines.gelenk_steps(problem, h)[0]) for h in (1e-2, 1e-4))
     assert coarse / fine > 9
 
 
 def test_runs_without_events_are_exact() -> None:
     """Up to the residual of the cone solver over 2000 steps, 4e-12 m."""
     for name in ("sticks", "slides", "upright"):
-        assert PROBLEMS[name].error(engines.gelenk_run(PROBLEMS[name], 1e-3)[0]) < 5e-11
+        assert PROBLEMS[name].error(engines.gelenk_steps(PROBLEMS[name], 1e-3)[0]) < 5e-11
 
 
 def test_what_is_shown_of_poses() -> None:
@@ -76,12 +76,27 @@ def test_what_is_shown_of_poses() -> None:
 
 def test_orders_and_the_table() -> None:
     steps = (1e-2, 1e-3, 1e-4)
-    own = [study.Run("sticks", "Gelenk", h, 3 * h**2, 2e-6 / h) for h in steps]
+    own = [study.Run("sticks", "Gelenk, steps", h, 3 * h**2, 2e-6 / h) for h in steps]
     others = [study.Run("sticks", "A", 1e-3, 0.1, 0.01), study.Run("sticks", "B", 1e-3, 0.01, 0.05)]
     assert study.order(own) == "2.0"
-    assert study.order([study.Run("sticks", "Gelenk", h, 1e-12, 1) for h in steps]) == "exact"
+    assert study.order([study.Run("sticks", "Gelenk, steps", h, 1e-12, 1) for h in steps]) == "exact"
     row = study.table([PROBLEMS["sticks"]], [*own, *others, study.Run("sticks", "C", 1e-3, reason="no")])
     assert row.splitlines()[-1].split(" | ")[1:] == ["3.0e-06", "2.0", "2.0", "B", "1.0e-02", "50.0 |"]
+
+
+@pytest.mark.parametrize("name", PROBLEMS)
+def test_errors_of_located_events_follow_the_tolerance(name: str) -> None:
+    problem = PROBLEMS[name]
+    for tolerance in (1e-6, 1e-8, 1e-10):
+        assert problem.error(engines.gelenk_events(problem, tolerance)[0]) < 100 * tolerance
+
+
+def test_the_table_of_events() -> None:
+    own = [study.Run("sticks", engines.EVENTS, t, t, 2e-3) for t in (1e-6, 1e-8)]
+    others = [study.Run("sticks", "A", 1e-3, 0.1, 0.01), study.Run("sticks", "B", 1e-2, 0.01, 0.05)]
+    lines = study.table_of_events([PROBLEMS["sticks"]], [*own, *others]).splitlines()
+    assert "error at 1e-08 [m, rad]" in lines[0]
+    assert lines[-1].split(" | ")[1:] == ["1.0e-06", "1.0e-08", "2.0 / 2.0", "B", "1.0e-02", "50.0 |"]
 
 
 def test_spheres_of_a_pile_begin_apart_and_inside() -> None:

@@ -80,14 +80,14 @@ def gelenk_steps(problem: Problem, h: float) -> Found:
 
 
 def gelenk_events(problem: Problem, tolerance: float) -> Found:
-    return gelenk_run(problem, {"integrator": "erk", "tolerance": tolerance})
+    return gelenk_run(problem, {"integrator": "erk"}, tolerance)
 
 
-def gelenk_run(problem: Problem, solver: dict[str, Any]) -> Found:
+def gelenk_run(problem: Problem, solver: dict[str, Any], tolerance: float = 1e-6) -> Found:
     import gelenk
 
     plant = gelenk.Simulation(gelenk.load(scene(problem, solver)))
-    plant.initialize()
+    plant.initialize(tolerance=tolerance)
     names = [f"J.r[{k}]" for k in (1, 2, 3)] + [f"J.Q[{k}]" for k in (1, 2, 3, 4)]
     found, begin = [], time.process_time()
     for t in problem.times:

@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <span>
 #include <vector>
 
 #include "dynamics/contact_rows.h"
@@ -38,9 +39,8 @@ class Branching {
   // differentiate(); `sides` is read at each evaluation. null: they are in the modes of the state, and nothing is
   // locked.
   virtual void hold(const int* sides) = 0;
-  // Inputs of the scene at the last solve() or set_inputs(), those that forces with modes have.
-  virtual const double* inputs() const = 0;
-  virtual void set_inputs(const double* u) = 0;
+  // Inputs of the scene, at least up to the last one that a force with modes has; solve() sets those that they have.
+  virtual std::span<double> inputs() = 0;
 
   // --- coordinates with friction or a limit, by lock: values have the user's signs ---
   struct Lock {
@@ -84,6 +84,17 @@ class Branching {
   // Changes v by the least amount in the mass metric that stops the locked coordinates.
   virtual void stop(double* v) = 0;
 };
+
+// Whether something that slips may come to rest with the present inputs, so that the rate of its speed matters. Open
+// brakes and clutches have no friction, and accelerations cost an evaluation.
+inline bool any_can_stick(Branching& branching) {
+  if (!branching.loads().empty()) return true;
+  for (int i = 0; i < branching.locks(); ++i) {
+    const Branching::Lock lock = branching.lock(i);
+    if (lock.one_way || lock.sticking_limit.largest() > 0 || lock.slipping_limit.largest() > 0) return true;
+  }
+  return false;
+}
 
 // The forces of friction and limits at rest, by force with modes, from the holding forces x (T), by lock: a limit
 // pushes, and what pulls is friction. sides: the held modes.

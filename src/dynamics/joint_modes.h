@@ -56,7 +56,7 @@ class JointModes final : public Branching {
   }
   LockedCoordinates<A>& locked() { return locks_; }
   // Keeps the inputs on which modes depend. u: all inputs of the scene.
-  void set_inputs(const double* u) override {
+  void set_inputs(const double* u) {
     for (const int input : input_numbers_) inputs_[static_cast<std::size_t>(input)] = u[input];
   }
   ContactRowsOf<A>& contact_rows() override { return contact_rows_; }
@@ -145,7 +145,7 @@ class JointModes final : public Branching {
     Lock out = found_[lock];
     visit(out.friction, [&](const auto& force) {
       if constexpr (Sticks<std::decay_t<decltype(force.element)>>) {
-        const double* u = inputs() + force.input;
+        const double* u = inputs_.data() + force.input;
         out.sticking_limit = limit_at_rest(force, out.friction);
         out.slipping_limit =
             loaded_.limit(out.friction, force.element.slipping_limit(u), force.element.slipping_load_factor(u));
@@ -211,7 +211,7 @@ class JointModes final : public Branching {
     each([&](const auto& force, const double* q, const double* v) {
       if constexpr (Sticks<std::decay_t<decltype(force.element)>>) {
         const int side = held_ == nullptr ? force.side(q, v) : held_[index];
-        const double factor = force.element.load_factor(side, force.sign * v[force.v], inputs() + force.input);
+        const double factor = force.element.load_factor(side, force.sign * v[force.v], inputs_.data() + force.input);
         if (loaded_.set_factor(index, factor) && (side == 1 || side == -1)) slipping_.push_back({index, side});
       }
       ++index;
@@ -264,12 +264,12 @@ class JointModes final : public Branching {
     for (Eigen::Index k = 0; k < w.size(); ++k) v[k] += w[k];
   }
 
-  const double* inputs() const override { return inputs_.data(); }
+  std::span<double> inputs() override { return inputs_; }
   bool is_redundant() const override { return locks_.rank() < locks_.locked_count(); }
 
   template <class Force>
   DirectedLimit limit_at_rest(const Force& force, int index) const {
-    const double* u = inputs() + force.input;
+    const double* u = inputs_.data() + force.input;
     return loaded_.limit(index, force.element.sticking_limit(u), force.element.sticking_load_factor(u));
   }
 

@@ -200,7 +200,8 @@ void Formulation::accelerations_at(double t, const double* y, double* vdot) {
 
 bool Formulation::bring_inputs(double t) {
   drives_.go_to(t);
-  dynamics_.branching().set_inputs(drives_.u().data());
+  const std::span<double> inputs = dynamics_.branching().inputs();
+  std::copy_n(drives_.u().begin(), std::min(drives_.u().size(), inputs.size()), inputs.begin());
   return drives_.inputs().moving();
 }
 

@@ -62,7 +62,8 @@ void EventModes::record_outputs() {
   recorded_sides_ = sides_;
   recorded_holding_ = locks_.distribute_holding_forces();
   share_holding_forces(forces_, sides_.data(), recorded_holding_.data(), holding_.data());
-  dynamics_.readings().branching_forces(forces_.inputs(), sides_.data(), holding_.data(), recorded_forces_.data());
+  dynamics_.readings().branching_forces(forces_.inputs().data(), sides_.data(), holding_.data(),
+                                        recorded_forces_.data());
 }
 
 void EventModes::remembered_mode(bool* positive) const {

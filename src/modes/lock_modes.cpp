@@ -81,26 +81,11 @@ const double* LockModes::accelerations(double t, const double* y) {
   dynamics_.set_position(y);
   dynamics_.set_velocity(y + nq_);
   const bool needs_all = forces_.needs_accelerations();
-  if (!any_at_rest_ && !needs_all && !any_can_stick(t)) return nullptr;
+  const bool may_stop = any_friction_ && (equations_.bring_inputs(t) || any_can_stick(forces_));
+  if (!any_at_rest_ && !needs_all && !may_stop) return nullptr;
   find_holding_forces(t, y);
   if (needs_all) dynamics_.set_acceleration(vdot_.data());  // of cut joints, too
   return vdot_.data();
-}
-
-// Whether something that slips may come to rest after t, so that the rate of its speed matters. A brake or a clutch
-// that is open and not about to close has no friction; most of those of a vehicle are, and accelerations cost an
-// evaluation.
-bool LockModes::any_can_stick(double t) const {
-  if (!any_friction_) return false;
-  if (equations_.bring_inputs(t) || !forces_.loads().empty()) return true;
-  for (int i = 0; i < count(); ++i) {
-    const Branching::Lock lock = forces_.lock(i);
-    if (lock.one_way) return true;
-    for (const DirectedLimit& limit : {lock.sticking_limit, lock.slipping_limit}) {
-      if (limit.positive > 0 || limit.negative > 0) return true;
-    }
-  }
-  return false;
 }
 
 // Brings the holding forces to (t, y).

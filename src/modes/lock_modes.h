@@ -109,7 +109,6 @@ class LockModes {
   bool is_slow(int lock, const double* v) const;
   int touched_side(int lock) const;
   void find_holding_forces(double t, const double* y);
-  bool any_can_stick(double t) const;
   bool exceed(const std::vector<double>& holding) const;
   int on_boundary(double t, const double* y);
   int limit_indicator(int lock, int side) const { return 2 * forces_.lock(lock).limit + (side > 0 ? 0 : 1); }
