@@ -1,0 +1,32 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The FMU of a vehicle is ten times faster than real time; `make clocks` measures it."""
+
+from __future__ import annotations
+
+import resource
+import subprocess
+from pathlib import Path
+
+import pytest
+from models.car import FILE
+
+import gelenk
+
+from .c_hosts import compiled, extracted
+
+SECONDS = 3  # of driving: the front wheels meet the bump at 0.45 s
+
+
+@pytest.mark.clock
+def test_a_car_drives_ten_times_faster_than_real_time(root: Path, tmp_path: Path) -> None:
+    """In steps of 1 ms with a torque of the engine that changes in each, over a bump, all outputs read."""
+    host = compiled("real_time_host", tmp_path, where=root / "benchmarks")
+    if host is None:
+        pytest.skip("no C compiler")
+    solver = {"solver.integrator": "rk4", "solver.step": 1e-3, "solver.corrections": 2}
+    fmu = gelenk.export_fmu(gelenk.load(FILE).with_parameters(solver), tmp_path / "Car.fmu")
+    arguments = extracted(fmu, tmp_path / "car")
+    before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+    subprocess.run([str(host), *arguments, str(1000 * SECONDS)], check=True, capture_output=True)
+    taken = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
+    assert taken <= SECONDS / 10
