@@ -172,7 +172,7 @@ units: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 	@case "$(RUNTIMES)" in \
 	  /*\ /*) echo "Running the native unit tests under sanitizers (some minutes)"; \
 	    GELENK_SANITIZE=address LD_PRELOAD="$(RUNTIMES)" ASAN_OPTIONS=detect_leaks=0 PYTHONMALLOC=malloc \
-	    $(BIN)/python -m pytest -q -s tests/native ;; \
+	    $(BIN)/python -m pytest -q -n $(JOBS) tests/native ;; \
 	  *) echo "make units: skipped: $(CXX) has no libasan.so or no libubsan.so" ;; \
 	esac
 
