@@ -23,7 +23,11 @@ def test_a_car_drives_ten_times_faster_than_real_time(root: Path, tmp_path: Path
     host = compiled("real_time_host", tmp_path, where=root / "benchmarks")
     if host is None:
         pytest.skip("no C compiler")
-    solver = {"solver.integrator": "rk4", "solver.step": 1e-3, "solver.corrections": 2}
+    solver: dict[str, float | int | bool | str] = {
+        "solver.integrator": "rk4",
+        "solver.step": 1e-3,
+        "solver.corrections": 2,
+    }
     fmu = gelenk.export_fmu(gelenk.load(FILE).with_parameters(solver), tmp_path / "Car.fmu")
     arguments = extracted(fmu, tmp_path / "car")
     before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime

@@ -164,10 +164,19 @@ class Life:
     stop: float
     steps: int
 
-    def differences(self, plant: Plant, machine: Machine, hosts: Path, wine: Path, folder: Path) -> float:
+    def differences(
+        self,
+        plant: Plant,
+        machine: Machine,
+        hosts: Path,
+        wine: Path,
+        folder: Path,
+        compared: Sequence[bool] | None = None,
+    ) -> float:
         """Of a run there from one here, and of states that change machines from the run that they left.
 
-        The largest one, relative to the largest value of the output, or 1; hosts, wine: folders for these.
+        The largest one, relative to the largest value of the output, or 1. hosts, wine: folders for these.
+        compared: whether, by output; None: all of them.
         """
         settings = [str(self.tolerance), repr(self.stop / self.steps), str(self.steps), str(self.steps // 2)]
         files = {HERE_ITSELF: folder / "here", machine: folder / "there"}
@@ -184,4 +193,5 @@ class Life:
         for where, other in ((HERE_ITSELF, machine), (machine, HERE_ITSELF)):
             rest = printed(where, "restore", where.path(files[other]))
             found.append(rest - runs[other][self.steps // 2 :])
-        return max(float((np.abs(rows) / scale).max()) for rows in found)
+        chosen = slice(None) if compared is None else np.array(compared)
+        return max(float((np.abs(rows) / scale)[:, chosen].max()) for rows in found)
