@@ -28,8 +28,8 @@ pytestmark = pytest.mark.platforms
 class Mechanism:
     """What runs.
 
-    pushed: the input that changes, otherwise the first; stop: if not that of the scene [s]; compared: pattern of
-    the outputs.
+    pushed: the input that changes, otherwise the first. stop: if not that of the scene [s]. compared: pattern
+    of the outputs.
     """
 
     scene: Callable[[], gelenk.Scene]
