@@ -51,8 +51,8 @@ def built(source: Callable[[], Scene], stop: float) -> Mechanism:
 BENNETT_STOP = 1.2
 
 
-# Wheels that roll freely are stiff: errors of their speeds of 20 times the tolerance change the forces of tires,
-# and with them accelerations, by 1e-3 of their size, on each machine: coordinates and speeds are compared.
+# Wheels that roll freely are stiff: errors of their speeds of 20 times the tolerance change the forces of
+# tires, and with them accelerations, by 1e-3 of their size, on each machine: the motion is compared.
 MOTION = r"\.(s|phi|v|w)(_\w)?$"
 MECHANISMS = {
     name: of_gallery(name) for name in sorted(path.parent.name for path in GALLERY.glob("*/scene.yaml"))
