@@ -11,7 +11,7 @@ import csv
 import dataclasses
 import importlib.util
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -78,6 +78,14 @@ def order(found: list[Run]) -> str:
     return f"{slope:.1f}"
 
 
+def cells_of_best(others: list[Run], cost: Callable[[Run], float]) -> list[str]:
+    """Return the series with the smallest error, its error and its cost; empty cells if there are no runs."""
+    if not others:
+        return ["", "", ""]
+    best = min(others, key=lambda run: run.error)
+    return [best.series, f"{best.error:.1e}", f"{cost(best):.1f}"]
+
+
 def table(chosen: list[Problem], found: list[Run]) -> str:
     lines = []
     for problem in chosen:
@@ -86,12 +94,7 @@ def table(chosen: list[Problem], found: list[Run]) -> str:
         own = next(run for run in at if run.series == "Gelenk, steps")
         cells = [problem.title, f"{own.error:.1e}", f"{own.per_step:.1f}", order(mine)]
         others = [run for run in at if run is not own and run.series != engines.EVENTS]
-        if others:
-            best = min(others, key=lambda run: run.error)
-            cells += [best.series, f"{best.error:.1e}", f"{best.per_step:.1f}"]
-        else:
-            cells += ["", "", ""]
-        lines.append(cells)
+        lines.append(cells + cells_of_best(others, lambda run: run.per_step))
     return rows(
         ["problem, steps of 1 ms", "error [m, rad]", "µs per step", "order", "best of the others",
          "its error", "its µs per step"], lines,
@@ -106,12 +109,7 @@ def table_of_events(chosen: list[Problem], found: list[Run]) -> str:
         cells = [problem.title, *(run.reason or f"{run.error:.1e}" for run in located)]
         cells.append(" / ".join(f"{1e3 * run.cpu:.1f}" for run in located))
         others = [run for run in mine if not run.series.startswith("Gelenk") and not run.reason]
-        if others:
-            best = min(others, key=lambda run: run.error)
-            cells += [best.series, f"{best.error:.1e}", f"{1e3 * best.cpu:.1f}"]
-        else:
-            cells += ["", "", ""]
-        lines.append(cells)
+        lines.append(cells + cells_of_best(others, lambda run: 1e3 * run.cpu))
     heads = [f"error at {run.step:g} [m, rad]" for run in located]
     return rows(
         ["problem, located events", *heads, "ms per simulated second", "best of the others at any step",

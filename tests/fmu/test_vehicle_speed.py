@@ -26,11 +26,8 @@ def test_a_car_drives_ten_times_faster_than_real_time(root: Path, tmp_path: Path
     host = compiled("real_time_host", tmp_path, where=root / "benchmarks")
     if host is None:
         pytest.skip("no C compiler")
-    solver: dict[str, float | int | bool | str] = {
-        "solver.integrator": "rk4",
-        "solver.step": 1e-3,
-    }
-    fmu = gelenk.export_fmu(gelenk.load(FILE).with_parameters(solver), tmp_path / "Car.fmu")
+    car = gelenk.load(FILE).with_parameters({"solver.integrator": "rk4", "solver.step": 1e-3})
+    fmu = gelenk.export_fmu(car, tmp_path / "Car.fmu")
     *arguments, _ = extracted(fmu, tmp_path / "car")
     arguments.append("8")
     taken = []
