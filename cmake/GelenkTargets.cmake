@@ -17,19 +17,19 @@ list(FILTER small INCLUDE REGEX
   "/(util|field|shape|element|event|scene|check|scene_file|scene_schema|assembly|preparation|modelDescription|runtime|export|mechanism)/[^/]*$|/derivatives/(residual_evaluator|residual_kernels)\\.cpp$")
 set(once
   formulation/branch_acceleration formulation/contact_motion formulation/independent formulation/penalty formulation/registry
-  integrator/contact_scheme integrator/registry
+  integrator/automatic integrator/contact_scheme integrator/registry integrator/starter
   cone/registry
   derivatives/forward_ad
   analysis/equilibrium analysis/independent_columns analysis/rest_forces analysis/rest_pose analysis/singular_start
   analysis/mobility
   kinematics/loads kinematics/model
   contact/contact_state contact/recorded_problem
-  dynamics/distributed_forces touch/spot_features touch/spots
+  dynamics/distributed_forces touch/spot_features
   modes/joint_locks modes/mode_changes
   linear/box_complementarity linear/least_load linear/singular_values
   outputs/outputs_dual outputs/port_readings
   inspection/inspection
-  touch/contact_impact touch/slow_motions touch/touch_changes touch/touch_decision touch/touch_modes touch/touch_outputs touch/touch_solution
+  touch/contact_impact touch/slow_motions touch/touch_changes touch/touch_decision touch/touch_modes touch/touch_outputs
   simulation/assemblies simulation/assembled_start simulation/events simulation/parameters simulation/probe
   simulation/replay simulation/sensitivity simulation/set_up simulation/start_at_equilibrium
   simulation/state_derivatives)

@@ -59,6 +59,12 @@ void EventLog::serialize(Archive& archive) {
 
 void EventLog::add(const Event& event) {
   if (text(event).empty()) return;  // a change of a force within its contact
+  // Points of one contact that change together.
+  for (auto other = events_.rbegin(); other != events_.rend() && other->time == event.time; ++other) {
+    if (text(*other) != text(event)) continue;
+    other->is_ambiguous = other->is_ambiguous || event.is_ambiguous;
+    return;
+  }
   ++in_step_;
   last_ = event;
   if (events_.size() < events_.capacity()) events_.push_back(event);  // steps allocate no memory

@@ -37,6 +37,7 @@ class EventLog {
   // Begins a part of it, or all of it; undo_part() removes the events of that part.
   void begin_part();
   void undo_part();
+  // Does nothing if the same has been said of this time.
   void add(const Event& event);
   // Forgets the last events, beyond a number of all that was reached within this part.
   void forget_beyond(long count);

@@ -38,6 +38,12 @@ class EventSource {
   // Called after these, with the state at t from which the run continues: enters the mode that follows, and may change
   // the velocities.
   virtual void change_mode(double /*t*/, double* /*y*/) {}
+  // Relative motions slower than this have no direction of their own: they keep the one in which they began [natural
+  // units of speed]. The slower a motion is, the faster friction turns it, so that steps would amplify rounding at the
+  // beginning and the end of motions.
+  virtual void keep_directions_below(double /*speed*/) {}
+  // That speed for adaptive steps, where it counts as rest, and for fixed steps, whose errors are not controlled.
+  static constexpr double finest_slowness = 1e-9, fixed_step_slowness = 1e-6;
   // Why the run cannot continue (too many events in this communication step, or no mode that is possible); otherwise
   // empty.
   virtual std::string refusal() const { return {}; }

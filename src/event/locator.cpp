@@ -38,6 +38,7 @@ Locator::Locator(EventSource& source, int size) : source_(source), course_(sourc
 // end: of the step to come.
 void Locator::save_start(Stepping& method, double end) {
   std::copy_n(method.state(), start_y_.size(), start_y_.begin());
+  next_step_ = method.next_step();
   if (!course_.begin(method.time(), start_y_.data())) return;
   method.go_to(method.time(), start_y_.data());
   method.stop_at(end);
@@ -190,6 +191,8 @@ Step Locator::end_at_event(Stepping& method) {
   if (end_ - high_t_ <= rounding(end_)) high_t_ = end_;  // no method can make so short a step
   source_.change_mode(high_t_, high_y_.data());
   method.go_to(high_t_, high_y_.data());
+  // Steps to an event may be as short as rounding; they would have to grow from there.
+  method.lengthen_next_step(next_step_);
   stop_ = high_t_;
   return source_.refusal().empty() ? Step::made : Step::refused;
 }

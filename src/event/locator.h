@@ -23,6 +23,10 @@ class Stepping {
   virtual Step step_towards(double end) = 0;
   // Makes the next step begin at (t, y), where the equations may have changed.
   virtual void go_to(double t, const double* y) = 0;
+  // Length of the step that is tried next, if it can be chosen [s]; 0: not known.
+  virtual double next_step() const { return 0; }
+  // Makes the next step at least this long, as far as errors permit [s].
+  virtual void lengthen_next_step(double /*step*/) {}
   // Sets the time [s] at which steps stop.
   virtual void stop_at(double end) = 0;
 
@@ -68,6 +72,7 @@ class Locator {
   EventSource& source_;
   double end_ = 0;          // s: end of the step asked for
   double stop_ = 0;         // s: time at which the steps of the method stop
+  double next_step_ = 0;    // s: length of the step that the method would make
   double event_ahead_ = 0;  // s: approximate time of an event that several steps approach
   StepCourse course_;
   // The earliest known end of a step that lies beyond an event.

@@ -79,9 +79,7 @@ void ArkodeIntegrator::use(int stepper, double step) {
   Stepper& next = steppers_[stepper];
   if (memory_ == next.memory) return;
   memory_ = next.memory;
-  next.first_step = step;
-  next.last_step = 0;
-  ARKodeSetInitStep(memory_, step);
+  try_first(next, step);
   fresh_ = true;
 }
 
@@ -93,7 +91,22 @@ long ArkodeIntegrator::attempts() const {
 
 double ArkodeIntegrator::current_step() const { return current_step(memory_); }
 
-double ArkodeIntegrator::next_step(std::size_t stepper) const { return current_step(steppers_[stepper].memory); }
+double ArkodeIntegrator::step_after_stop(std::size_t stepper) const { return current_step(steppers_[stepper].memory); }
+
+double ArkodeIntegrator::step_to_try(std::size_t i) const {
+  const Stepper& stepper = steppers_[i];
+  return stepper.first_step.value_or(stepper.stopped ? step_after_stop(i) : current_step(stepper.memory));
+}
+
+void ArkodeIntegrator::lengthen_next_step(double step) {
+  if (step > next_step()) try_first(steppers_[in_use()], step);
+}
+
+void ArkodeIntegrator::try_first(Stepper& stepper, double step) {
+  stepper.first_step = step;
+  stepper.last_step = 0;
+  ARKodeSetInitStep(stepper.memory, step);
+}
 
 double ArkodeIntegrator::current_step(void* memory) {
   double step = 0;
@@ -107,7 +120,7 @@ void ArkodeIntegrator::serialize(Archive& archive) {
   archive.serialize(step_at_end_);
   for (std::size_t i = 0; i < steppers_.size(); ++i) {
     Stepper& stepper = steppers_[i];
-    double step = stepper.first_step.value_or(stepper.stopped ? next_step(i) : current_step(stepper.memory));
+    double step = step_to_try(i);
     if (!stepper.first_step) ARKodeGetLastStep(stepper.memory, &stepper.last_step);
     archive.serialize(step, stepper.last_step, stepper.used);
     stepper.first_step = step;

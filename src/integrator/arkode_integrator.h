@@ -30,7 +30,7 @@ class ArkodeIntegrator : public SundialsIntegrator {
   // Resets a stepper to (t_, y_) as if it had made no steps; its settings remain.
   virtual void reinitialize(void* memory) = 0;
   // s: the step that a stepper will try after it has reached its stop time.
-  virtual double next_step(std::size_t stepper) const;
+  virtual double step_after_stop(std::size_t stepper) const;
   // Called before the steps to `end`; t_ is their start.
   virtual void choose_stepper(double /*end*/) {}
   // Called before each of these steps.
@@ -49,6 +49,8 @@ class ArkodeIntegrator : public SundialsIntegrator {
   static double current_step(void* memory);
   Step make_step(double end) final;
   double reached() const final;
+  double next_step() const final { return step_to_try(in_use()); }
+  void lengthen_next_step(double step) final;
   Counts count() final;
   static int project(sunrealtype t, N_Vector y, void* self);
 
@@ -60,6 +62,8 @@ class ArkodeIntegrator : public SundialsIntegrator {
     double last_step = 0;              // s: the step before that; 0: not relevant
     double growth = 1;                 // limit on the ratio of the next step to the last one
   };
+  double step_to_try(std::size_t stepper) const;  // s
+  static void try_first(Stepper& stepper, double step);
   std::size_t in_use() const { return std::ranges::find(steppers_, memory_, &Stepper::memory) - steppers_.begin(); }
 
   std::vector<Stepper> steppers_;

@@ -10,6 +10,7 @@
 
 #include "formulation/fastest_rate.h"
 #include "integrator/integrator.h"
+#include "integrator/starter.h"
 
 namespace gelenk {
 namespace {
@@ -192,7 +193,11 @@ class Automatic final : public Integrator {
   }
 
   void make_implicit() {
-    if (!methods_[implicit_method]) methods_[implicit_method] = make_cvode(counter_, options_);
+    if (methods_[implicit_method]) return;
+    std::unique_ptr<Integrator>& method = methods_[implicit_method];
+    method = make_cvode(counter_, options_);
+    // It cannot take back steps that go beyond events without losing its history.
+    if (counter_.modes().indicators() > 0) method = with_starter(std::move(method), counter_, options_);
   }
 
   void change_to(int method) {

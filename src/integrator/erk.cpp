@@ -108,7 +108,7 @@ class Erk final : public ArkodeIntegrator {
 
   void reinitialize(void* memory) override { ERKStepReInit(memory, sundials::rhs, t_, y_.get()); }
 
-  double next_step(std::size_t stepper) const override {
+  double step_after_stop(std::size_t stepper) const override {
     return sundials::next_step(controllers_[stepper], safety, growth(stepper));
   }
 

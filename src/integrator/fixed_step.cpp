@@ -13,6 +13,7 @@ FixedStep::FixedStep(Equations& system, const IntegratorOptions& options)
 void FixedStep::restart(double t, const double* y) {
   t_ = t;
   std::copy(y, y + n_, y_.begin());
+  if (locates_events()) system_.modes().keep_directions_below(EventSource::fixed_step_slowness);
 }
 
 double FixedStep::advance(double end, double* y) { return advance_some(end, y, std::numeric_limits<long>::max()); }

@@ -1,28 +1,43 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Solutions of least norm of small systems, most of them symmetric, some of them singular.
+// Solutions of least norm of small square systems, some of them singular.
 #pragma once
 
 #include <Eigen/Core>
 #include <vector>
+
+#include "linear/dense_factor.h"
 
 namespace gelenk {
 
 // Keeps its memory: a system no larger than those before allocates nothing.
 class LeastNormSolver {
  public:
-  // x <- the solution of G x = r, if G is regular, or the one of least norm, if G is symmetric and positive
-  // semidefinite and r in its range. threshold: pivots below this fraction of the largest count as 0. Returns false,
-  // and leaves x as it is, if G is another singular matrix.
-  bool solve(const Eigen::MatrixXd& G, const Eigen::VectorXd& r, double threshold, Eigen::VectorXd& x);
+  // threshold: pivots below this fraction of the largest count as 0.
+  explicit LeastNormSolver(double threshold) : threshold_(threshold) {}
+
+  // x <- the solution of G x = r, or if there are many the one of least norm, or if there is none the one with the
+  // least error of those.
+  void solve(const Eigen::MatrixXd& G, const Eigen::VectorXd& r, Eigen::VectorXd& x);
+  // The same, if G is singular but not symmetric.
+  void solve_singular(const Eigen::MatrixXd& G, const Eigen::VectorXd& r, Eigen::VectorXd& x);
+  // The same, where the norm is that of x divided by `weights`, with errors multiplied by them.
+  void solve_weighted(const Eigen::MatrixXd& G, const Eigen::VectorXd& r, const Eigen::VectorXd& weights,
+                      Eigen::VectorXd& x);
   // Whether the last solution is the only one.
   bool was_unique() const { return was_unique_; }
 
  private:
-  bool solve_redundant(const Eigen::MatrixXd& G, const Eigen::VectorXd& r, double threshold, Eigen::VectorXd& x);
-  bool solve_regular(const Eigen::MatrixXd& G, const Eigen::VectorXd& r, double threshold, Eigen::VectorXd& x);
+  void reserve(Eigen::Index size);
+  bool solve_redundant(const Eigen::MatrixXd& G, const Eigen::VectorXd& r, Eigen::VectorXd& x);
+  bool solve_regular(const Eigen::MatrixXd& G, const Eigen::VectorXd& r, Eigen::VectorXd& x);
+  int factorize(const Eigen::MatrixXd& G);
+  void add_pseudo_inverse(int rank, const double* r, double* x);
 
-  std::vector<double> rest_, factor_, gram_, y_;
+  double threshold_;
+  std::vector<double> rest_, columns_, rows_, gram_, row_gram_, y_, error_, pivot_values_;
   std::vector<int> pivots_;
+  Eigen::MatrixXd scaled_;
+  Eigen::VectorXd right_;
   bool was_unique_ = false;
 };
 

@@ -75,6 +75,9 @@ class EventModes final : public EventSource {
 
  private:
   bool finds_touches_before_events() const override { return others_ == nullptr; }
+  void keep_directions_below(double speed) override {
+    if (others_ != nullptr) others_->keep_directions_below(speed);
+  }
   void check(double t, const double* v);
   bool is_outside();
 

@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "touch/touch_equations.h"
-#include "touch/touch_solution.h"
 
 namespace gelenk {
 
@@ -91,7 +90,9 @@ VectorXd TouchEquations::constrained_response(const VectorXd& force) {
   respond(force.transpose(), response);
   VectorXd out = response.col(0);
   const VectorXd left = -(rows_.R * out);
-  out += Z_ * least_norm_solution(least_norm_, G_, left, scale_);
+  VectorXd x;
+  least_norm_.solve_weighted(G_, left, scale_, x);
+  out += Z_ * x;
   return out;
 }
 

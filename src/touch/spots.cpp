@@ -274,11 +274,9 @@ bool Spots::is_near(int spot) const {
   // is the face beyond.
   const Line from = line(at);
   if (from.normal.dot(way_to_tip(at)) > 0) return false;
-  // Inside the box, its nearest face is the one that touches.
-  const double depth = from.distance;
-  const Vector3d others = center(at).cwiseAbs() - at.box.half;
-  const int axis = at.face % 3;
-  return depth >= std::max(others[(axis + 1) % 3], others[(axis + 2) % 3]) - near_tolerance;
+  // Of all faces, the opposite one included, the one that touches is nearest if the corner is inside the box, and the
+  // only one that it is beyond if it is outside.
+  return from.distance >= (center(at).cwiseAbs() - at.box.half).maxCoeff() - near_tolerance;
 }
 
 RelativeMotion Spots::motion(int spot) const {

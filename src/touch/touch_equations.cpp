@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "contact/contact_finder.h"
-#include "touch/touch_solution.h"
 
 namespace gelenk {
 namespace {
@@ -15,8 +14,8 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-// Relative motions below this have no direction of their own: they begin or end [natural units of speed].
-constexpr double no_direction = 1e-13;
+// Pivots below this fraction of the largest are redundant forces.
+constexpr double rank_threshold = 1e-11;
 // Weight of redundant moments.
 constexpr double least_moment = 1e-3;
 // Rounding of gaps, relative to lengths of order 1; and the most repetitions that remove them.
@@ -32,7 +31,10 @@ TouchEquations::TouchEquations(const Mechanism& mechanism, Dynamics& dynamics, c
       dynamics_(dynamics),
       loads_(loads),
       spots_(mechanism),
-      modes_(static_cast<std::size_t>(spots_.count())) {}
+      modes_(static_cast<std::size_t>(spots_.count())),
+      least_norm_(rank_threshold),
+      sharing_(rank_threshold),
+      closing_(rank_threshold) {}
 
 double TouchEquations::coefficient(int spot, int group, bool moves) const {
   const ContactLaw& of = law(spot);
@@ -62,7 +64,7 @@ Vector3d TouchEquations::moving_direction(const Entry& entry, int group, const s
   const Vector3d& before = modes[static_cast<std::size_t>(entry.spot)].groups[g].direction;
   const Vector3d& slip = entry.slip[g];
   const double speed = slip.norm();
-  if (speed <= (keeps_directions_ ? slow_sliding : no_direction)) return before;
+  if (speed <= (keeps_directions_ ? slow_sliding : no_direction_)) return before;
   const double along = slip.dot(before);
   if (along >= 0) return slip / speed;
   if (group == 1) return -slip / speed;  // about the normal
@@ -178,10 +180,11 @@ void TouchEquations::accelerate(double* vdot) {
       B_.row(rows_.entries[i].first) += rows_.D.row(static_cast<Index>(i));
   }
   respond(B_, Z_);
-  G_.noalias() = rows_.R * Z_;
+  // Products without blocking: the matrices are small.
+  G_ = rows_.R.lazyProduct(Z_);
   Eigen::Map<VectorXd> a(vdot, mechanism_.nv);
-  right_.noalias() = -(rows_.R * a);
-  right_ -= rows_.rates;
+  right_ = -rows_.rates;
+  right_ -= rows_.R.lazyProduct(a);
   scale_.setOnes(right_.size());
   for (const Entry& entry : rows_.entries) {
     for (int group = 1; group < contact_groups; ++group) {
@@ -189,8 +192,8 @@ void TouchEquations::accelerate(double* vdot) {
       if (row >= 0) scale_.segment(row, entry.kept(group)).setConstant(weight(entry, group));
     }
   }
-  x_ = least_norm_solution(least_norm_, G_, right_, scale_);
-  a.noalias() += Z_ * x_;
+  least_norm_.solve_weighted(G_, right_, scale_, x_);
+  a += Z_.lazyProduct(x_);
   add_holding_forces();
 }
 
@@ -198,7 +201,7 @@ void TouchEquations::accelerate(double* vdot) {
 void TouchEquations::add_holding_forces() {
   Branching& branching = dynamics_.branching();
   if (branching.locks() == 0) return;
-  force_.noalias() = B_.transpose() * x_;
+  force_ = B_.transpose().lazyProduct(x_);
   zero_.setZero(std::max(1, mechanism_.rows), 1);
   holding_.resize(static_cast<std::size_t>(branching.locks()));
   std::ranges::fill(holding_, 0.0);
@@ -207,27 +210,29 @@ void TouchEquations::add_holding_forces() {
 }
 
 // Where friction is redundant, as at the corners of a box, it is shared in proportion to the normal forces.
-VectorXd TouchEquations::shared() const {
+const VectorXd& TouchEquations::shared() {
   if (rows_.entries.size() <= 1 || x_.size() <= static_cast<Index>(rows_.entries.size())) return x_;
   double largest = 0;
   for (const Entry& entry : rows_.entries) largest = std::max(largest, x_[entry.first]);
-  VectorXd weights = scale_;
+  weights_ = scale_;
   for (const Entry& entry : rows_.entries) {
     const double share = largest > 0 ? std::sqrt(std::max(1e-6, x_[entry.first] / largest)) : 1;
     for (int group = 0; group < contact_groups; ++group) {
       const int row = entry.rows[static_cast<std::size_t>(group)];
-      if (row >= 0) weights.segment(row, entry.kept(group)) *= share;
+      if (row >= 0) weights_.segment(row, entry.kept(group)) *= share;
     }
   }
-  // Weights of columns alone.
-  const MatrixXd columns = G_ * weights.asDiagonal();
-  return weights.asDiagonal() * redundant_solution(columns, right_);
+  weighted_ = G_;  // by columns alone
+  for (Index j = 0; j < weighted_.cols(); ++j) weighted_.col(j) *= weights_[j];
+  sharing_.solve_singular(weighted_, right_, shared_);
+  shared_.array() *= weights_.array();
+  return shared_;
 }
 
 const std::vector<TouchEquations::SpotForce>& TouchEquations::forces() {
   forces_.clear();
   if (closed_.empty()) return forces_;
-  const VectorXd x = shared();
+  const VectorXd& x = shared();
   for (const Entry& entry : rows_.entries) {
     SpotForce& out = forces_.emplace_back();
     out.normal = x[entry.first];
@@ -266,22 +271,31 @@ bool TouchEquations::are_overloaded() const {
   return false;
 }
 
+// x <- the least multipliers, in the metric of the mass, that change N v by `left`; Z <- the response to N.
+void TouchEquations::close(const RowMatrix& N) {
+  respond(N, closing_.Z);
+  closing_.G = N.lazyProduct(closing_.Z);
+  closing_.solver.solve(closing_.G, closing_.left, closing_.x);
+}
+
 bool TouchEquations::close_position(double* q) {
   if (closed_.empty()) return false;
   bool moved = false;
+  VectorXd& gaps = closing_.left;
+  gaps.resize(static_cast<Index>(closed_.size()));
   for (int attempt = 0; attempt < most_corrections; ++attempt) {
     dynamics_.set_position(q);
     spots_.read_position(dynamics_);
-    VectorXd gaps(static_cast<Index>(closed_.size()));
     for (std::size_t i = 0; i < closed_.size(); ++i) gaps[static_cast<Index>(i)] = spots_.gap(closed_[i]);
     if (!(gaps.cwiseAbs().maxCoeff() > gap_rounding) || !gaps.allFinite()) break;
     build(closed_, modes_, true, kept_);
-    RowMatrix N(gaps.size(), mechanism_.nv);
-    for (std::size_t i = 0; i < closed_.size(); ++i) N.row(static_cast<Index>(i)) = kept_.R.row(kept_.entries[i].first);
-    RowMatrix Z;
-    respond(N, Z);
-    const VectorXd dq = -(Z * least_norm_solution(least_norm_, N * Z, gaps, VectorXd::Ones(gaps.size())));
-    dynamics_.displace(q, dq.data());
+    closing_.N.resize(gaps.size(), mechanism_.nv);
+    for (std::size_t i = 0; i < closed_.size(); ++i)
+      closing_.N.row(static_cast<Index>(i)) = kept_.R.row(kept_.entries[i].first);
+    close(closing_.N);
+    closing_.change = closing_.Z.lazyProduct(closing_.x);
+    closing_.change = -closing_.change;
+    dynamics_.displace(q, closing_.change.data());
     moved = true;
     if (gaps.cwiseAbs().maxCoeff() < 1e-9) break;  // the error that remains is its square
   }
@@ -293,11 +307,11 @@ void TouchEquations::close_velocity(double* v) {
   dynamics_.set_velocity(v);
   build(closed_, modes_, true, kept_);
   Eigen::Map<VectorXd> speeds(v, mechanism_.nv);
-  const VectorXd left = kept_.R * speeds + kept_.demanded;
-  if (left.isZero(0)) return;
-  RowMatrix Z;
-  respond(kept_.R, Z);
-  speeds -= Z * least_norm_solution(least_norm_, kept_.R * Z, left, VectorXd::Ones(left.size()));
+  closing_.left = kept_.demanded;
+  closing_.left += kept_.R.lazyProduct(speeds);
+  if (closing_.left.isZero(0)) return;
+  close(kept_.R);
+  speeds -= closing_.Z.lazyProduct(closing_.x);
 }
 
 }  // namespace gelenk

@@ -15,6 +15,7 @@
 #include <span>
 #include <vector>
 
+#include "event/event_source.h"
 #include "linear/least_norm.h"
 #include "touch/spots.h"
 
@@ -38,6 +39,9 @@ struct SpotMode {
   bool operator==(const SpotMode&) const = default;
 };
 
+// Speeds far above those by which differences are taken, up to which directions are kept then [natural units].
+inline constexpr double slow_sliding = 1e-4;
+
 class TouchEquations {
  public:
   // All must outlive it. loads: with the laws of contacts.
@@ -50,6 +54,8 @@ class TouchEquations {
   double coefficient(int spot, int group, bool moves) const;
   const std::vector<SpotMode>& modes() const { return modes_; }
   void set_modes(const std::vector<SpotMode>& modes);
+  // See EventSource.
+  void keep_directions_below(double speed) { no_direction_ = speed; }
   std::span<const int> closed() const { return closed_; }
 
   // --- the rows of some spots, after set_position() and set_velocity() of `dynamics` ---
@@ -117,7 +123,8 @@ class TouchEquations {
   void add_row(const Entry& entry, const Eigen::Vector3d& d, bool turns, double* out) const;
   double weight(const Entry& entry, int group) const;
   void add_holding_forces();
-  Eigen::VectorXd shared() const;
+  const Eigen::VectorXd& shared();
+  void close(const RowMatrix& N);
   Eigen::VectorXd constrained_response(const Eigen::VectorXd& force);
 
   const Mechanism& mechanism_;
@@ -133,6 +140,7 @@ class TouchEquations {
     Eigen::Vector3d across;      // unit: where the direction turns to
     Eigen::Vector3d turns_with;  // unit: a slip velocity along it turns the direction
   };
+  double no_direction_ = EventSource::finest_slowness;
   bool keeps_directions_ = false;
   std::vector<SpotMode> modes_before_;
   std::vector<SlowMotion> slow_;
@@ -140,9 +148,17 @@ class TouchEquations {
   Eigen::MatrixXd turning_;                         // by slow motion and component: derivatives of its velocity across
   Rows rows_, kept_;
   RowMatrix B_, Z_, zero_;
-  Eigen::MatrixXd G_;
-  Eigen::VectorXd x_, right_, scale_, force_;
-  LeastNormSolver least_norm_;
+  Eigen::MatrixXd G_, weighted_;
+  Eigen::VectorXd x_, right_, scale_, force_, weights_, shared_;
+  LeastNormSolver least_norm_, sharing_;
+  // To remove gaps and velocities of what is closed.
+  struct Closing {
+    explicit Closing(double threshold) : solver(threshold) {}
+    RowMatrix N, Z;
+    Eigen::MatrixXd G;
+    Eigen::VectorXd left, x, change;
+    LeastNormSolver solver;
+  } closing_;
   std::vector<double> holding_;  // by lock
   std::vector<SpotForce> forces_;
 };

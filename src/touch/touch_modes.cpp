@@ -259,7 +259,8 @@ bool TouchModes::may_touch(int spot) const {
 // located.
 bool TouchModes::update_modes(double t, const double* y) {
   const double rest = slow(y + mechanism_.nq);
-  std::vector<SpotMode> next = touch_.modes();
+  std::vector<SpotMode>& next = updated_;
+  next = touch_.modes();
   go_to(y);
   bool touches = false;
   for (int i = 0; i < touch_.spots().count(); ++i) {
@@ -273,9 +274,8 @@ bool TouchModes::update_modes(double t, const double* y) {
     touches = touches || (mode.leaves_from == 0 && at.gap <= reached_fraction * touch_tolerance && at.rate < -rest);
   }
   if (!touch_.closed().empty()) {
-    TouchEquations::Rows rows;
-    touch_.build(touch_.closed(), touch_.modes(), true, rows);
-    for (const TouchEquations::Entry& entry : rows.entries) {
+    touch_.build(touch_.closed(), touch_.modes(), true, updated_rows_);
+    for (const TouchEquations::Entry& entry : updated_rows_.entries) {
       for (std::size_t k = 0; k < contact_groups; ++k) {
         SpotMode::Group& group = next[static_cast<std::size_t>(entry.spot)].groups[k];
         const double speed = entry.slip[k].norm();

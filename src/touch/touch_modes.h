@@ -76,6 +76,7 @@ class TouchModes final : public ConnectedModes {
   void serialize(Archive& archive);
 
  private:
+  void keep_directions_below(double speed) override { touch_.keep_directions_below(speed); }
   const SpotMode& mode_of(int spot) const { return touch_.modes()[static_cast<std::size_t>(spot)]; }
   double slow(const double* v) const;
   void go_to(const double* y);
@@ -125,6 +126,8 @@ class TouchModes final : public ConnectedModes {
   Counts counts_;
   std::string refusal_;
   std::vector<double> vdot_;
+  std::vector<SpotMode> updated_;  // where a step begins
+  TouchEquations::Rows updated_rows_;
 };
 
 }  // namespace gelenk

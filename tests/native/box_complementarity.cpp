@@ -39,13 +39,13 @@ void bind_box_complementarity(nb::module_& m) {
         return list(gelenk::least_load(square(W), vector(b), vector(lower), vector(upper)));
       },
       nb::arg("W"), nb::arg("b"), nb::arg("lower"), nb::arg("upper"));
-  // An empty list: another method is to be used.
   m.def(
       "least_norm",
       [](const Table& G, const Numbers& r, double threshold) {
-        gelenk::LeastNormSolver solver;
+        gelenk::LeastNormSolver solver(threshold);
         Eigen::VectorXd x;
-        return solver.solve(square(G), vector(r), threshold, x) ? list(x) : Numbers();
+        solver.solve(square(G), vector(r), x);
+        return list(x);
       },
       nb::arg("G"), nb::arg("r"), nb::arg("threshold"));
 }

@@ -50,7 +50,34 @@ def test_regular_systems(units: Any, G: Array) -> None:
 
 
 @pytest.mark.parametrize(
-    "G", [-np.ones((2, 2)), np.zeros((2, 2)), np.zeros((1, 1)), np.array([[1.0, 1.0], [2.0, 2.0]])]
+    "G",
+    [
+        -np.ones((2, 2)),
+        np.zeros((2, 2)),
+        np.zeros((1, 1)),
+        np.array([[1.0, 1.0], [2.0, 2.0]]),
+        np.array([[0.0, 1.0], [0.0, 0.0]]),
+    ],
 )
-def test_other_singular_systems_are_left_to_other_methods(units: Any, G: Array) -> None:
-    assert len(solved(units, G, np.ones(len(G)))) == 0
+def test_other_singular_systems(units: Any, G: Array) -> None:
+    """The right-hand side is not in their range: x has the least error."""
+    r = np.arange(1.0, 1 + len(G))
+    np.testing.assert_allclose(solved(units, G, r), np.linalg.pinv(G) @ r, atol=1e-14)
+
+
+@pytest.mark.parametrize("rank", [1, 3, 6])
+@pytest.mark.parametrize("size", [7, 12, 24])
+@pytest.mark.parametrize("spread", [1.0, 1e-3])
+@pytest.mark.parametrize("in_range", [True, False])
+def test_singular_systems_that_are_not_symmetric(
+    units: Any, size: int, rank: int, spread: float, in_range: bool
+) -> None:
+    """Singular values of 1 to `spread`, which pivots do not resolve: hence their ratio, squared by L^T L."""
+    rng = np.random.default_rng(100 * size + rank)
+    left, right = (np.linalg.qr(rng.normal(size=(size, rank)))[0] for _ in range(2))
+    G = left @ np.diag(np.geomspace(1, spread, rank)) @ right.T
+    r = G @ rng.normal(size=size) if in_range else rng.normal(size=size)
+    found = solved(units, G, r)
+    np.testing.assert_allclose(found, np.linalg.pinv(G, 1e-9) @ r, atol=1e-13 / spread**2)
+    if in_range:
+        np.testing.assert_allclose(G @ found, r, atol=1e-14)
