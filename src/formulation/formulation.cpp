@@ -233,14 +233,15 @@ void Formulation::output_accelerations(double t, const double* y, double* vdot) 
 
 // Contact forces are applied as loads, so that reactions show them.
 void Formulation::output_touched_accelerations(double t, const double* y, double* vdot) {
-  const std::vector<SpotMode> present = contacts_.touch()->equations().modes();
+  TouchOutputs& touched = contacts_.touch()->outputs();
+  touched.keep_modes();
   const LockModes::State present_locks = modes_.locks().state();
   contacts_.touch()->preview(t, y);
   drives_.go_to_outputs(t);
   solve_at(t, y, vdot);
-  contacts_.touch()->outputs().record();
-  contacts_.touch()->equations().set_modes(std::vector<SpotMode>(present.size()));
-  dynamics_.branching().contact_rows().apply_forces(contacts_.touch()->outputs().wrenches(), nullptr);
+  touched.record();
+  touched.open_all();
+  dynamics_.branching().contact_rows().apply_forces(touched.wrenches(), nullptr);
   solve_at(t, y, vdot);
   modes_.record_outputs();
   if (dynamics_.branching().is_redundant()) {
@@ -248,7 +249,7 @@ void Formulation::output_touched_accelerations(double t, const double* y, double
     modes_.apply_recorded_forces();
   }
   dynamics_.branching().contact_rows().apply_forces(nullptr, nullptr);
-  contacts_.touch()->equations().set_modes(present);
+  touched.return_to_modes();
   if (!modes_.locks().empty()) modes_.locks().set_state(present_locks);
 }
 

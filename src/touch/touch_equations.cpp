@@ -34,7 +34,8 @@ TouchEquations::TouchEquations(const Mechanism& mechanism, Dynamics& dynamics, c
       modes_(static_cast<std::size_t>(spots_.count())),
       least_norm_(rank_threshold),
       sharing_(rank_threshold),
-      closing_(rank_threshold) {}
+      closing_gaps_(rank_threshold),
+      closing_speeds_(rank_threshold) {}
 
 double TouchEquations::coefficient(int spot, int group, bool moves) const {
   const ContactLaw& of = law(spot);
@@ -155,7 +156,7 @@ void TouchEquations::build(std::span<const int> spots, const std::vector<SpotMod
 
 void TouchEquations::respond(const RowMatrix& F, RowMatrix& Z) {
   Z = F.transpose();
-  zero_.setZero(std::max(1, mechanism_.rows), F.rows());
+  zero_.assign(static_cast<std::size_t>(std::max(1, mechanism_.rows) * F.rows()), 0.0);
   dynamics_.solve_linear_columns(Z.data(), zero_.data(), static_cast<int>(F.rows()));
 }
 
@@ -202,7 +203,7 @@ void TouchEquations::add_holding_forces() {
   Branching& branching = dynamics_.branching();
   if (branching.locks() == 0) return;
   force_ = B_.transpose().lazyProduct(x_);
-  zero_.setZero(std::max(1, mechanism_.rows), 1);
+  zero_.assign(static_cast<std::size_t>(std::max(1, mechanism_.rows)), 0.0);
   holding_.resize(static_cast<std::size_t>(branching.locks()));
   std::ranges::fill(holding_, 0.0);
   dynamics_.solve_linear(force_.data(), zero_.data(), nullptr, holding_.data());
@@ -272,16 +273,16 @@ bool TouchEquations::are_overloaded() const {
 }
 
 // x <- the least multipliers, in the metric of the mass, that change N v by `left`; Z <- the response to N.
-void TouchEquations::close(const RowMatrix& N) {
-  respond(N, closing_.Z);
-  closing_.G = N.lazyProduct(closing_.Z);
-  closing_.solver.solve(closing_.G, closing_.left, closing_.x);
+void TouchEquations::close(const RowMatrix& N, Closing& of) {
+  respond(N, of.Z);
+  of.G = N.lazyProduct(of.Z);
+  of.solver.solve(of.G, of.left, of.x);
 }
 
 bool TouchEquations::close_position(double* q) {
   if (closed_.empty()) return false;
   bool moved = false;
-  VectorXd& gaps = closing_.left;
+  VectorXd& gaps = closing_gaps_.left;
   gaps.resize(static_cast<Index>(closed_.size()));
   for (int attempt = 0; attempt < most_corrections; ++attempt) {
     dynamics_.set_position(q);
@@ -289,13 +290,13 @@ bool TouchEquations::close_position(double* q) {
     for (std::size_t i = 0; i < closed_.size(); ++i) gaps[static_cast<Index>(i)] = spots_.gap(closed_[i]);
     if (!(gaps.cwiseAbs().maxCoeff() > gap_rounding) || !gaps.allFinite()) break;
     build(closed_, modes_, true, kept_);
-    closing_.N.resize(gaps.size(), mechanism_.nv);
+    closing_gaps_.N.resize(gaps.size(), mechanism_.nv);
     for (std::size_t i = 0; i < closed_.size(); ++i)
-      closing_.N.row(static_cast<Index>(i)) = kept_.R.row(kept_.entries[i].first);
-    close(closing_.N);
-    closing_.change = closing_.Z.lazyProduct(closing_.x);
-    closing_.change = -closing_.change;
-    dynamics_.displace(q, closing_.change.data());
+      closing_gaps_.N.row(static_cast<Index>(i)) = kept_.R.row(kept_.entries[i].first);
+    close(closing_gaps_.N, closing_gaps_);
+    closing_gaps_.change = closing_gaps_.Z.lazyProduct(closing_gaps_.x);
+    closing_gaps_.change = -closing_gaps_.change;
+    dynamics_.displace(q, closing_gaps_.change.data());
     moved = true;
     if (gaps.cwiseAbs().maxCoeff() < 1e-9) break;  // the error that remains is its square
   }
@@ -307,11 +308,11 @@ void TouchEquations::close_velocity(double* v) {
   dynamics_.set_velocity(v);
   build(closed_, modes_, true, kept_);
   Eigen::Map<VectorXd> speeds(v, mechanism_.nv);
-  closing_.left = kept_.demanded;
-  closing_.left += kept_.R.lazyProduct(speeds);
-  if (closing_.left.isZero(0)) return;
-  close(kept_.R);
-  speeds -= closing_.Z.lazyProduct(closing_.x);
+  closing_speeds_.left = kept_.demanded;
+  closing_speeds_.left += kept_.R.lazyProduct(speeds);
+  if (closing_speeds_.left.isZero(0)) return;
+  close(kept_.R, closing_speeds_);
+  speeds -= closing_speeds_.Z.lazyProduct(closing_speeds_.x);
 }
 
 }  // namespace gelenk

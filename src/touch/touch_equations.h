@@ -124,7 +124,6 @@ class TouchEquations {
   double weight(const Entry& entry, int group) const;
   void add_holding_forces();
   const Eigen::VectorXd& shared();
-  void close(const RowMatrix& N);
   Eigen::VectorXd constrained_response(const Eigen::VectorXd& force);
 
   const Mechanism& mechanism_;
@@ -147,18 +146,21 @@ class TouchEquations {
   std::vector<Eigen::Vector3d> differenced_slips_;  // by spot and group
   Eigen::MatrixXd turning_;                         // by slow motion and component: derivatives of its velocity across
   Rows rows_, kept_;
-  RowMatrix B_, Z_, zero_;
+  RowMatrix B_, Z_;
+  std::vector<double> zero_;
   Eigen::MatrixXd G_, weighted_;
   Eigen::VectorXd x_, right_, scale_, force_, weights_, shared_;
   LeastNormSolver least_norm_, sharing_;
-  // To remove gaps and velocities of what is closed.
+  // To remove gaps or velocities of what is closed, in matrices that keep their sizes between events.
   struct Closing {
     explicit Closing(double threshold) : solver(threshold) {}
     RowMatrix N, Z;
     Eigen::MatrixXd G;
     Eigen::VectorXd left, x, change;
     LeastNormSolver solver;
-  } closing_;
+  };
+  void close(const RowMatrix& N, Closing& of);
+  Closing closing_gaps_, closing_speeds_;
   std::vector<double> holding_;  // by lock
   std::vector<SpotForce> forces_;
 };

@@ -35,7 +35,10 @@ TouchModes::TouchModes(const Context& context)
       outputs_(context.mechanism, context.dynamics, touch_, context.loads.contacts.size()),
       before_(touch_.modes()),
       triggered_(before_.size()),
-      vdot_(static_cast<std::size_t>(context.mechanism.nv)) {
+      vdot_(static_cast<std::size_t>(context.mechanism.nv)),
+      checked_(static_cast<std::size_t>(indicators())),
+      checked_rates_(checked_.size()),
+      expected_(std::make_unique<bool[]>(checked_.size())) {
   for (int i = 0; i < touch_.spots().count(); ++i) {
     const Spot& spot = touch_.spots()[i];
     if (spot.kind != Spot::Kind::corner && spot.kind != Spot::Kind::edges) continue;
@@ -304,17 +307,15 @@ void TouchModes::update_guards(double t) {
 
 // Whether the present modes obey the laws at (t, y).
 bool TouchModes::is_consistent(double t, const double* y) {
-  std::vector<double> g(static_cast<std::size_t>(indicators()));
-  std::vector<double> gdot(g.size());
-  const auto expected = std::make_unique<bool[]>(g.size());
-  remembered_mode(expected.get());
-  indicator_values(t, y, g.data(), gdot.data());
+  std::vector<double>& g = checked_;
+  remembered_mode(expected_.get());
+  indicator_values(t, y, g.data(), checked_rates_.data());
   redistribute(t, y, nullptr, g.data());
   for (const int spot : touch_.closed()) {
     for (int k = 0; k < per_spot; ++k) {
       const std::size_t i =
           static_cast<std::size_t>(per_spot) * static_cast<std::size_t>(spot) + static_cast<std::size_t>(k);
-      if ((g[i] > 0) != expected[i]) return false;
+      if ((g[i] > 0) != expected_[i]) return false;
     }
   }
   for (int i = 0; i < touch_.spots().count(); ++i) {

@@ -126,6 +126,8 @@ class TouchModes final : public ConnectedModes {
   Counts counts_;
   std::string refusal_;
   std::vector<double> vdot_;
+  std::vector<double> checked_, checked_rates_;  // indicators where inputs have jumped
+  std::unique_ptr<bool[]> expected_;
   std::vector<SpotMode> updated_;  // where a step begins
   TouchEquations::Rows updated_rows_;
 };

@@ -12,7 +12,9 @@ TouchOutputs::TouchOutputs(const Mechanism& mechanism, Dynamics& dynamics, Touch
       touch_(touch),
       finder_(mechanism, contacts),
       sums_(contacts),
-      wrenches_(mechanism.links.size()) {}
+      wrenches_(mechanism.links.size()),
+      kept_(touch.modes()),
+      open_(kept_.size()) {}
 
 void TouchOutputs::record() {
   std::ranges::fill(sums_, ContactSum{});

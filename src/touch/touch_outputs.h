@@ -24,6 +24,11 @@ class TouchOutputs final : public ContactReadings {
   // All must outlive it. contacts: of the scene.
   TouchOutputs(const Mechanism& mechanism, Dynamics& dynamics, TouchEquations& touch, std::size_t contacts);
 
+  // While outputs are determined, modes are previewed, and then all contacts open, so that the recorded forces act as
+  // loads.
+  void keep_modes() { kept_ = touch_.modes(); }
+  void open_all() { touch_.set_modes(open_); }
+  void return_to_modes() { touch_.set_modes(kept_); }
   // Records the forces and modes after the accelerations have been solved for.
   void record();
   // The recorded forces by link (ContactRows::apply_forces).
@@ -44,6 +49,7 @@ class TouchOutputs final : public ContactReadings {
   ContactFinder finder_;
   std::vector<ContactSum> sums_;          // by contact of the scene
   std::vector<Spatial::Force> wrenches_;  // by link
+  std::vector<SpotMode> kept_, open_;
 };
 
 }  // namespace gelenk

@@ -10,6 +10,7 @@ from pathlib import Path
 import fmpy
 import pytest
 from mechanisms import Scene
+from physics.contact.test_box_on_a_cart import carrying
 
 import gelenk
 
@@ -77,4 +78,15 @@ def test_contacts_ask_nothing_of_the_heap(boxes: int, host: Path, tmp_path: Path
     scene = {**touching(boxes), "solver": {"integrator": "moreau-jean"}}
     fmu = gelenk.export_fmu(scene, tmp_path / "x.fmu")
     calls = heap_calls(host, fmu, tmp_path / "x", "hit.friction")
+    assert not any(calls.values()), calls
+
+
+@pytest.mark.parametrize("integrator", ["auto", "erk", "rk4", "cvode", "cvode-adams"])
+def test_closed_contacts_ask_nothing_of_the_heap_between_events(
+    integrator: str, host: Path, tmp_path: Path
+) -> None:
+    """A box sticks to a cart whose motor's force jumps. Events, as when it slips, do allocate."""
+    source = {**carrying(), "solver": {"integrator": integrator}, "parameters": ["P.damping"]}
+    fmu = gelenk.export_fmu(source, tmp_path / "x.fmu")
+    calls = heap_calls(host, fmu, tmp_path / "x", "P.damping", first=2)
     assert not any(calls.values()), calls

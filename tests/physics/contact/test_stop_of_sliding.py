@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A block that slides up an incline, stops and slides back.
+
+The slower a motion is, the faster friction turns it. Where the block stops, methods may therefore amplify
+rounding: into steps that are as short, into a turn of the block, or into corners that stop one by one.
+"""
+
+from __future__ import annotations
+
+from math import cos, radians, sin
+
+import pytest
+from benchmarks.contacts.engines import scene
+from benchmarks.contacts.problems import GRAVITY, Problem, problems
+
+import gelenk
+
+(PROBLEM,) = (problem for problem in problems() if problem.name == "back")
+ANGLE = radians(30)
+STOP = 3 / (GRAVITY * (sin(ANGLE) + PROBLEM.friction * cos(ANGLE)))  # s
+INTEGRATORS = ["auto", "erk", "dirk", "cvode", "cvode-adams"]
+
+
+def run(
+    problem: Problem, integrator: str, tolerance: float, steps: int
+) -> tuple[list[tuple[float, str]], dict[str, float]]:
+    plant = gelenk.Simulation(gelenk.load(scene(problem, {"integrator": integrator})))
+    plant.initialize(tolerance=tolerance)
+    events = []
+    for k in range(steps):
+        plant.step_to(2 * (k + 1) / steps)
+        events += plant.events
+    return events, plant.diagnostics
+
+
+@pytest.mark.parametrize("steps", [1, 30])
+@pytest.mark.parametrize("tolerance", [1e-8, 1e-10])
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+@pytest.mark.filterwarnings("ignore:.*below the accuracy:gelenk.StartWarning")
+def test_four_corners_stop_in_one_event(integrator: str, tolerance: float, steps: int) -> None:
+    [(time, text)], counts = run(PROBLEM, integrator, tolerance, steps)
+    assert time == pytest.approx(STOP, abs=100 * tolerance)
+    assert text == "c: b slides on the ground"
+    assert counts["solver.events"] == 1
+
+
+def test_the_step_after_the_stop_is_as_long_as_the_one_before() -> None:
+    """Some 370 evaluations in 24 steps; 80 steps if they grow from rounding."""
+    _, counts = run(PROBLEM, "erk", 1e-8, 1)
+    assert counts["solver.steps"] <= 32
+    assert counts["solver.evaluations"] <= 500
+
+
+def test_a_box_that_lands_on_its_face_touches_once() -> None:
+    source = scene(PROBLEM, {"integrator": "erk"})
+    source["ground"]["shapes"]["s"]["plane"] = [0, 0, 1]
+    source["joints"]["J"]["start"] = {"r": [0, 0, 1.05], "fixed": True}
+    plant = gelenk.Simulation(gelenk.load(source))
+    plant.initialize(tolerance=1e-8)
+    plant.step_to(1.0)
+    [(time, text)] = plant.events
+    assert time == pytest.approx((2 / GRAVITY) ** 0.5, abs=1e-8)
+    assert text == "c: b touches the ground"
