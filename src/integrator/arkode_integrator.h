@@ -62,7 +62,7 @@ class ArkodeIntegrator : public SundialsIntegrator {
     double last_step = 0;              // s: the step before that; 0: not relevant
     double growth = 1;                 // limit on the ratio of the next step to the last one
   };
-  double step_to_try(std::size_t stepper) const;  // s
+  double step_to_try(std::size_t i) const;  // s
   static void try_first(Stepper& stepper, double step);
   std::size_t in_use() const { return std::ranges::find(steppers_, memory_, &Stepper::memory) - steppers_.begin(); }
 
