@@ -33,6 +33,7 @@ std::string_view EventLog::text(const Event& event) const {
 void EventLog::begin(double t) {
   before_ += in_step_;
   in_step_ = 0;
+  repeated_ = 0;
   start_ = t;
 }
 
@@ -63,6 +64,7 @@ void EventLog::add(const Event& event) {
   for (auto other = events_.rbegin(); other != events_.rend() && other->time == event.time; ++other) {
     if (text(*other) != text(event)) continue;
     other->is_ambiguous = other->is_ambiguous || event.is_ambiguous;
+    ++repeated_;
     return;
   }
   ++in_step_;
@@ -76,7 +78,7 @@ EventReport EventLog::report(const Event& event) const {
 }
 
 std::string EventLog::too_many() const {
-  if (in_step_ <= max_events_) return {};
+  if (in_step_ + repeated_ <= max_events_) return {};
   return "more than " + std::to_string(max_events_) + " events (solver.max_events) since t = " + text::rounded(start_) +
          " s, the last: " + std::string(text(last_));
 }

@@ -37,7 +37,8 @@ class EventLog {
   // Begins a part of it, or all of it; undo_part() removes the events of that part.
   void begin_part();
   void undo_part();
-  // Does nothing if the same has been said of this time.
+  // An event with the text and the time of another one is the same event. It counts towards max_events all the same, so
+  // that modes cannot alternate forever at one time.
   void add(const Event& event);
   // Forgets the last events, beyond a number of all that was reached within this part.
   void forget_beyond(long count);
@@ -56,6 +57,7 @@ class EventLog {
   std::vector<Event> events_;
   long max_events_ = 0;
   long before_ = 0, in_step_ = 0;
+  long repeated_ = 0;     // events in this communication step that were the same as another one
   long before_part_ = 0;  // value of in_step_ at the start of the part
   double start_ = 0;      // s: start of the communication step
   Event last_{};

@@ -42,8 +42,6 @@ class EventSource {
   // units of speed]. The slower a motion is, the faster friction turns it, so that steps would amplify rounding at the
   // beginning and the end of motions.
   virtual void keep_directions_below(double /*speed*/) {}
-  // That speed for adaptive steps, where it counts as rest, and for fixed steps, whose errors are not controlled.
-  static constexpr double finest_slowness = 1e-9, fixed_step_slowness = 1e-6;
   // Why the run cannot continue (too many events in this communication step, or no mode that is possible); otherwise
   // empty.
   virtual std::string refusal() const { return {}; }

@@ -6,6 +6,13 @@
 #include <limits>
 
 namespace gelenk {
+namespace {
+
+// Relative motions slower than this have no direction of their own [natural units of speed]: larger than with adaptive
+// steps, since errors are not controlled.
+constexpr double no_direction = 1e-6;
+
+}  // namespace
 
 FixedStep::FixedStep(Equations& system, const IntegratorOptions& options)
     : system_(system), n_(system.size()), y_(n_), k_(n_), locator_(system.modes(), n_), step_(options.step) {}
@@ -13,7 +20,7 @@ FixedStep::FixedStep(Equations& system, const IntegratorOptions& options)
 void FixedStep::restart(double t, const double* y) {
   t_ = t;
   std::copy(y, y + n_, y_.begin());
-  if (locates_events()) system_.modes().keep_directions_below(EventSource::fixed_step_slowness);
+  if (locates_events()) system_.modes().keep_directions_below(no_direction);
 }
 
 double FixedStep::advance(double end, double* y) { return advance_some(end, y, std::numeric_limits<long>::max()); }

@@ -18,7 +18,7 @@ class LeastNormSolver {
   // x <- the solution of G x = r, or if there are many the one of least norm, or if there is none the one with the
   // least error of those.
   void solve(const Eigen::MatrixXd& G, const Eigen::VectorXd& r, Eigen::VectorXd& x);
-  // The same, if G is singular but not symmetric.
+  // The same by complete pivoting, which suits all G, but takes more time.
   void solve_singular(const Eigen::MatrixXd& G, const Eigen::VectorXd& r, Eigen::VectorXd& x);
   // The same, where the norm is that of x divided by `weights`, with errors multiplied by them.
   void solve_weighted(const Eigen::MatrixXd& G, const Eigen::VectorXd& r, const Eigen::VectorXd& weights,

@@ -15,7 +15,7 @@
 #include <span>
 #include <vector>
 
-#include "event/event_source.h"
+#include "contact/step_limits.h"
 #include "linear/least_norm.h"
 #include "touch/spots.h"
 
@@ -139,7 +139,7 @@ class TouchEquations {
     Eigen::Vector3d across;      // unit: where the direction turns to
     Eigen::Vector3d turns_with;  // unit: a slip velocity along it turns the direction
   };
-  double no_direction_ = EventSource::finest_slowness;
+  double no_direction_ = rest_speed;
   bool keeps_directions_ = false;
   std::vector<SpotMode> modes_before_;
   std::vector<SlowMotion> slow_;

@@ -10,7 +10,7 @@ from pathlib import Path
 import fmpy
 import pytest
 from mechanisms import Scene
-from physics.contact.test_box_on_a_cart import carrying
+from models.touching import box_on_a_cart
 
 import gelenk
 
@@ -86,7 +86,7 @@ def test_closed_contacts_ask_nothing_of_the_heap_between_events(
     integrator: str, host: Path, tmp_path: Path
 ) -> None:
     """A box sticks to a cart whose motor's force jumps. Events, as when it slips, do allocate."""
-    source = {**carrying(), "solver": {"integrator": integrator}, "parameters": ["P.damping"]}
+    source = {**box_on_a_cart(), "solver": {"integrator": integrator}, "parameters": ["P.damping"]}
     fmu = gelenk.export_fmu(source, tmp_path / "x.fmu")
     calls = heap_calls(host, fmu, tmp_path / "x", "P.damping", first=2)
     assert not any(calls.values()), calls

@@ -56,6 +56,43 @@ def on_plane(
     }
 
 
+def box_on_a_cart(thickness: float = 0.02, width: float = 1.0) -> SceneData:
+    """Return a cube of 0.5 kg and 0.1 m on a cart of 1 kg with motor, damping of 1 N s/m and friction of 0.4.
+
+    Args:
+        thickness: of the plate that the cart is [m].
+        width: of the plate [m].
+    """
+    cube = {"box": [0.1] * 3, "surface": "wood"}
+    plate = {"box": [width, width, thickness], "surface": "steel"}
+    return {
+        "gelenk": 1,
+        "gravity": [0, 0, -9.81],
+        "bodies": {
+            "cart": {"mass": 1.0, "inertia": [0.1] * 3, "shapes": {"plate": plate}},
+            "box": {"mass": 0.5, "inertia": inertia_of_box(0.5, [0.1] * 3), "shapes": {"cube": cube}},
+        },
+        "joints": {
+            "P": {
+                "type": "prismatic",
+                "parent": "ground",
+                "child": "cart",
+                "axis": [1, 0, 0],
+                "damping": 1.0,
+            },
+            "J": {
+                "type": "free",
+                "parent": "ground",
+                "child": "box",
+                "start": {"r": [0, 0, (thickness + 0.1) / 2]},
+            },
+        },
+        "motors": {"drive": {"joint": "P"}},
+        "contacts": {"hit": {"between": ["wood", "steel"], "friction": 0.4}},
+        "experiment": {"step": 0.005},
+    }
+
+
 def free_cubes(
     starts: Sequence[SceneData], surfaces: Sequence[str], *, edge: float = 0.1, mass: float = 1.0
 ) -> SceneData:

@@ -11,46 +11,15 @@ from math import exp, inf
 
 import numpy as np
 import pytest
-from models.touching import SceneData, inertia_of_box
+from models.touching import SceneData, box_on_a_cart
 from scipy.optimize import brentq
 
 import gelenk
 
-G, MU, CART, BOX, DAMPING = 9.81, 0.4, 1.0, 0.5, 1.0
+G, MU, CART, BOX, DAMPING = 9.81, 0.4, 1.0, 0.5, 1.0  # of box_on_a_cart
 EDGE = 0.1  # m
 STEP = 0.005  # s: the force jumps, 4 steps up and 3 steps down
 STEPS = 200
-
-
-def carrying(thickness: float = 0.02, width: float = 1.0) -> SceneData:
-    cube = {"box": [EDGE] * 3, "surface": "wood"}
-    plate = {"box": [width, width, thickness], "surface": "steel"}
-    return {
-        "gelenk": 1,
-        "gravity": [0, 0, -G],
-        "bodies": {
-            "cart": {"mass": CART, "inertia": [0.1] * 3, "shapes": {"plate": plate}},
-            "box": {"mass": BOX, "inertia": inertia_of_box(BOX, [EDGE] * 3), "shapes": {"cube": cube}},
-        },
-        "joints": {
-            "P": {
-                "type": "prismatic",
-                "parent": "ground",
-                "child": "cart",
-                "axis": [1, 0, 0],
-                "damping": DAMPING,
-            },
-            "J": {
-                "type": "free",
-                "parent": "ground",
-                "child": "box",
-                "start": {"r": [0, 0, (thickness + EDGE) / 2]},
-            },
-        },
-        "motors": {"drive": {"joint": "P"}},
-        "contacts": {"hit": {"between": ["wood", "steel"], "friction": MU}},
-        "experiment": {"step": STEP},
-    }
 
 
 def force(k: int, size: float) -> float:
@@ -146,7 +115,7 @@ def simulated(scene: SceneData, size: float, integrator: str, tolerance: float) 
 @pytest.mark.parametrize("integrator", ["auto", "erk", "dirk", "cvode", "cvode-adams"])
 def test_to_the_tolerance(integrator: str, tolerance: float, size: float) -> None:
     expected, _ = exact(size)
-    found, _ = simulated(carrying(), size, integrator, tolerance)
+    found, _ = simulated(box_on_a_cart(), size, integrator, tolerance)
     assert np.abs(found - expected).max() <= 100 * tolerance
 
 
@@ -154,7 +123,7 @@ def test_to_the_tolerance(integrator: str, tolerance: float, size: float) -> Non
 def test_fixed_steps_keep_the_motion_straight(size: float) -> None:
     """Rates are 1/s and steps 5 ms, so that the method's error is far below 1e-10."""
     expected, events = exact(size)
-    found, logged = simulated(carrying(), size, "rk4", 1e-6)
+    found, logged = simulated(box_on_a_cart(), size, "rk4", 1e-6)
     assert np.abs(found - expected).max() <= 1e-9
     assert logged == events
 
@@ -162,7 +131,7 @@ def test_fixed_steps_keep_the_motion_straight(size: float) -> None:
 @pytest.mark.parametrize("size", [3.0, 5.0, 20.0])
 def test_each_event_is_logged_once(size: float) -> None:
     _, events = exact(size)
-    _, logged = simulated(carrying(), size, "erk", 1e-8)
+    _, logged = simulated(box_on_a_cart(), size, "erk", 1e-8)
     assert events > 50
     assert logged == events
 
@@ -172,7 +141,7 @@ def test_each_event_is_logged_once(size: float) -> None:
 def test_plates_of_any_thickness(thickness: float, width: float) -> None:
     """Upper corners of the box are not on the lower face of a plate that is thinner than the box."""
     expected, _ = exact(3.0)
-    found, _ = simulated(carrying(thickness, width), 3.0, "erk", 1e-8)
+    found, _ = simulated(box_on_a_cart(thickness, width), 3.0, "erk", 1e-8)
     inside = np.abs(expected[:, 1] - expected[:, 0]) < width / 2 - EDGE / 2
     first_outside = len(inside) if inside.all() else int(np.argmin(inside))
     assert first_outside > 100

@@ -61,3 +61,16 @@ def test_a_box_that_lands_on_its_face_touches_once() -> None:
     [(time, text)] = plant.events
     assert time == pytest.approx((2 / GRAVITY) ** 0.5, abs=1e-8)
     assert text == "c: b touches the ground"
+
+
+def test_each_corner_counts_towards_the_limit_of_events() -> None:
+    """So that modes cannot alternate forever at one time."""
+    for most, ends in ((3, False), (4, True)):
+        source = scene(PROBLEM, {"integrator": "erk", "max_events": most})
+        plant = gelenk.Simulation(gelenk.load(source))
+        plant.initialize(tolerance=1e-8)
+        if ends:
+            plant.step_to(1.0)
+            continue
+        with pytest.raises(gelenk.StepError, match="more than 3 events"):
+            plant.step_to(1.0)
