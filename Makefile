@@ -18,6 +18,7 @@
 # make clocks   run the timing tests, on an otherwise idle machine
 # make special  compare computation paths at special configurations: all families, 2000 random mechanisms
 # make thrown   simulate 3000 random scenes of thrown bodies with contacts at located events; COUNT=... other numbers
+# make agreement  run 20000 random scenes in which everything non-smooth meets, each in several ways; TRIALS=... other numbers
 # make masters  run the shipped scenes in third-party masters and VDMCheck: table of docs/fmu.md; needs Maven, Java and cargo
 # make sanitize run the FMU under AddressSanitizer, UBSan, ThreadSanitizer and Valgrind
 # make units    run the native unit tests under AddressSanitizer and UBSan; CI does so, too
@@ -48,9 +49,9 @@ NATIVE  := $(shell find src modelDescription fmu python/bindings \( -name '*.cpp
 PACKAGE := $(shell find python/gelenk scenes -type f -not -path '*/__pycache__/*' 2>/dev/null)
 BUILD   := pyproject.toml CMakeLists.txt $(wildcard cmake/*) LICENSE $(wildcard licenses/*.txt licenses/*/*.txt)
 
-.PHONY: help demo test lint style tidy format pytest reductions charts accuracy nonsmooth gallery tutorial real-time growth bench costs clocks studies special thrown masters sanitize units fuzz states runtimes wheels platforms clean
+.PHONY: help demo test lint style tidy format pytest reductions charts accuracy nonsmooth gallery tutorial real-time growth bench costs clocks studies special thrown agreement masters sanitize units fuzz states runtimes wheels platforms clean
 help:
-	@sed -n '2,29s/^# //p' Makefile
+	@sed -n '2,30s/^# //p' Makefile
 
 demo: $(VENV)/gelenk.stamp
 	@echo "Running the demo (some seconds)"
@@ -142,6 +143,11 @@ special: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 COUNT ?= 3000
 thrown: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 	PYTHONPATH=tests $(BIN)/python -m models.thrown $(COUNT)
+
+# Two hours with two processes; prints what does not agree, by number of the scene.
+TRIALS ?= 20000
+agreement: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
+	cd tests && ../$(BIN)/python -m agreement $(TRIALS) --jobs $(JOBS)
 
 # Ten minutes, most of them for Maestro.
 MASTERS := $(abspath build/masters)

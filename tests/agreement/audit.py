@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Holds the forces that a run reports against the laws of friction, limits, one-way clutches and contacts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from .drawn import COORDINATES, STEP, Trial
+from .ways import Run, motion_names
+
+# Relative to the forces in the scene, and absolute: of events, which are located; of means over time steps.
+ROUNDING, STEPS_ROUNDING = 1e-6, 1e-2
+MOVES, STEPS_MOVES = 1e-4, 0.05  # rad/s, m/s
+PENETRATION = 1e-7  # rad, m
+AT_LIMIT = 1e-6  # rad, m; rad/s, m/s
+
+
+def _effort(joint: dict[str, Any]) -> str:
+    return "tau" if joint["type"] == "revolute" else "f"
+
+
+def outputs_of_laws(trial: Trial) -> list[str]:
+    out = []
+    for name, joint in trial.scene["joints"].items():
+        for law in ("friction", "limit", "one_way"):
+            if law in joint:
+                out += [f"{name}.{law}.{_effort(joint)}", f"{name}.{law}.mode"]
+    for name in trial.scene.get("contacts", {}):
+        out += [f"{name}.f[3]", f"{name}.gap"]
+    return out
+
+
+def capacity(trial: Trial, name: str, v: float, t: float) -> tuple[float, float]:
+    """Friction at rest and in motion at speed v, with the input just before t [s]."""
+    law = trial.scene["joints"][name]["friction"]
+    coulomb = law["coulomb"]
+    static = law.get("static", coulomb)
+    sliding = coulomb
+    if "stribeck" in law:
+        x = abs(v) / law["stribeck"]
+        sliding += (static - coulomb) * float(np.exp(-x if law.get("exponent") == 1 else -x * x))
+    pressed = 1.0
+    if "input" in law:
+        course = trial.inputs[f"{name}.friction.engagement"]
+        pressed = max(0.0, value_before(course, t))
+    return pressed * static, pressed * sliding
+
+
+def value_before(course: Any, t: float) -> float:
+    k = max((i for i, knot in enumerate(course.knots) if knot < t - 1e-9), default=0)
+    x = t - course.knots[k]
+    c = course.values[k]
+    out = 0.0
+    for j in range(len(c) - 1, -1, -1):
+        out = out * x / (j + 1) + c[j]
+    return float(out)
+
+
+def laws_broken(trial: Trial, run: Run, steps: float = 0.0) -> list[str]:
+    """What reported forces and positions contradict, in words; steps: length of time steps [s], 0: events."""
+    out: list[str] = []
+    names = motion_names(trial.scene)
+    for k, forces in enumerate(run.outputs[: len(run.values) - 1], 1):
+        if not np.isfinite(run.values[k]).all():
+            out.append(f"not finite at {k * STEP:.2f} s")
+            continue
+        at = Moment(trial, k * STEP, forces, dict(zip(names, run.values[k], strict=True)), steps > 0)
+        out += [f"{words} at {k * STEP:.2f} s" for words in at.broken()]
+    return out
+
+
+@dataclass
+class Moment:
+    """Forces and motion at a communication point; in_steps: means over a time step."""
+
+    trial: Trial
+    t: float
+    forces: dict[str, float]
+    motion: dict[str, float]
+    in_steps: bool
+
+    def __post_init__(self) -> None:
+        found = [abs(x) for name, x in self.forces.items() if not name.endswith(("mode", "gap"))]
+        self.slack = (STEPS_ROUNDING if self.in_steps else ROUNDING) * (1 + max(found, default=0.0))
+        self.moves = STEPS_MOVES if self.in_steps else MOVES
+
+    def broken(self) -> Iterator[str]:
+        for name, joint in self.trial.scene["joints"].items():
+            if joint["type"] not in COORDINATES:
+                continue
+            q, v = (self.motion[f"{name}.{x}"] for x in COORDINATES[joint["type"]])
+            if "friction" in joint and name not in self.lossy():
+                yield from self.friction(name, joint, v)
+            if "limit" in joint:
+                yield from self.limit(name, joint, q)
+            if "one_way" in joint:
+                yield from self.one_way(name, joint, v)
+        for name in self.trial.scene.get("contacts", {}):
+            if self.forces[f"{name}.f[3]"] < -self.slack:
+                yield f"{name} pulls with {self.forces[f'{name}.f[3]']:.6g}"
+            gap = self.forces[f"{name}.gap"]
+            if gap < -PENETRATION or not np.isfinite(gap):
+                yield f"{name}.gap is {gap:.6g}"
+
+    def lossy(self) -> set[str]:
+        """Joints with friction of gears, which depends on their torques."""
+        constraints = self.trial.scene.get("constraints", {})
+        return {c["joint"] for c in constraints.values() if "efficiency" in c}
+
+    def friction(self, name: str, joint: dict[str, Any], v: float) -> Iterator[str]:
+        f = self.forces[f"{name}.friction.{_effort(joint)}"]
+        static, sliding = capacity(self.trial, name, v, self.t)
+        # Friction of a speed that changes within a time step.
+        slack = self.slack + (0.1 * sliding if self.in_steps else 1e-5 * static)
+        if abs(f) > max(static, sliding) + self.slack:
+            yield f"{name}.friction is {f:.6g}, but at most {static:.6g},"
+        elif abs(v) > self.moves and abs(f + np.sign(v) * sliding) > slack:
+            yield f"{name}.friction is {f:.6g} with {v:.6g}, but slides with {sliding:.6g},"
+
+    def limit(self, name: str, joint: dict[str, Any], q: float) -> Iterator[str]:
+        f = self.forces[f"{name}.limit.{_effort(joint)}"]
+        lower, upper = (joint["limit"].get(x, np.nan) for x in ("lower", "upper"))
+        if q < lower - PENETRATION or q > upper + PENETRATION:
+            yield f"{name} is {q:.9g}, beyond its limit,"
+        at_lower, at_upper = abs(q - lower) < AT_LIMIT, abs(q - upper) < AT_LIMIT
+        if (f > self.slack and not at_lower) or (f < -self.slack and not at_upper):
+            yield f"{name}.limit exerts {f:.6g} with {q:.9g}"
+
+    def one_way(self, name: str, joint: dict[str, Any], v: float) -> Iterator[str]:
+        f = self.forces[f"{name}.one_way.{_effort(joint)}"]
+        sign = 1 if joint["one_way"]["free"] == "positive" else -1
+        if sign * f < -self.slack or (abs(f) > self.slack and abs(v) > self.moves):
+            yield f"{name}.one_way exerts {f:.6g} with {v:.6g}"
+        if sign * v < -AT_LIMIT:
+            yield f"{name}.one_way lets it turn back with {v:.6g}"

@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Random scenes in which joints, loops, clutches, limits, gears and contacts meet are the same in all ways.
+
+See compare.py for the ways. `make agreement` runs 20,000 scenes; a single one again, and made smaller, in the
+folder tests: `python -m agreement --minimize 17`.
+"""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+TRIALS, BLOCK = 300, 25
+REFUSED = ("refused", "not started")
+
+
+def findings(first: int, count: int) -> list[dict[str, str]]:
+    """In another process, so that a crash is reported."""
+    child = subprocess.run(
+        [sys.executable, "-m", "agreement", str(count), str(first), "--jobs", "1"],
+        cwd=Path(__file__).parent.parent,
+        capture_output=True,
+        text=True,
+    )
+    lines = child.stdout.splitlines()
+    assert lines, child.stderr
+    assert lines[-1].startswith(f"{count} trials"), child.stdout + child.stderr
+    return [json.loads(line) for line in lines[:-1]]
+
+
+@pytest.mark.parametrize("first", range(0, TRIALS, BLOCK))
+def test_all_ways_agree(first: int) -> None:
+    found = findings(first, BLOCK)
+    assert not [each for each in found if each["way"] not in REFUSED]
+    assert len(found) <= 1  # lest all agree because nothing runs
