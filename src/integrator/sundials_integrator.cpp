@@ -47,7 +47,10 @@ void SundialsIntegrator::keep_counts() { base_counts_ = {steps_, rejected_}; }
 
 double SundialsIntegrator::advance(double end, double* y) {
   stall_end_ = t_;  // no advance ends at its start
-  return advance_some(end, y, std::numeric_limits<long>::max());
+  do {
+    advance_some(end, y, std::numeric_limits<long>::max());
+  } while (t_ < end && !system_.budget_exhausted());
+  return t_;
 }
 
 double SundialsIntegrator::advance_some(double end, double* y, long max_steps) {
@@ -74,6 +77,9 @@ double SundialsIntegrator::advance_some(double end, double* y, long max_steps) {
       step = step_towards();
     }
     jumped_ = false;
+    // Modes have changed at events on the way, so that another method cannot begin again at the start: what has been
+    // reached is kept, and the next call fails here.
+    if (step != Step::made && t_ > start) break;
     if (step != Step::made) fail(step, start);
     system_.accepted(t_, sundials::data(y_.get()));
     if (const std::string why = stall_detector_.step_to(t_); !why.empty()) {
