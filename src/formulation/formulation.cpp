@@ -253,6 +253,20 @@ void Formulation::output_touched_accelerations(double t, const double* y, double
   if (!modes_.locks().empty()) modes_.locks().set_state(present_locks);
 }
 
+bool Formulation::holds_by_modes() const {
+  if (contacts_.are_used()) return false;
+  return modes_.locks().any_at_rest() ||
+         (contacts_.touch() != nullptr && !contacts_.touch()->equations().closed().empty());
+}
+
+std::optional<BrokenLaw> Formulation::broken_law(const double* y) {
+  if (contacts_.touch() != nullptr && contacts_.touch()->outputs().broken_law())
+    return contacts_.touch()->outputs().broken_law();
+  if (modes_.locks().empty()) return {};
+  dynamics_.set_position(y);
+  return audit_locks(dynamics_.branching(), modes_.recorded_forces(), y + mechanism_.nq, mechanism_.nv);
+}
+
 void Formulation::start(const std::vector<double>& cut_q, double t, const double* y) {
   drives_.go_to(t);
   revolutions_.count_from(cut_q, t, y);

@@ -8,6 +8,7 @@
 
 #include <climits>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -24,6 +25,7 @@
 #include "formulation/row_domain.h"
 #include "modes/event_modes.h"
 #include "modes/run_counts.h"
+#include "touch/law_audit.h"
 #include "touch/touched_equations.h"
 #include "util/archive.h"
 
@@ -78,6 +80,11 @@ class Formulation : public Equations, private ModeEquations, private TouchedEqua
   bool project_onto_constraints(double t, double* y);
   // vdot (nv) for outputs, at a state accepted at t; `dynamics` is left there, including velocities and accelerations.
   void output_accelerations(double t, const double* y, double* vdot);
+  // Whether friction, limits or contacts of shapes hold something in the present modes, so that their laws bound forces
+  // that the equations of motion determine.
+  bool holds_by_modes() const;
+  // What the forces of the last output_accelerations() break of their laws; y: the same state.
+  std::optional<BrokenLaw> broken_law(const double* y);
   // Saves or restores the data carried from one step to the next. Factors are not included: they are recomputed
   // afterwards, both in the run that saves and in the one that restores.
   virtual void serialize(Archive& archive);

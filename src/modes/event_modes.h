@@ -58,6 +58,7 @@ class EventModes final : public EventSource {
   }
 
   LockModes& locks() { return locks_; }
+  const LockModes& locks() const { return locks_; }
   // The modes of all forces with modes in which derivatives are taken at (t, y), the present state: those in which a
   // step would begin; empty: those of the state. boundary: see LockModes::treat().
   struct Present {

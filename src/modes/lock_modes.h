@@ -40,6 +40,8 @@ class LockModes {
   LockModes(ModeEquations& equations, Dynamics& dynamics, int nq, int nv, EventLog& log, std::vector<int>& sides);
 
   bool empty() const { return modes_.motions.empty(); }
+  // Whether friction or a limit keeps anything at rest.
+  bool any_at_rest() const { return any_at_rest_; }
   // Whether the force with this index is friction or a limit; and whether it keeps its mode at any v: of a
   // coordinate at rest, or so slow that rounding decides on its direction.
   bool owns(int force) const { return lock_of_[static_cast<std::size_t>(force)] >= 0; }

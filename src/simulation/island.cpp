@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "preparation/law_report.h"
 #include "scene/element_numbers.h"
 #include "scene/shapes.h"
 
@@ -185,6 +186,15 @@ void Island::enforce_given_motions() {
         "the motion prescribed by an input cannot be followed from the present state: projection did not converge");
   }
   integrator_->restart(time_, y_.data());
+}
+
+// Only where something is held: what moves freely has no force that modes decide on. Outputs of this state use the same
+// evaluation.
+void Island::audit() {
+  if (!integrator_ || !equations_->holds_by_modes()) return;
+  realize(Stage::acceleration);
+  const std::optional<BrokenLaw> broken = equations_->broken_law(y_.data());
+  if (broken) throw IntegrationError(at_time(time_) + describe_broken_law(scene_, loads_, *broken));
 }
 
 void Island::roll_back() {

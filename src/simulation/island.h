@@ -30,6 +30,8 @@ class Island {
   // the time reached. continues: resumes an advance that ended early, without resetting anything. Throws
   // IntegrationError and SingularMass; the caller must then call roll_back().
   double advance(double end, long max_evaluations, bool continues = false);
+  // Throws IntegrationError if the forces at the end of an advance break the laws of friction, limits or contacts.
+  void audit();
   // Restores the state before the last advance().
   void roll_back();
 

@@ -53,6 +53,7 @@ void Simulation::Impl::advance(double end) {
   if (!continues && any_integrator(islands, &Integrator::will_have_history)) log.add(u);
   try {
     const double reached = advance_islands(end, continues, moved);
+    for (const auto& island : islands) island->audit();
     time = reached;
     cut_short = reached < end;
     if (reached == end) return u.finish(end);

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "preparation/law_report.h"
+
+#include "scene/element_numbers.h"
+#include "util/text.h"
+
+namespace gelenk {
+namespace {
+
+std::string shown(const Scene& scene, double x, const std::string& unit) {
+  return text::with_unit(text::rounded(x * scene.units.size_of(unit)), unit);
+}
+
+std::string of_joint(const Scene& scene, const Loads& loads, const BrokenLaw& broken) {
+  const BranchingForce of = branching_forces(loads)[static_cast<std::size_t>(broken.index)];
+  const Joint& joint = scene.joints[static_cast<std::size_t>(of.joint)];
+  const Coordinate at = coordinate_of(kind_of(joint.is), of.component);
+  const std::string force = shown(scene, broken.found, spelled(unit_of("{f}", at)));
+  const std::string law = "joints." + joint.name + "." + std::string(of.group);
+  switch (broken.kind) {
+    case BrokenLaw::Kind::friction_exceeded:
+      return law + ": the friction would be " + force + ", but can be at most " +
+             shown(scene, broken.bound, spelled(unit_of("{f}", at)));
+    case BrokenLaw::Kind::friction_along_motion:
+      return law + ": the friction would be " + force + ", along the motion with " +
+             shown(scene, broken.bound, spelled(unit_of("{v}", at)));
+    case BrokenLaw::Kind::limit_not_reached:
+      return law + ": the limit would exert " + force + " at a distance of " +
+             shown(scene, broken.bound, spelled(unit_of("{q}", at)));
+    case BrokenLaw::Kind::limit_passed:
+      return law + ": the coordinate is " + shown(scene, broken.bound, spelled(unit_of("{q}", at))) +
+             " beyond its limit";
+    default:
+      return law + ": it would pull with " + force;
+  }
+}
+
+std::string of_contact(const Scene& scene, const BrokenLaw& broken) {
+  const std::string law = "contacts." + scene.contacts[static_cast<std::size_t>(broken.index)].name;
+  const std::string force = shown(scene, broken.found, "N");
+  if (broken.kind == BrokenLaw::Kind::contact_pulls) return law + ": the normal force at a point would be " + force;
+  return law + ": the friction at a point would be " + force + ", but can be at most " +
+         shown(scene, broken.bound, "N");
+}
+
+}  // namespace
+
+std::string describe_broken_law(const Scene& scene, const Loads& loads, const BrokenLaw& broken) {
+  const bool is_contact =
+      broken.kind == BrokenLaw::Kind::contact_pulls || broken.kind == BrokenLaw::Kind::contact_friction_exceeded;
+  return (is_contact ? of_contact(scene, broken) : of_joint(scene, loads, broken)) +
+         "; no result outside the laws is returned: try a smaller communication step or tolerance, or another "
+         "integrator";
+}
+
+}  // namespace gelenk

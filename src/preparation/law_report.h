@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Messages about forces that break their laws, in the names of the scene and in SI units.
+#pragma once
+
+#include <string>
+
+#include "kinematics/model.h"
+#include "scene/scene.h"
+#include "touch/law_audit.h"
+
+namespace gelenk {
+
+std::string describe_broken_law(const Scene& scene, const Loads& loads, const BrokenLaw& broken);
+
+}  // namespace gelenk

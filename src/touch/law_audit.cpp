@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "touch/law_audit.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gelenk {
+namespace {
+
+// Forces are solved for to some 1e-13 of the largest (Branching::slack); modes are decided within 1e-9 of a limit. What
+// is wrong by a decision is wrong by far more than this fraction of a limit, and this number of slacks.
+constexpr double force_fraction = 1e-6;
+constexpr double slacks = 1e4;
+// Speeds up to this, relative to the largest or 1, may have either sign by rounding.
+constexpr double rest_fraction = 1e-8;
+// A limit acts, and holds, within this multiple of what counts as contact with it.
+constexpr double distances = 1e4;
+
+}  // namespace
+
+std::optional<BrokenLaw> audit_locks(const Branching& branching, std::span<const double> forces, const double* v,
+                                     int nv) {
+  using enum BrokenLaw::Kind;
+  double fastest = 1;
+  for (int k = 0; k < nv; ++k) fastest = std::max(fastest, std::abs(v[k]));
+  for (int i = 0; i < branching.locks(); ++i) {
+    const Branching::Lock lock = branching.lock(i);
+    const double slack = slacks * branching.slack(i);
+    const double speed = branching.speed(i, v);
+    const bool moves = std::abs(speed) > rest_fraction * fastest;
+    if (lock.friction >= 0) {
+      const double friction = forces[static_cast<std::size_t>(lock.friction)];
+      const double permitted = lock.sticking_limit.against(friction > 0 ? -1 : 1);
+      if (std::abs(friction) > (1 + force_fraction) * permitted + slack)
+        return BrokenLaw{friction_exceeded, lock.friction, friction, permitted};
+      if (moves && friction * speed > 0 && std::abs(friction) > slack)
+        return BrokenLaw{friction_along_motion, lock.friction, friction, speed};
+    }
+    if (lock.limit < 0) continue;
+    const double force = forces[static_cast<std::size_t>(lock.limit)];
+    const int side = force < 0 ? 1 : -1;  // the bound that would push like this
+    const Branching::Depth at = branching.depth(i, side);
+    const bool acts = std::abs(force) > slack;
+    if (acts && lock.one_way && !(at.depth > -INFINITY)) return BrokenLaw{limit_pulls, lock.limit, force};
+    if (acts && !lock.one_way && at.depth < -distances * at.tolerance) {
+      const double other = branching.depth(i, -side).depth;
+      return other >= -distances * at.tolerance ? BrokenLaw{limit_pulls, lock.limit, force}
+                                                : BrokenLaw{limit_not_reached, lock.limit, force, -at.depth};
+    }
+    if (lock.one_way) continue;
+    for (const int of : {1, -1}) {
+      const Branching::Depth passed = branching.depth(i, of);
+      if (passed.depth > distances * passed.tolerance) return BrokenLaw{limit_passed, lock.limit, 0, passed.depth};
+    }
+  }
+  return {};
+}
+
+std::optional<BrokenLaw> audit_contacts(const TouchEquations& touch,
+                                        std::span<const TouchEquations::SpotForce> forces) {
+  using enum BrokenLaw::Kind;
+  double sum = 0;
+  for (const auto& force : forces) sum += std::abs(force.normal);
+  for (std::size_t i = 0; i < forces.size(); ++i) {
+    const TouchEquations::Entry& entry = touch.rows().entries[i];
+    const int contact = touch.spots()[entry.spot].contact;
+    if (forces[i].normal < -force_fraction * sum) return BrokenLaw{contact_pulls, contact, forces[i].normal};
+    for (int group = 0; group < contact_groups; ++group) {
+      const auto g = static_cast<std::size_t>(group);
+      const double permitted = touch.coefficient(entry.spot, group, false) * forces[i].normal;
+      if (entry.rows[g] >= 0 && forces[i].held[g] > permitted + force_fraction * sum)
+        return BrokenLaw{contact_friction_exceeded, contact, forces[i].held[g], permitted};
+    }
+  }
+  return {};
+}
+
+}  // namespace gelenk
