@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from gelenk.errors import SceneError
 from gelenk.extras import extra
+from gelenk.io.urdf_ignored import ignored
 from gelenk.io.urdf_inertia import impossible_inertias, repaired
 from gelenk.io.urdf_limits import bounds_of, limit_notes, start_within
 from gelenk.model import foreign
@@ -69,8 +70,9 @@ def import_urdf(
         OSError: the file cannot be read.
     """
     file = Path(path)
-    _check(file)
+    root = _check(file)
     scene, name, notes = _convert(file, _read(file), floating, limits)
+    notes += ignored(root)
     if assembly_tolerance is not None:
         scene["assembly"] = {"tolerance": assembly_tolerance}
     if repair_inertia:
@@ -86,8 +88,8 @@ def import_urdf(
         raise SceneError([*e.lines, f"{file}: {advice}"]) from None
 
 
-def _check(file: Path) -> None:
-    """Report faults that the URDF reader ignores, or for which it has no understandable message."""
+def _check(file: Path) -> ET.Element:
+    """Return the element <robot>; report faults that the URDF reader ignores or does not explain."""
     try:
         root = ET.fromstring(file.read_bytes())
     except ET.ParseError as e:
@@ -108,6 +110,7 @@ def _check(file: Path) -> None:
         faults.append(f"{file}: found no links, expected at least one")
     if faults:
         raise SceneError(faults)
+    return root
 
 
 def _name_faults(file: Path, root: ET.Element) -> list[str]:
