@@ -87,9 +87,10 @@ class LoadedFriction final : public LoadDependence {
   }
   // What the friction with this index can exert: without loads, and per size of the load of a bearing.
   DirectedLimit limit(int force, double without, double of_bearing) const {
-    DirectedLimit out{without, without};
+    DirectedLimit out{.positive = without, .negative = without, .vanishes = without == 0 && of_bearing == 0};
     for (const Load& load : loads_) {
       if (load.is.force != force) continue;
+      out.vanishes = out.vanishes && load.is.of != FrictionLoad::Of::mesh;
       out.positive += load.friction(1, of_bearing);
       out.negative += load.friction(-1, of_bearing);
     }

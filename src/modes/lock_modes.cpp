@@ -318,17 +318,18 @@ void LockModes::start(double t, const double* y) {
 }
 
 int LockModes::treat(FrictionTreatment friction, double t, const double* y) {
-  if (friction == FrictionTreatment::present) return on_boundary(t, y);
   State out = modes_;
   for (int i = 0; i < count(); ++i) {
     if (!has_friction(i) || modes_.contacts[i] != 0) continue;
     int& motion = out.motions[i];
     if (friction == FrictionTreatment::locked) motion = 0;
-    if (friction == FrictionTreatment::off || (friction == FrictionTreatment::sliding && motion == 0))
-      motion = JointLoads::released;
+    const bool is_free = friction == FrictionTreatment::off ||
+                         (friction == FrictionTreatment::sliding && motion == 0) ||
+                         (friction == FrictionTreatment::present && forces_.lock(i).sticking_limit.vanishes);
+    if (is_free) motion = JointLoads::released;
   }
   set_state(out);
-  return -1;
+  return friction == FrictionTreatment::present ? on_boundary(t, y) : -1;
 }
 
 int LockModes::on_boundary(double t, const double* y) {
@@ -340,7 +341,7 @@ int LockModes::on_boundary(double t, const double* y) {
   for (int i = 0; i < count(); ++i) {
     const Branching::Lock lock = forces_.lock(i);
     if (!rests(i)) {
-      if (has_friction(i) && is_slow(i, v)) return lock.friction;
+      if (has_friction(i) && modes_.motions[i] != JointLoads::released && is_slow(i, v)) return lock.friction;
       if (lock.limit >= 0 && touched_side(i) != 0 && (!lock.one_way || is_slow(i, v))) return lock.limit;
       continue;
     }
