@@ -63,7 +63,31 @@ VectorXd Placement::remaining(std::span<const double> x) const {
     const double present = at.sign * (at.is_coordinate ? reading.q : reading.v)[at.component];
     out[static_cast<Index>(k)] = x[k] / impl_.output_size[impl_.states[k].output] - present;
   }
+  for (std::size_t k = 0; k + 3 < x.size(); ++k) {
+    if (impl_.states[k].derivative != StateVariable::none) continue;
+    keep_independent_rotations(k, out);
+    k += 3;
+  }
   return out;
+}
+
+// Of the change of the quaternion that begins at this state, removes the rotations that the loops determine.
+void Placement::keep_independent_rotations(std::size_t state, VectorXd& change) const {
+  const Sensitivity::Place at = impl_.sensitivity->place(state);
+  const auto island = static_cast<std::size_t>(at.island);
+  const JointPlace& joint = impl_.prepared.reduced.joints[impl_.outputs[impl_.states[state].output].joint];
+  const int first = joint.iv + static_cast<int>(joint.v_sign.size()) - 3;
+  const std::vector<int>& independent = impl_.independent_by_island[island].coordinates;
+  Eigen::Array3d kept;
+  for (int i = 0; i < 3; ++i) kept[i] = std::ranges::find(independent, first + i) == independent.end() ? 0 : 1;
+  if ((kept == 1).all()) return;
+  const double* q = impl_.islands[island]->reading().q + at.component;
+  const Eigen::Quaterniond Q(q[3], q[0], q[1], q[2]);
+  auto dQ = change.segment<4>(static_cast<Index>(state));
+  Eigen::Quaterniond turn = Q.conjugate() * Eigen::Quaterniond(dQ[3], dQ[0], dQ[1], dQ[2]);
+  turn.vec() = turn.vec().array() * kept;
+  turn.w() = 0;
+  dQ = (Q * turn).coeffs();
 }
 
 // Islands without loops take the states as they are.

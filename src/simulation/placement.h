@@ -48,6 +48,7 @@ class Placement {
   void approach(std::span<const double> x, double time, bool closed);
   void take_inputs_and_modes(const Simulation& other, std::span<const double> x, bool closed);
   Eigen::VectorXd remaining(std::span<const double> x) const;
+  void keep_independent_rotations(std::size_t state, Eigen::VectorXd& change) const;
   void move(const Eigen::VectorXd& dx, double time);
   static void realize_in_present_modes(Island& of);
   bool has_loops() const;

@@ -32,6 +32,18 @@ std::vector<int> numbers(const std::vector<bool>& flags) {
   return out;
 }
 
+// The flags of coordinates, where of quaternions only those rotations are kept whose speeds are flagged.
+std::vector<bool> rotations_of_speeds(const Scene& scene, const ReducedScene& reduced, int island,
+                                      std::vector<bool> coordinates, const std::vector<bool>& speeds) {
+  for (const int j : reduced.islands[island].joints) {
+    const JointPlace& place = reduced.joints[j];
+    const JointKind& kind = *find_joint_kind(scene.joints[j].type);
+    if (place.role != JointPlace::Role::tree || !kind.has_quaternion()) continue;
+    for (int k = place.iv + kind.nv - 3; k < place.iv + kind.nv; ++k) coordinates[k] = coordinates[k] && speeds[k];
+  }
+  return coordinates;
+}
+
 }  // namespace
 
 void Simulation::Impl::find_independent() {
@@ -52,16 +64,16 @@ void Simulation::Impl::find_independent() {
     if (s.level != 0 && s.level != 1) continue;
     const JointPlace& place = prepared.reduced.joints[s.joint];
     if (place.role != JointPlace::Role::tree) continue;
-    // A quaternion is independent if all three rotations are.
+    // A quaternion is a state if any of its three rotations is independent; only those that are have an effect.
     const JointKind& kind = *find_joint_kind(scene.joints[s.joint].type);
     const int turns = kind.nv - 3;
     const bool quaternion = kind.has_quaternion() && s.component >= turns;
-    const std::vector<bool>& of_q = free_q[place.island];
-    const bool whole = quaternion && of_q[place.iv + turns] && of_q[place.iv + turns + 1] && of_q[place.iv + turns + 2];
-    if (s.level == 0 && (quaternion ? whole : of_q[place.iv + s.component])) independent.coordinates.push_back(i);
-    if (s.level == 1 && (!quaternion || whole) && free_v[place.island][place.iv + s.component]) {
+    const auto first = free_q[place.island].begin() + place.iv + turns;
+    const bool rotates = quaternion && std::find(first, first + 3, true) != first + 3;
+    if (s.level == 0 && (quaternion ? rotates : free_q[place.island][place.iv + s.component]))
+      independent.coordinates.push_back(i);
+    if (s.level == 1 && (!quaternion || rotates) && free_v[place.island][place.iv + s.component])
       independent.speeds.push_back(i);
-    }
   }
   states = states_of(scene, outputs, independent);
 }
@@ -127,8 +139,12 @@ void StateDerivatives::take_states(const IndependentOutputs& independent) {
     const auto wanted = [&](int level, const std::vector<int>& among) {
       return speeds_of(s.scene, s.prepared.reduced, s.outputs, i, level, among);
     };
-    const std::vector<bool> coordinates = wanted(0, independent.coordinates);
     const std::vector<bool> speeds = wanted(1, independent.speeds);
+    std::vector<bool> coordinates = wanted(0, independent.coordinates);
+    // More than there are: of some quaternions only the rotations are meant of which the speeds are states.
+    const PreparedIsland& island = s.islands[i]->prepared();
+    if (std::ranges::count(coordinates, true) > island.mechanism.nv - island.mobility.position_rank)
+      coordinates = rotations_of_speeds(s.scene, s.prepared.reduced, i, coordinates, speeds);
     // Besides these it may contain rotations of a quaternion that is not a state as a whole.
     Independent found = s.independent_of(i, coordinates, speeds);
     const auto keep = [](std::vector<int>& of, const std::vector<bool>& required) {

@@ -12,7 +12,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gelenk.errors import OperatingPointWarning, UsageError
-from gelenk.linear.minimal_realization import Array, MinimalRealization, check_complete, chosen_states
+from gelenk.linear.minimal_realization import (
+    DEPENDENCY_TOLERANCE,
+    Array,
+    MinimalRealization,
+    check_complete,
+    chosen_states,
+)
 from gelenk.linear.model import LinearModel
 from gelenk.linear.operating_point import At, Mechanism, OperatingPoint
 from gelenk.linear.state_basis import completed, dependencies, transformed
@@ -61,7 +67,8 @@ def linearize(
             differentiable.
         states: names of coordinates, or of coordinates and velocities, in this order; by default those chosen
             by the plant. Rotation coordinates of a spherical or free joint are `J.theta[1..3]`. States may be
-            omitted if none of the named states and outputs depends on them.
+            omitted if none of the named states and outputs depends on them. By default, idle rotations are
+            omitted: those of a rod between two ball joints about its axis, if nothing depends on them.
         parameters: values by FMU parameter name.
         tolerance: relative tolerance of the integrator, if `at` is a time.
         friction: what joints with dry friction do. "present": what they do at the operating point; what is at
@@ -72,7 +79,8 @@ def linearize(
         control.StateSpace: with the state names of Gelenk, and inputs and outputs with "_" for "." (drive_f).
 
     Warns:
-        OperatingPointWarning: the point is not an equilibrium; the warning gives the rates of the states.
+        OperatingPointWarning: the point is not an equilibrium; the warning gives the rates of the states. Or
+            idle rotations are left out, see `states`.
 
     Raises:
         SceneError, UsageError: the scene, a name or a value is invalid, or the configuration is singular.
@@ -86,8 +94,9 @@ def linearize(
     """
     point = OperatingPoint.given(source, at, input_values, parameters, tolerance)
     model = model_at(point, inputs, outputs, states, friction)
-    if model.residual_rates:
-        warnings.warn(model.residual_rates, OperatingPointWarning, stacklevel=2)
+    for remark in (model.residual_rates, model.idle_rotations if states is None else ""):
+        if remark:
+            warnings.warn(remark, OperatingPointWarning, stacklevel=2)
     return model.to_control()
 
 
@@ -125,6 +134,8 @@ def model_at(
     outputs: Names | None = None,
     states: Names | None = None,
     friction: str = "present",
+    *,
+    with_idle: bool = False,
 ) -> LinearModel:
     """Return the linear model about an operating point.
 
@@ -134,6 +145,7 @@ def model_at(
         outputs: names or patterns of the outputs; None: all that have derivatives.
         states: names of the states; None: those chosen by the plant.
         friction: see `linearize`.
+        with_idle: whether the plant's choice of states includes rotations on which nothing depends.
 
     Raises:
         SceneError, UsageError, AssemblyError, StepError, OSError: as for `linearize`.
@@ -147,7 +159,7 @@ def model_at(
     finally:
         plant.close()
     reached.check(found)
-    model = _assembled(plant.name, point.time, found, inputs, outputs, states)
+    model = _assembled(plant.name, point.time, found, inputs, outputs, states, with_idle)
     model = replace(model, friction=friction)
     if states is None:
         model = _without_locked(model, found.rates)
@@ -180,6 +192,7 @@ def _assembled(
     inputs: Names | None,
     outputs: Names | None,
     states: Names | None,
+    with_idle: bool,
 ) -> LinearModel:
     u = _selected(inputs, found.inputs, "input")
     y = _selected(None if outputs is None else expanded(outputs, found.outputs), found.outputs, "output")
@@ -193,8 +206,11 @@ def _assembled(
         )
     found = found.without(undetermined)
     minimal = MinimalRealization(found.in_own_units())
-    x = chosen_states(minimal, states)
     check_complete(minimal)
+    idle = () if with_idle else minimal.idle_rotations
+    if outputs is not None and states is None:
+        idle = _without_effect(minimal, idle, _indices(y, found.readings))
+    x = chosen_states(minimal, states, idle)
     complete = completed(minimal, x)
     by_x, C = transformed(minimal, complete, time)
     if len(x) < len(complete):
@@ -211,7 +227,19 @@ def _assembled(
         name, time, tuple(x), u, y, by_x, by_u[:, columns], C[rows], minimal.D[np.ix_(rows, columns)],
         np.array([minimal.value(n) for n in x]), np.array([values[n] for n in u]),
         np.array([values[n] for n in y]), np.array([rate for _, _, rate in rates]), units, found.scales,
+        left_out=tuple(name for name in idle if name not in x),
     ))  # fmt: skip
+
+
+def _without_effect(minimal: MinimalRealization, idle: Names, rows: Sequence[int]) -> tuple[str, ...]:
+    """Return those of the idle rotations on which none of the rows of C depends, by joint."""
+    seen = {
+        name.rpartition(".")[0]
+        for name in idle
+        if np.abs(minimal.C[np.ix_(rows, [minimal.names.index(name)])]).max(initial=0.0)
+        > DEPENDENCY_TOLERANCE
+    }
+    return tuple(name for name in idle if name.rpartition(".")[0] not in seen)
 
 
 def _in_si(model: LinearModel) -> LinearModel:

@@ -22,6 +22,10 @@ from gelenk.simulation.derivatives import Derivatives
 
 Array = NDArray[np.float64]
 
+DEPENDENCY_TOLERANCE = (
+    1e-10  # of entries of A and C, relative to the largest in the row or 1: rounding errors
+)
+
 
 @dataclass(frozen=True)
 class _Rotation:
@@ -55,7 +59,8 @@ class MinimalRealization:
                 columns[name] = raw[place[name]]
             elif component == "1]":
                 across = self._rotations[joint].G.T @ raw[[place[Q] for Q in elements(f"{joint}.Q", 4)]]
-                columns |= dict(zip(elements(f"{joint}.theta", 3), across, strict=True))
+                turns = zip(elements(f"{joint}.theta", 3), across, strict=True)
+                columns |= {theta: column for theta, column in turns if self._rotates(joint, column)}
         self.names = tuple(sorted(columns, key=lambda name: not self.is_coordinate(name)))
         E = np.array([columns[name] for name in self.names]).reshape(len(columns), len(of.states)).T
         self.C: Array = of.C @ E
@@ -75,10 +80,39 @@ class MinimalRealization:
             rotations[joint] = _Rotation(rows[:4], rows[4:], G)
         return rotations
 
+    def _rotates(self, joint: str, direction: Array) -> bool:
+        """Return whether a joint rotates if the plant's states change so: not if its loop forbids it."""
+        change = 4 * self._rotations[joint].G.T @ self.of.C[self._rotations[joint].Q] @ direction
+        return bool(np.abs(change).max() > 0.5)  # of 1 rad
+
     @property
     def incomplete_joints(self) -> list[str]:
-        """Names of joints with a quaternion that is not, or only in part, among the states."""
-        return [joint for joint in self._rotations if f"{joint}.theta[1]" not in self.names]
+        """Names of joints with a quaternion that is not among the states."""
+        return [joint for joint in self._rotations if not self._rotations_of(joint)]
+
+    def _rotations_of(self, joint: str) -> list[str]:
+        return [theta for theta in elements(f"{joint}.theta", 3) if theta in self.names]
+
+    @property
+    def idle_rotations(self) -> tuple[str, ...]:
+        """Names of the states of joints that spin idly, such as a rod between two ball joints.
+
+        Only some rotations of such a joint are states, and no acceleration depends on them, their own
+        included, nor the rate of another state.
+        """
+        idle: list[str] = []
+        for joint in self._rotations:
+            own = self._rotations_of(joint)
+            if len(own) not in (1, 2):
+                continue
+            others = [name for name in self.names if name not in own]  # and its own accelerations
+            own += [w for w in elements(f"{joint}.w", 3) if w in self.names]
+            columns = [self.names.index(name) for name in own]
+            rates = np.array([self.rate(name)[0] for name in others]).reshape(len(others), len(self.names))
+            size = np.maximum(1.0, np.abs(rates).max(axis=1, initial=0.0))
+            if np.all(np.abs(rates[:, columns]) <= DEPENDENCY_TOLERANCE * size[:, None]):
+                idle += own
+        return tuple(idle)
 
     @property
     def candidates(self) -> list[str]:
@@ -137,28 +171,34 @@ class MinimalRealization:
         return self._rotations[joint], int(component[0]) - 1
 
 
-def chosen_states(minimal: MinimalRealization, wanted: Sequence[str] | None) -> list[str]:
+def chosen_states(
+    minimal: MinimalRealization, wanted: Sequence[str] | None, idle: Sequence[str] = ()
+) -> list[str]:
     """Return the states that a user has named, with their velocities if only coordinates are named.
 
     Args:
         minimal: the plant's derivatives.
         wanted: names of states, fewer than the mechanism has if coordinates and velocities are named; None:
-            all.
+            all but the idle ones.
+        idle: states that need not be named.
 
     Raises:
         UsageError: names that cannot be states, too many names, or too few coordinates without velocities.
     """
     if wanted is None:
-        return list(minimal.names)
+        return [name for name in minimal.names if name not in idle]
     known = minimal.candidates
     check_names(wanted, known, "state", lambda name: _no_state(name, known))
     out = list(wanted)
     if all(minimal.is_coordinate(name) for name in wanted):
         out += [minimal.speed(name) for name in wanted]
-    n = len(minimal.names)
-    coordinates = sum(map(minimal.is_coordinate, minimal.names))
+    needed = [name for name in minimal.names if name not in idle]
+    if len(wanted) > sum(map(minimal.is_coordinate, needed)):  # idle ones, too, or velocities
+        needed = list(minimal.names)
+    n = len(needed)
+    coordinates = sum(map(minimal.is_coordinate, needed))
     if len(wanted) == coordinates and len(out) > n:  # fewer velocities than coordinates: use the plant's
-        out = [*wanted, *minimal.names[coordinates:]]
+        out = [*wanted, *needed[coordinates:]]
     if len(out) > n or (len(out) < n and all(map(minimal.is_coordinate, wanted))):
         velocities = f"their {n - coordinates}" if 2 * coordinates == n else f"{n - coordinates}"
         raise UsageError(

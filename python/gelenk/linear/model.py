@@ -50,6 +50,7 @@ class LinearModel:
         units: units of states, inputs and outputs, by name.
         scales: the mechanism's own units, in which tolerances apply.
         friction: what joints with dry friction do: "present", "locked", "sliding" or "off".
+        left_out: states of joints that spin idly, which are none of the model: nothing depends on them.
     """
 
     name: str
@@ -68,9 +69,20 @@ class LinearModel:
     units: Mapping[str, str]
     scales: Scales = field(default_factory=Scales)
     friction: str = "present"
+    left_out: tuple[str, ...] = ()
 
     unrest = DeprecatedAlias("residual_rates")
     unrest_of_states = DeprecatedAlias("residual_state_rates")
+
+    @property
+    def idle_rotations(self) -> str:
+        """A sentence about the states that are left out; empty if there are none."""
+        if not self.left_out:
+            return ""
+        return (
+            f"left out: {', '.join(self.left_out)}, an idle rotation on which nothing depends; "
+            "name states or outputs to include it"
+        )
 
     def to_control(self) -> control.StateSpace:
         """Return the model as a `StateSpace` of python-control.
@@ -212,6 +224,8 @@ def _shown(model: LinearModel) -> str:
     point = f"{model.name} at t = {model.time:g} s: {_count(len(model.states), 'state')}, "
     point += f"{_count(len(model.inputs), 'input')}, {_count(len(model.outputs), 'output')}"
     groups = (("states", model.states, model.x0), ("inputs", model.inputs, model.u0))
+    if model.left_out:
+        point += f"\n{model.idle_rotations}"
     parts = [point, *(_values(model, title, names, values) for title, names, values in groups if names)]
     x, u, y = model.states, model.inputs, model.outputs
     derivatives = [f"der({name})" for name in x]

@@ -25,8 +25,7 @@ def model_html(model: LinearModel) -> str:
     sizes = ", ".join(f"{len(names)} {what}{'' if len(names) == 1 else 's'}" for names, what in counts)
     name = f"{model.name} at t = {model.time:g} s" if model.name else f"t = {model.time:g} s"
     parts: list[_html.Cell] = [_html.heading(name, sizes)]
-    if model.residual_rates:
-        parts.append(_html.paragraph(model.residual_rates))
+    parts += [_html.paragraph(text) for text in (model.residual_rates, model.idle_rotations) if text]
     if model.states:
         parts.append(_poles(model.A))
     points = (("state", model.states, model.x0), ("input", model.inputs, model.u0),

@@ -9,14 +9,11 @@ import numpy as np
 import scipy.linalg
 
 from gelenk.errors import UsageError
-from gelenk.linear.minimal_realization import Array, MinimalRealization
+from gelenk.linear.minimal_realization import DEPENDENCY_TOLERANCE, Array, MinimalRealization
 
 # Smallest singular value of the transformation between states, relative to the largest; the limit of the
 # core.
 SINGULAR_VALUE_RATIO_LIMIT = 1e-8
-DEPENDENCY_TOLERANCE = (
-    1e-10  # of entries of A and C, relative to the largest in the row or 1: rounding errors
-)
 
 
 def completed(minimal: MinimalRealization, states: Sequence[str]) -> list[str]:

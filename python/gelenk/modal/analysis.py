@@ -180,14 +180,14 @@ def modes(
     point = OperatingPoint.given(source, at, input_values, parameters, tolerance)
     plant, scene, by_fmu = _opened(point.source)
     point = replace(point, source=plant)
-    model = model_at(point, states=states)
+    model = model_at(point, states=states, with_idle=True)
     if model.residual_state_rates:
         warnings.warn(model.residual_state_rates, OperatingPointWarning, stacklevel=2)
     bodies = None if by_fmu or scene is None else with_body_sensors(scene, point, model.states)
     if scene is None:
         return found_in(model, rounding, bodies)
     # A model with fewer states does not determine all joint coordinates.
-    complete = model if states is None else model_at(point)
+    complete = model if states is None else model_at(point, with_idle=True)
     settings = {**(point.parameters or {}), **point.values}
     return found_in(model, rounding, bodies, pose_evaluator(scene, settings, complete))
 
