@@ -123,14 +123,14 @@ def test_table_is_held_outside_and_jumps_where_a_time_repeats() -> None:
     )
 
 
-def test_input_is_sampled_at_the_start_of_a_step_and_held(four_bar: gelenk.Scene) -> None:
+def test_held_input_is_sampled_at_the_start_of_a_step(four_bar: gelenk.Scene) -> None:
     asked: list[float] = []
 
     def torque(t: float) -> float:
         asked.append(t)
         return 3.0
 
-    gelenk.simulate(four_bar, stop=0.05, step=0.02, inputs={SINE: torque})
+    gelenk.simulate(four_bar, stop=0.05, step=0.02, inputs={SINE: torque}, hold=[SINE])
     assert asked == [0.0, 0.0, 0.02, 0.04]  # to start consistently, then once a step
 
 

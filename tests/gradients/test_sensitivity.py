@@ -170,7 +170,7 @@ def test_inputs_that_jump_are_followed() -> None:
     """A force that is held in each step of 0.1 s: v = v0 + sum of F h / m, s accordingly."""
 
     def force(t: float) -> float:
-        return 2.0 * math.sin(20 * t)
+        return 2.0 * math.sin(20 * 0.1 * math.floor(10 * t + 1e-9))
 
     run = gelenk.sensitivity(
         slider(damping=0.0),

@@ -18,7 +18,7 @@ from gelenk.gradients.saltation import DOUBTFUL, WINDOWS, NotPassed, Saltation, 
 from gelenk.model.scene import Scene, Source, load
 from gelenk.model.settable import with_listed
 from gelenk.model.values import Value, check_names, unknown
-from gelenk.simulation.inputs import InputFunction, Inputs, functions, is_motion, polynomial
+from gelenk.simulation.inputs import InputFunction, Inputs, functions, in_step, is_motion, shifted, varies
 from gelenk.simulation.run import expanded, grid
 from gelenk.simulation.simulation import Simulation
 
@@ -134,6 +134,9 @@ class Differentiator:
         self._inputs = tuple(inputs_by)
         self._parameters = tuple(name for name in by if name not in inputs_by)
         self.outputs = tuple(names)
+        self._moving: dict[
+            str, tuple[float, float, Sequence[float]]
+        ] = {}  # start of the step, value, derivatives
         self._set_inputs(0.0, self._plant.scene.step)
         with warnings.catch_warnings(action="ignore", category=StartWarning):
             plant.initialize()
@@ -208,15 +211,17 @@ class Differentiator:
     def _set_inputs(self, begin: float, end: float) -> bool:
         """Set the inputs for a step; return whether one has changed or moves."""
         changed = False
+        self._moving = {}
         for name, signal in self._signals.items():
-            if is_motion(name):
-                value, derivatives = polynomial(signal, begin, end)
+            if varies(name, signal):
+                value, derivatives = in_step(name, signal, begin, end)
                 for order, derivative in enumerate(derivatives, 1):
                     self._plant.set_input_derivative(name, order, derivative)
-                changed = True
+                if is_motion(name) or any(derivatives):
+                    self._moving[name] = begin, value, derivatives
             else:
                 value = signal(begin)
-                changed = changed or value != self._plant.input(name)
+            changed = changed or name in self._moving or value != self._plant.input(name)
             self._plant.set_input(name, value)
         return changed
 
@@ -287,7 +292,7 @@ class Differentiator:
             start, stop = max(begin, start), min(end, event.time + length * self._whole / 2)
             self._plant.restore(saved)
             self._parts = 0
-            self._set_inputs(begin, end)
+            self._move_inputs(begin, end)
             try:
                 matrix, sample = unit(first), first
                 if start > begin:
@@ -351,23 +356,22 @@ class Differentiator:
             return matrix, samples[-1]
         self._plant.restore(saved)
         left, between = self._advanced(first, begin, middle, depth + 1)
-        if self._moves():
-            self._set_inputs(middle, end)
+        if self._moving:
+            self._move_inputs(middle, end)
             between = self._sample()
         right, last = self._advanced(between, middle, end, depth + 1)
         return product(right, left), last
 
-    def _moves(self) -> bool:
-        return any(map(is_motion, self._signals))
-
     def _move_inputs(self, begin: float, end: float) -> None:
-        if self._moves():
-            for name, signal in self._signals.items():
-                if is_motion(name):
-                    value, derivatives = polynomial(signal, begin, end)
-                    self._plant.set_input(name, value)
-                    for order, derivative in enumerate(derivatives, 1):
-                        self._plant.set_input_derivative(name, order, derivative)
+        """Set the inputs that vary for a part of a step; forces follow the polynomials of the whole step."""
+        for name, (start, value, derivatives) in self._moving.items():
+            if is_motion(name):
+                value, derivatives = in_step(name, self._signals[name], begin, end)
+            else:
+                value, derivatives = shifted(value, derivatives, begin - start)
+            self._plant.set_input(name, value)
+            for order, derivative in enumerate(derivatives, 1):
+                self._plant.set_input_derivative(name, order, derivative)
 
     def _step(self, begin: float, end: float) -> None:
         self._move_inputs(begin, end)

@@ -54,6 +54,10 @@ class FmuPlant(Plant):
         self.inputs = self._names("input")
         self.outputs = self._names("output")
         self.parameters = self._names("parameter")
+        interpolates = bool(getattr(self._description.coSimulation, "canInterpolateInputs", False))
+        self.held = frozenset(
+            name for name in self.inputs if not interpolates or self._variables[name].type != "Real"
+        )
         self.idle: list[str] = []
         self.readings = [*self.outputs, *self._names("local")]
         self.units = {name: _unit(v) for name, v in self._variables.items() if v.type == "Real"}

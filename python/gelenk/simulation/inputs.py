@@ -1,12 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Inputs of a simulation as functions of time: constants, callables, tables, CSV files."""
+"""Inputs of a simulation as functions of time: constants, callables, tables, CSV files.
+
+Within a communication step an input is a polynomial: plants accept the time derivatives of their inputs.
+"""
 
 from __future__ import annotations
 
 import csv
 import itertools
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
@@ -24,6 +27,18 @@ if TYPE_CHECKING:
 _INTERPOLATION_POINTS = (0.0, 0.25, 0.5, 0.75, 1.0)  # as fractions of a step
 # Matrix from the values at these points to the coefficients of the polynomial of degree 4.
 _QUARTIC_INTERPOLANT = np.linalg.inv(np.vander(_INTERPOLATION_POINTS, increasing=True))
+# The same for inputs that may jump: the last point is before a jump at the end of the step, whose time may
+# differ from it by rounding. Between the points the polynomial is compared with the function.
+_INNER_POINTS = (0.0, 0.25, 0.5, 0.75, 1.0 - 1e-9)
+_INNER_INTERPOLANT = np.linalg.inv(np.vander(_INNER_POINTS, increasing=True))
+_CHECK_POINTS = (0.125, 0.375, 0.625, 0.875)
+_POINTS = np.sort([*_INNER_POINTS, *_CHECK_POINTS])  # alternating
+# Matrix from the values at the inner points to those of the polynomial at the points between.
+_BETWEEN = np.vander(_CHECK_POINTS, len(_INNER_POINTS), increasing=True) @ _INNER_INTERPOLANT
+# Largest deviation there, relative to that of the value at the start of the step. If a step function jumps
+# between two points, it is 0.27 or more.
+_LARGEST_DEVIATION = 0.25
+_FACTORIALS = (1.0, 1.0, 2.0, 6.0, 24.0)
 
 type InputFunction = Callable[[float], float]
 type Input = InputFunction | float | tuple[ArrayLike, ArrayLike]
@@ -84,10 +99,7 @@ def functions_and_constants(
 
 
 def set_inputs(plant: Plant, signals: Mapping[str, InputFunction], start: float, end: float) -> None:
-    """Set the inputs of a plant for a communication step.
-
-    Inputs are held at their values at the start of the step. Motion inputs (NAME.*_ref) must not jump and
-    follow the polynomial through five of their values in the step.
+    """Set the inputs of a plant for a communication step, as `sampled` does.
 
     Args:
         plant: the plant.
@@ -96,10 +108,10 @@ def set_inputs(plant: Plant, signals: Mapping[str, InputFunction], start: float,
         end: end of the step [s].
     """
     for name, signal in signals.items():
-        if not is_motion(name):
+        if not varies(name, signal, plant.held):
             plant.set_input(name, signal(start))
             continue
-        value, derivatives = polynomial(signal, start, end)
+        value, derivatives = in_step(name, signal, start, end)
         plant.set_input(name, value)
         plant.set_input_derivatives(name, derivatives)
 
@@ -121,8 +133,8 @@ class SampledInputs:
 
     Attributes:
         held: names of the inputs that are held in a step: a column each.
-        motions: names of the motion inputs: then five columns each, value and time derivatives of orders 1
-            to 4.
+        motions: names of those that vary in a step: then five columns each, value and time derivatives of
+            orders 1 to 4.
         table: a row for each step, shape (steps, columns).
     """
 
@@ -141,40 +153,102 @@ class SampledInputs:
             plant.set_input_derivatives(name, derivatives)
 
 
-def sampled(signals: Mapping[str, InputFunction], times: NDArray[np.float64]) -> SampledInputs:
+def sampled(
+    signals: Mapping[str, InputFunction], times: NDArray[np.float64], hold: Collection[str] = ()
+) -> SampledInputs:
     """Sample inputs as `simulate` does.
 
-    Inputs are held at their values at the start of a step. Motion inputs (NAME.*_ref) must not jump and
-    follow the polynomial through five of their values in the step.
+    In a step, an input follows the polynomial through five of its values. Where it jumps, and if it is to be
+    held, it is held at its value at the start of the step. Motion inputs (NAME.*_ref) must not jump.
 
     Args:
         signals: functions of time by input.
         times: of the start of the first step and of the ends of all steps [s], shape (steps + 1,).
+        hold: names of the inputs to be held.
     """
-    held = tuple(name for name in signals if not is_motion(name))
-    motions = tuple(name for name in signals if is_motion(name))
+    motions = tuple(name for name, signal in signals.items() if varies(name, signal, hold))
+    held = tuple(name for name in signals if name not in motions)
     table = np.empty((len(times) - 1, len(held) + 5 * len(motions)))
-    changing = []
     for column, name in enumerate(held):
         signal = signals[name]
         if isinstance(signal, Constant):
             table[:, column] = signal.value
         else:
-            changing.append((column, signal))
-    if not changing and not motions:
-        return SampledInputs(held, motions, table)
-    for step, (start, end) in enumerate(itertools.pairwise(times.tolist())):
-        for column, signal in changing:
-            table[step, column] = signal(start)
-        for i, name in enumerate(motions):
+            table[:, column] = [signal(start) for start in times[:-1].tolist()]
+    for i, name in enumerate(motions):
+        columns = slice(len(held) + 5 * i, len(held) + 5 * (i + 1))
+        if not is_motion(name):
+            table[:, columns] = _in_steps(signals[name], times)
+            continue
+        for step, (start, end) in enumerate(itertools.pairwise(times.tolist())):
             value, derivatives = polynomial(signals[name], start, end)
-            table[step, len(held) + 5 * i :][:5] = value, *derivatives
+            table[step, columns] = value, *derivatives
     return SampledInputs(held, motions, table)
 
 
 def is_motion(name: str) -> bool:
     """Whether an input is a prescribed motion, by its name."""
     return name.endswith("_ref")
+
+
+def varies(name: str, signal: InputFunction, hold: Collection[str] = ()) -> bool:
+    """Whether an input varies within a step: motions, and all others that are neither constant nor held."""
+    return is_motion(name) or not (isinstance(signal, Constant) or name in hold)
+
+
+def in_step(name: str, signal: InputFunction, start: float, end: float) -> tuple[float, Sequence[float]]:
+    """Return value and time derivatives of orders 1 to 4 of an input at the start of a step.
+
+    Args:
+        name: of the input.
+        signal: function of time.
+        start: start of the step [s].
+        end: end of the step [s].
+    """
+    if is_motion(name):
+        return polynomial(signal, start, end)
+    value, *derivatives = _in_steps(signal, np.array([start, end]))[0].tolist()
+    return value, derivatives
+
+
+def _in_steps(signal: InputFunction, times: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return value and derivatives of an input at the start of each step, shape (steps, 5).
+
+    The derivatives are 0 in steps in which the function deviates from the polynomial.
+    """
+    h = np.diff(times)
+    points = times[:-1, None] + h[:, None] * _POINTS
+    values = np.array([[signal(t) for t in row] for row in points.tolist()], np.float64)
+    inner, between = values[:, ::2], values[:, 1::2]
+    found = _product(_INNER_INTERPOLANT, inner) * _FACTORIALS / h[:, None] ** np.arange(len(_FACTORIALS))
+    deviation = np.abs(_product(_BETWEEN, inner) - between).max(axis=1)
+    change = np.abs(values - values[:, :1]).max(axis=1)
+    follows = (deviation <= _LARGEST_DEVIATION * change) & (change > 0) & np.isfinite(found).all(axis=1)
+    found[~follows] = 0.0
+    found[:, 0] = values[:, 0]
+    return found
+
+
+def _product(matrix: NDArray[np.float64], rows: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the products of a matrix with rows, whose bits do not depend on the number of rows."""
+    out = rows[:, :1] * matrix[:, 0]
+    for k in range(1, rows.shape[1]):
+        out = out + rows[:, k, None] * matrix[:, k]
+    return out
+
+
+def shifted(value: float, derivatives: Sequence[float], s: float) -> tuple[float, Sequence[float]]:
+    """Return value and derivatives of a polynomial `s` [s] after the time for which they are given."""
+    terms = [value, *derivatives]
+    found = [
+        sum(c * s**k / math.factorial(k) for k, c in enumerate(terms[order:])) for order in range(len(terms))
+    ]
+    return found[0], found[1:]
+
+
+def _derivatives(coefficients: NDArray[np.float64], h: float) -> list[float]:
+    """Return the time derivatives at the start of a step from the coefficients of powers of its fraction."""
+    return [math.factorial(k) * c / h**k for k, c in enumerate(coefficients.tolist()) if k > 0]
 
 
 def polynomial(signal: InputFunction, start: float, end: float) -> tuple[float, list[float]]:
@@ -189,8 +263,8 @@ def polynomial(signal: InputFunction, start: float, end: float) -> tuple[float, 
         tuple[float, list[float]]: value, and time derivatives of orders 1 to 4, at the start.
     """
     h = end - start
-    coefficients = (_QUARTIC_INTERPOLANT @ [signal(start + h * s) for s in _INTERPOLATION_POINTS]).tolist()
-    return coefficients[0], [math.factorial(k) * c / h**k for k, c in enumerate(coefficients) if k > 0]
+    coefficients = _QUARTIC_INTERPOLANT @ [signal(start + h * s) for s in _INTERPOLATION_POINTS]
+    return float(coefficients[0]), _derivatives(coefficients, h)
 
 
 def read_csv(path: str | PathLike[str]) -> NDArray[np.void]:

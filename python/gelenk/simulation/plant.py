@@ -27,6 +27,7 @@ class Plant(Protocol):
         inputs: names of the inputs.
         outputs: names of the outputs.
         parameters: names of the parameters.
+        held: names of the inputs that cannot vary within a step.
         idle: names of inputs on which no requested output depends; they can be set, without effect.
         readings: names of the outputs, and of states and their derivatives that are not outputs.
         units: units of everything that can be selected, by name.
@@ -39,6 +40,7 @@ class Plant(Protocol):
     inputs: list[str]
     outputs: list[str]
     parameters: list[str]
+    held: frozenset[str]
     idle: list[str]
     readings: list[str]
     units: dict[str, str]

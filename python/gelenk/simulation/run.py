@@ -44,13 +44,15 @@ def simulate(
     outputs: Sequence[str] | None = None,
     without: Sequence[str] = (),
     assembly_tolerance: float | None = None,
+    hold: Sequence[str] | bool = False,
     progress: Callable[[float, float], None] | bool | None = None,
 ) -> Result:
     """Simulate a scene or an FMU from t = 0.
 
-    Inputs are sampled at the start of every communication step and held over it, as in a co-simulation;
-    motion inputs (`NAME.phi_ref`) follow a polynomial through five of their values in the step. A row of the
-    result contains the outputs at the end of a step, before the next input is set.
+    In every communication step an input that is a function of time follows the polynomial through five of
+    its values. If the function deviates from it, because it jumps in the step, the input is held at its value
+    at the start of the step, as are the inputs in `hold`. Functions are called nine times in each step. A row
+    of the result contains the outputs at the end of a step, before the next input is set.
 
     Args:
         plant: a .fmu file, or anything `gelenk.load` accepts.
@@ -67,6 +69,8 @@ def simulate(
         without: reductions to switch off, see `gelenk.inspect`; scenes only.
         assembly_tolerance: the parameter `assembly.tolerance`: the largest correction of joint frames (rad,
             and lengths of about the mechanism's size) that closes loops with rounded dimensions.
+        hold: names of the inputs that are held over each step, as in a co-simulation without derivatives of
+            inputs; True: all but motion inputs (`NAME.phi_ref`), which cannot be held.
         progress: called after every step with the time reached and `stop` [s]. True: a progress bar, in
             notebooks a widget, which requires tqdm.
 
@@ -91,6 +95,7 @@ def simulate(
             settings["assembly.tolerance"] = assembly_tolerance
         known = [*opened.inputs, *opened.idle]
         signals = functions_and_constants(inputs, settings, known, "twice, as input and as parameter")
+        held = opened.held | _held(hold, known)
         configure(opened, settings, tolerance, {"integrator": integrator, "formulation": formulation})
         times = grid(opened.stop if stop is None else stop, opened.step if step is None else step)
         names = _selected(opened, outputs)
@@ -112,13 +117,13 @@ def simulate(
         opened.start(tolerance, {name: signal(0.0) for name, signal in signals.items()}, motions)
         log.info("%s: 0 to %g s in %d steps, %d outputs", opened.name, times[-1], len(times) - 1, len(names))
         with progress_bar(progress) as reached:
-            result = _run(opened, times, names, signals, reached)
+            result = _run(opened, times, names, signals, held, reached)
         if log.isEnabledFor(logging.DEBUG):
             _log_diagnostics(opened)
         result.run = (plant, {
             "stop": stop, "step": step, "tolerance": tolerance, "integrator": integrator,
             "formulation": formulation, "inputs": inputs, "parameters": parameters, "outputs": outputs,
-            "without": without, "assembly_tolerance": assembly_tolerance,
+            "without": without, "assembly_tolerance": assembly_tolerance, "hold": hold,
         })  # fmt: skip
         return result
     finally:
@@ -257,11 +262,24 @@ def _selected(plant: Plant, outputs: Sequence[str] | None) -> list[str]:
     return names
 
 
+def _held(hold: Sequence[str] | bool, known: Sequence[str]) -> frozenset[str]:
+    """Return the names of the inputs to be held. Raises UsageError for an unknown name or a motion."""
+    if isinstance(hold, bool):
+        return frozenset(name for name in known if hold and not is_motion(name))
+    names = [hold] if isinstance(hold, str) else list(hold)
+    check_names(names, known, "input")
+    motions = [name for name in names if is_motion(name)]
+    if motions:
+        raise UsageError(f"hold: found {motions[0]}, a prescribed motion, which cannot be held over a step")
+    return frozenset(names)
+
+
 def _run(
     plant: Plant,
     times: NDArray[np.float64],
     names: list[str],
     signals: dict[str, Callable[[float], float]],
+    held: frozenset[str],
     progress: Callable[[float, float], None] | None,
 ) -> Result:
     monitored = [] if SINGULAR_CROSSINGS in names or SINGULAR_CROSSINGS not in plant.units else [1]
@@ -273,7 +291,7 @@ def _run(
     k = 0
     while k + 1 < len(times):
         part = times[k : k + 1 + (BLOCK if progress is None else 1)]
-        inputs = sampled(signals, part)
+        inputs = sampled(signals, part, held)
         steps, found, error = plant.record(part, inputs, rows[k + 1 : k + len(part), 1:])
         k += steps
         events += found

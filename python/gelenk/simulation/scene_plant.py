@@ -34,6 +34,7 @@ class ScenePlant(Plant):
         self.inputs = [s.name for s in self._simulation.inputs]
         self.outputs = [s.name for s in self._simulation.outputs]
         self.readings = [s.name for s in self._simulation._signals]
+        self.held: frozenset[str] = frozenset()
         self.idle = scene.inputs_beyond(self.inputs)
         diagnostics = self._simulation.diagnostic_signals
         signals = (*self._simulation._signals, *diagnostics, *self._simulation.inputs)

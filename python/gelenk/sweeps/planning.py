@@ -102,8 +102,8 @@ class Request:
             plan = Plan(
                 Path(str(plant)).read_bytes() if is_fmu else _kept(opened, settings),
                 settings if is_fmu else {},
-                parameters, inputs, times, sampled(active, several), tuple(signal_names), tuple(variables),
-                self.max_run_time,
+                parameters, inputs, times, sampled(active, several, opened.held), tuple(signal_names),
+                tuple(variables), self.max_run_time,
             )  # fmt: skip
             listed = {given: units.get(renamed.get(given, given), "") for given in runs.columns}
             others = {n: v for n, v in settings.items() if n not in renamed.values()}
