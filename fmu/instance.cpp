@@ -38,7 +38,12 @@ const char* describe(Mode mode) {
 }
 
 Instance::Instance(std::shared_ptr<const PlantModel> model, Log log)
-    : model_(std::move(model)), log_(std::move(log)), plant_(model_), stop_(no_stop) {}
+    : model_(std::move(model)),
+      log_(std::move(log)),
+      plant_(model_),
+      stop_(no_stop),
+      follows_motions_(std::ranges::any_of(input_signals(model_->scene),
+                                           [](const Signal& input) { return input.name.ends_with("_ref"); })) {}
 
 void Instance::setup_experiment(std::optional<double> tolerance, double start, std::optional<double> stop) {
   if (!std::isfinite(start))
@@ -107,8 +112,9 @@ void Instance::step(double current, double h) {
   }
   clock_ = next;
   mode_ = Mode::step_complete;
-  if (!log_.is_enabled(Category::events) && plant_.count(Diagnostic::singular_positions) == crossings) return;
-  for (const EventReport& event : plant_.events()) {
+  const bool only_doubtful = !log_.is_enabled(Category::events);
+  if (only_doubtful && !follows_motions_ && plant_.count(Diagnostic::singular_positions) == crossings) return;
+  for (const EventReport& event : plant_.events(only_doubtful)) {
     log_.write(event.is_doubtful ? Category::warning : Category::events, describe_event(event));
   }
 }

@@ -31,6 +31,11 @@ void Inputs::evaluate(double t) {
 }
 
 Inputs::Change Inputs::set(int i, double value) {
+  if (!flags_.empty() && flags_[i].motion >= 0) return set_motion(motions_[flags_[i].motion], i, value);
+  return set_value(i, value);
+}
+
+Inputs::Change Inputs::set_value(int i, double value) {
   const double before = at(i, 0);
   if (value == before) return Change::none;
   at(i, 0) = value;
@@ -58,6 +63,7 @@ void Inputs::update_rates(int i) {
 }
 
 void Inputs::set_derivative(int i, int order, double value) {
+  if (!flags_.empty() && flags_[i].motion >= 0) note_derivative(i, value);
   at(i, order) = value;
   update_rates(i);
   update_moving();
@@ -81,6 +87,7 @@ void Inputs::update_moving() {
 
 void Inputs::start(double t) {
   start_ = now_time_ = t;
+  start_motions();
   std::ranges::fill(change_, 0.0);
   changed_ = false;
   for (int i = 0; i < static_cast<int>(count()); ++i) now_[i] = at(i, 0);
@@ -89,14 +96,17 @@ void Inputs::start(double t) {
 
 void Inputs::finish(double t) {
   interrupt(t);
-  if (!moving_) return;
-  for (std::size_t k = 0; k < taylor_.size(); ++k) {
-    if (k % orders != 0) taylor_[k] = 0;
+  if (moving_) {
+    for (std::size_t k = 0; k < taylor_.size(); ++k) {
+      if (k % orders != 0) taylor_[k] = 0;
+    }
+    moving_ = false;
   }
-  moving_ = false;
+  end_motions();
 }
 
 void Inputs::interrupt(double t) {
+  commit_samples();
   if (moving_) {
     for (int i = 0; i < static_cast<int>(count()); ++i) {
       shift_origin(i, t);
@@ -118,6 +128,16 @@ void Inputs::shift_origin(int i, double t) {
   for (int k = orders - 1; k > 0; --k) bound = (bound + std::abs(at(i, k))) * s / k;
   change_[i] = bound;
   for (int k = 0; k < orders; ++k) at(i, k) = derivative_at(i, k, t);  // uses orders above k, which are shifted later
+}
+
+void Inputs::serialize(Archive& archive) {
+  archive.serialize(taylor_, reached_, now_, rates_, change_, start_, now_time_, moving_, changed_);
+  for (Motion& m : motions_) {
+    archive.serialize(m.by_values, m.interrupted);
+    m.samples.serialize(archive);
+    for (int i = m.first; i <= m.last; ++i)
+      archive.serialize(flags_[i].value_set, flags_[i].derivative_set, flags_[i].given);
+  }
 }
 
 bool operator==(const Inputs& a, const Inputs& b) {

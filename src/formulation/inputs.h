@@ -3,12 +3,17 @@
 //   u(t) = u0 + d1 (t - t0) + d2 (t - t0)^2 / 2! + ... + d5 (t - t0)^5 / 5!
 // with the value and the derivatives that were set, in either order; a derivative that was not set is zero. After the
 // step the value is the one reached, and the derivatives are zero.
+//
+// Derivatives of an input that prescribes a motion are estimated from its values (motion_samples.h) in steps for which
+// its value but no derivative was set, and in those that follow until a derivative is set. If it is not set again, its
+// value at the next communication point is the one set last, not the one reached.
 #pragma once
 
 #include <cstddef>
 #include <string>
 #include <vector>
 
+#include "formulation/motion_samples.h"
 #include "util/archive.h"
 
 namespace gelenk {
@@ -20,6 +25,9 @@ class Inputs {
 
   // `count` inputs, all zero, at t = 0.
   explicit Inputs(std::size_t count);
+  // Declares that input `i` prescribes a motion, and that the `derivatives` inputs that follow it, at most 2, are the
+  // values of its first derivatives.
+  void add_motion(int i, int derivatives);
 
   // Inputs at the time of the last go_to(); the reference remains valid.
   const std::vector<double>& now() const { return now_; }
@@ -31,6 +39,8 @@ class Inputs {
   bool moving() const { return moving_; }  // some derivative is not zero
   // u0, or d^order u / dt^order at t0.
   double value(int i) const { return at(i, 0); }
+  // The value as it was set, or that to which derivatives that were set have led.
+  double given(int i) const;
   double derivative(int i, int order) const { return at(i, order); }
   // du/dt or d2u/dt2 (order 1, 2) at t0 as read by outputs: of the future motion once a derivative or another value has
   // been set, before that of the motion that has led to t0.
@@ -50,20 +60,55 @@ class Inputs {
 
   // Starts the run at t [s]: the values set hold from there.
   void start(double t);
+  // Call before each step: sets the motions again that have not been set since the last one. changed(i, Change) is
+  // called for each.
+  template <class Changed>
+  void renew(Changed changed) {
+    for (Motion& m : motions_) {
+      m.by_values = is_known_by_values(m);
+      for (int i = m.first; m.by_values && !m.interrupted && i <= m.last; ++i) {
+        if (!flags_[i].value_set) changed(i, set(i, flags_[i].given));
+      }
+    }
+  }
   // Ends a step at t [s].
   void finish(double t);
   // Ends a step early at t [s]: u continues from there.
   void interrupt(double t);
 
-  void serialize(Archive& archive) {
-    archive.serialize(taylor_, reached_, now_, rates_, change_, start_, now_time_, moving_, changed_);
+  // Of input `i`, if it prescribes a motion: see MotionSamples.
+  double time_since_start(int i) const;
+  // Calls found(i, jump) for motions whose estimates have revealed a jump before the last step.
+  template <class Found>
+  void each_jump(Found found) const {
+    for (const Motion& m : motions_) {
+      if (m.samples.jump().size != 0) found(m.last, m.samples.jump());
+    }
   }
+  bool has_motions() const { return !motions_.empty(); }
+
+  void serialize(Archive& archive);
 
   // Whether both are the same functions of time.
   friend bool operator==(const Inputs& a, const Inputs& b);
 
  private:
   static constexpr int orders = highest_order + 1;
+
+  // A motion: its input, which may be followed by inputs that are its derivatives.
+  struct Motion {
+    int first = 0, last = 0;
+    bool by_values = true;     // it is known by values only
+    bool interrupted = false;  // its step has ended early, and no value has been set since
+    MotionSamples samples;     // of `last`
+  };
+  // Of an input that belongs to a motion.
+  struct Flags {
+    int motion = -1;                                 // -1: it belongs to none
+    bool value_set = false, derivative_set = false;  // since the last step
+    double given = 0;                                // the value set last
+  };
+
   double at(int i, int order) const { return taylor_[static_cast<std::size_t>(i) * orders + order]; }
   double& at(int i, int order) { return taylor_[static_cast<std::size_t>(i) * orders + order]; }
   void evaluate(double t);
@@ -71,6 +116,15 @@ class Inputs {
   void shift_origin(int i, double t);
   void update_rates(int i);
   void note_reached();
+  Change set_value(int i, double value);
+  Change set_motion(Motion& m, int i, double value);
+  void note_derivative(int i, double value);
+  void start_motions();
+  bool estimate(Motion& m);
+  void clear_derivatives(int i);
+  bool is_known_by_values(const Motion& m) const;
+  void commit_samples();
+  void end_motions();
 
   std::vector<double> taylor_;   // u0, d1, ..., d5 of each input
   std::vector<double> reached_;  // at t0, before values were set
@@ -81,6 +135,9 @@ class Inputs {
   double now_time_ = 0;         // s
   bool moving_ = false;
   bool changed_ = false;  // some change_ is not zero
+  bool started_ = false;
+  std::vector<Motion> motions_;
+  std::vector<Flags> flags_;  // by input; empty if there are no motions
 };
 
 }  // namespace gelenk

@@ -180,6 +180,7 @@ void Island::enforce_given_motions() {
   equations_->drives().targets_at(time_, drives_);
   const auto same = [](double a, double b) { return std::abs(a - b) <= jump_tolerance * (1 + std::abs(a)); };
   if (std::ranges::equal(drives_, followed_, same)) return;
+  carry_along();
   followed_ = drives_;
   if (!equations_->project_onto_constraints(time_, y_.data())) {
     throw IntegrationError(
@@ -195,6 +196,22 @@ void Island::audit() {
   realize(Stage::acceleration);
   const std::optional<BrokenLaw> broken = equations_->broken_law(y_.data());
   if (broken) throw IntegrationError(at_time(time_) + describe_broken_law(scene_, loads_, *broken));
+}
+
+// A motion of unknown start velocity changes its coordinate alone, and its velocity by that at the start: joints that
+// move with it keep theirs, as if the mechanism had been started with that velocity. By the least change they would
+// stay behind.
+void Island::carry_along() {
+  const std::vector<CoordinateRow>& rows = mechanism().coordinate_rows;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (rows[i].input < 0 || !rows[i].holds_position || rows[i].terms.size() != 1) continue;
+    const double since_start = equations_->drives().inputs().time_since_start(rows[i].input);
+    if (since_start == 0) continue;
+    const MotionLaw::Derivatives s = equations_->drives().target(static_cast<int>(i), time_);
+    const CoordinateRow::Term& term = rows[i].terms.front();
+    y_[term.q] = s[0] / term.factor;
+    y_[mechanism().nq + term.v] = (s[1] - s[2] * since_start) / term.factor;
+  }
 }
 
 void Island::roll_back() {

@@ -101,6 +101,7 @@ class Island {
   void make_reading();
   void remember(const ReplayStep& leg, bool continues, bool whole);
   void enforce_given_motions();
+  void carry_along();
 
   const Scene& scene_;
   PreparedIsland prepared_;

@@ -66,7 +66,8 @@ struct ReplayHistory {
 // The inputs of the latest communication steps, in a ring buffer.
 class InputLog {
  public:
-  explicit InputLog(std::size_t inputs) : last_(inputs) {}
+  // like: inputs of the same number and kinds.
+  explicit InputLog(const Inputs& like) : last_(like) {}
 
   // Allocates the buffer; without it, nothing is recorded.
   void reserve();

@@ -27,6 +27,14 @@ ModelSize size_of(const ReducedScene& reduced) {
   return size;
 }
 
+const Inputs& Simulation::Impl::inputs_at_start(const std::vector<Signal>& signals, Inputs& u) {
+  for (std::size_t i = 0; i < signals.size(); ++i) {
+    if (signals[i].name.ends_with("_ref")) u.add_motion(static_cast<int>(i), 0);
+    u.set(static_cast<int>(i), signals[i].start);
+  }
+  return u;
+}
+
 void Simulation::Impl::make_islands() {
   size = size_of(prepared.reduced);
   load_assembler.emplace(scene, prepared.reduced);

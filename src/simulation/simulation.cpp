@@ -46,6 +46,14 @@ double Simulation::Impl::advance_islands(double end, bool continues, std::size_t
   return end;
 }
 
+// Motions that are known by values keep the value set last, also where it is not set again.
+void Simulation::Impl::renew_motions() {
+  u.renew([this](int input, Inputs::Change change) {
+    if (const int island = island_of_input[input]; change != Inputs::Change::none && island >= 0)
+      islands[island]->inputs_changed(change == Inputs::Change::jump);
+  });
+}
+
 void Simulation::Impl::advance(double end) {
   std::string cause;
   std::size_t moved = 0;
@@ -104,6 +112,7 @@ void Simulation::step_to(double end) {
     throw UsageError(at_time(end) + "the end of the step is before the present time " + std::to_string(s.time) + " s");
   }
   if (end <= s.time) return;
+  if (s.u.has_motions()) s.renew_motions();
   s.check_inputs(end);
   s.advance(end);
 }
@@ -146,7 +155,7 @@ void Simulation::set_input_derivative(int index, int order, double value) {
 
 double Simulation::input(int index) const {
   const int known = impl_->checked_input(index);
-  return impl_->input_size[known] * impl_->u.value(known);
+  return impl_->input_size[known] * impl_->u.given(known);
 }
 
 double Simulation::input_derivative(int index, int order) const {

@@ -104,6 +104,7 @@ class Simulation {
   // Sets the time derivative of this order, 1 to 5, [unit/s^order] at time(). During the next step the input is the
   // Taylor polynomial of its value and derivatives, which may be set in any order. Afterwards it is held at the value
   // reached unless new derivatives are set. Throws UsageError for another order or a value that is not finite.
+  // Derivatives of a prescribed motion whose value alone is set are estimated (formulation/inputs.h).
   void set_input_derivative(int index, int order, double value);
   double input_derivative(int index, int order) const;  // at time()
   // Takes the tunable numbers (Parameter::tunable) from `scene`, which is otherwise the scene this was created from;
@@ -119,8 +120,9 @@ class Simulation {
   RestForces rest_forces();
 
   // The events of the last step_to() in order of time: stops engaged or disengaged, singular configurations crossed. If
-  // there are very many, the first ones of each island.
-  std::vector<EventReport> events() const;
+  // there are very many, the first ones of each island. Also jumps of prescribed motions. only_doubtful: those after
+  // which the motion is uncertain.
+  std::vector<EventReport> events(bool only_doubtful = false) const;
 
  private:
   friend class StateDerivatives;  // state_derivatives.h

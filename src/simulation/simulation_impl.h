@@ -34,13 +34,14 @@ struct Simulation::Impl {
         diagnostics(diagnostic_signals()),
         u(inputs.size()),
         size(size_of(reduced)),
-        log(inputs.size()) {
-    for (std::size_t i = 0; i < inputs.size(); ++i) u.set(static_cast<int>(i), inputs[i].start);
+        log(inputs_at_start(inputs, u)) {
     sizes_of(inputs, input_size);
     sizes_of(outputs, output_size);
     sizes_of(diagnostics, diagnostic_size);
   }
 
+  // Sets the start values of the inputs, and declares those that prescribe motions.
+  static const Inputs& inputs_at_start(const std::vector<Signal>& signals, Inputs& u);
   static Scene in_units(Scene scene, const UnitSystem& units) {
     convert(scene, units);
     return scene;
@@ -89,6 +90,7 @@ struct Simulation::Impl {
   EquilibriumProblem at_rest(const Island& island, const std::vector<MotionLaw::Derivatives>& targets) const;
   int checked_input(int index) const;  // throws std::out_of_range
   void check_inputs(double end) const;
+  void renew_motions();
   void advance(double end);
   void serialize_replay(Archive& archive);
   void replay(const std::vector<ReplayPath>& paths);

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Inputs that prescribe motions: which derivatives they have, and how those of values alone are estimated.
+#include <algorithm>
+#include <cmath>
+
+#include "formulation/inputs.h"
+
+namespace gelenk {
+
+void Inputs::add_motion(int i, int derivatives) {
+  flags_.resize(count());
+  for (int k = 0; k <= derivatives; ++k) flags_[i + k].motion = static_cast<int>(motions_.size());
+  motions_.push_back({.first = i, .last = i + derivatives, .samples = {}});
+}
+
+double Inputs::given(int i) const {
+  const bool by_values = !flags_.empty() && flags_[i].motion >= 0 && motions_[flags_[i].motion].by_values;
+  return by_values ? flags_[i].given : at(i, 0);
+}
+
+double Inputs::time_since_start(int i) const {
+  if (flags_.empty() || flags_[i].motion < 0) return 0;
+  const Motion& m = motions_[flags_[i].motion];
+  return m.first == m.last && m.by_values ? m.samples.time_since_start() : 0;
+}
+
+Inputs::Change Inputs::set_motion(Motion& m, int i, double value) {
+  // Before the rest of a step that has ended early, the same value once more says nothing about the present time.
+  if (m.interrupted && value == flags_[i].given && !flags_[i].value_set) return Change::none;
+  flags_[i].value_set = true;
+  flags_[i].given = value;
+  m.by_values = is_known_by_values(m);
+  const Change change = set_value(i, value);
+  const bool has_new_slope = estimate(m);
+  return has_new_slope && change == Change::none ? Change::smooth : change;
+}
+
+// Estimates the derivatives of the motion unless they were set. Returns whether they have changed.
+bool Inputs::estimate(Motion& m) {
+  if (flags_[m.first].derivative_set) return false;
+  const double first = at(m.first, 1);
+  const double second = at(m.first, 2);
+  if (!flags_[m.last].derivative_set && m.last - m.first < 2) {
+    clear_derivatives(m.last);
+    const MotionSamples::Derivatives found = m.samples.add(start_, at(m.last, 0));
+    at(m.last, 1) = found.first;
+    at(m.last, 2) = found.second;
+  }
+  const int variables = m.last - m.first;
+  for (int order = 1; variables > 0 && order <= highest_order; ++order) {
+    at(m.first, order) = order <= variables ? at(m.first + order, 0) : at(m.last, order - variables);
+  }
+  for (int i = m.first; i <= m.last; ++i) update_rates(i);
+  update_moving();
+  if (now_time_ != start_) evaluate(start_);
+  return at(m.first, 1) != first || at(m.first, 2) != second;
+}
+
+void Inputs::clear_derivatives(int i) {
+  for (int order = 1; order <= highest_order; ++order) at(i, order) = 0;
+}
+
+// A derivative is about to be set. Zeros set before the start say nothing: masters set all that they have.
+void Inputs::note_derivative(int i, double value) {
+  Flags& flags = flags_[i];
+  if (flags.derivative_set || (value == 0 && !started_)) return;
+  clear_derivatives(i);
+  flags.derivative_set = true;
+}
+
+// Derivatives set since the last step have priority over values, and values over what was before.
+bool Inputs::is_known_by_values(const Motion& m) const {
+  if (flags_[m.first].derivative_set) return false;
+  for (int i = m.first; i <= m.last; ++i) {
+    if (flags_[i].value_set || flags_[i].derivative_set) return true;
+  }
+  return m.by_values;
+}
+
+void Inputs::start_motions() {
+  for (Motion& m : motions_) {
+    m.by_values = !flags_[m.first].derivative_set;
+    m.interrupted = false;
+    m.samples.clear();
+    for (int i = m.first; i <= m.last; ++i) {
+      flags_[i].value_set = false;
+      flags_[i].given = at(i, 0);
+    }
+    estimate(m);
+  }
+  started_ = true;
+}
+
+// A step, or a part of it, ends; the origin of the polynomials is still its start.
+void Inputs::commit_samples() {
+  for (Motion& m : motions_) {
+    const bool has_slope = m.last == m.first || flags_[m.last].derivative_set;
+    if (!m.by_values && has_slope) m.samples.add(start_, at(m.last, 0), at(m.last, 1));
+    m.samples.commit();
+    m.interrupted = true;
+    for (int i = m.first; i <= m.last && m.by_values; ++i) flags_[i].value_set = false;
+  }
+}
+
+void Inputs::end_motions() {
+  for (Motion& m : motions_) {
+    m.interrupted = false;
+    for (int i = m.first; i <= m.last; ++i) {
+      flags_[i].value_set = flags_[i].derivative_set = false;
+      if (!m.by_values) flags_[i].given = at(i, 0);
+    }
+  }
+}
+
+}  // namespace gelenk
