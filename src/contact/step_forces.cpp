@@ -56,11 +56,6 @@ void TimeStepper::remember_locks(double h) {
                         state_.along.data());
 }
 
-void TimeStepper::begin_part(bool continues) {
-  before_ = state_;
-  if (!continues) solved_ = {};
-}
-
 void TimeStepper::forget() {
   state_.contacts.clear();
   std::ranges::fill(state_.forces_along, 0.0);

@@ -55,9 +55,10 @@ class TimeStepper final : public ContactReadings {
   const Solved& solved() const { return solved_; }
   // Where to append the problems that are solved; null: nowhere.
   void record(std::vector<RecordedProblem>* to) { recorded_ = to; }
-  // At the start of each part of a communication step, to which undo_part() returns; continues: of a later one.
-  void begin_part(bool continues);
-  void undo_part() { state_ = before_; }
+  // At the start of each part of a communication step; continues: of a later one.
+  void begin_part(bool continues) {
+    if (!continues) solved_ = {};
+  }
   // Steps in which points have opened or closed, begun or ceased to slide.
   long changes() const { return changes_; }
   void serialize(Archive& archive);
@@ -110,7 +111,7 @@ class TimeStepper final : public ContactReadings {
   FreeRotation rotation_;
   std::unique_ptr<Operator> operator_;
   std::unique_ptr<ConeSolver> solver_;
-  ContactState state_, before_;
+  ContactState state_;
   std::vector<RememberedContact> last_contacts_;  // those before the last step
   long changes_ = 0;
   Solved solved_;

@@ -42,11 +42,6 @@ void EventLog::begin_part() {
   events_.clear();
 }
 
-void EventLog::undo_part() {
-  in_step_ = before_part_;
-  events_.clear();
-}
-
 void EventLog::forget_beyond(long count) {
   const long in_part = std::max(0L, count - before_ - before_part_);
   in_step_ = before_part_ + in_part;
@@ -55,6 +50,10 @@ void EventLog::forget_beyond(long count) {
 
 void EventLog::serialize(Archive& archive) {
   archive.serialize(before_, in_step_, start_);
+  if (in_step_ > 0) {  // the step may go on
+    archive.serialize(repeated_, last_.time, last_.positive);
+    archive.serialize_in_range(last_.indicator, Event::singular_position, static_cast<int>(texts_.size()) - 1);
+  }
   if (archive.reading()) begin_part();
 }
 

@@ -34,9 +34,8 @@ class EventLog {
 
   // Begins a communication step at t [s].
   void begin(double t);
-  // Begins a part of it, or all of it; undo_part() removes the events of that part.
+  // Begins a part of it, or all of it.
   void begin_part();
-  void undo_part();
   // An event with the text and the time of another one is the same event. It counts towards max_events all the same, so
   // that modes cannot alternate forever at one time.
   void add(const Event& event);
@@ -60,7 +59,7 @@ class EventLog {
   long repeated_ = 0;     // events in this communication step that were the same as another one
   long before_part_ = 0;  // value of in_step_ at the start of the part
   double start_ = 0;      // s: start of the communication step
-  Event last_{};
+  Event last_{};          // of this communication step, if there is one
 
   std::string_view text(const Event& event) const;
 };

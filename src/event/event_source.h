@@ -33,6 +33,13 @@ class EventSource {
   // shapes have no smooth indicators beyond a mode, so that false alarms would cut steps again and again.
   virtual bool finds_touches_before_events() const { return true; }
 
+  // The earliest time [s] within a step from (t0, y0), where it began, to (t1, y1), the state of the last
+  // indicator_values(), at which a mode may have ended and begun again without a trace in the indicators at both ends;
+  // infinite: none is known.
+  virtual double touch_within(double /*t0*/, const double* /*y0*/, double /*t1*/, const double* /*y1*/) {
+    return INFINITY;
+  }
+
   // Called when an indicator has changed its sign at t [s]; once for each indicator.
   virtual void found_event(double /*t*/, int /*indicator*/, bool /*positive*/) {}
   // Called after these, with the state at t from which the run continues: enters the mode that follows, and may change

@@ -98,7 +98,8 @@ Step Locator::end_step(Stepping& method) {
 
 Locator::Trial Locator::end_without_event(Stepping& method) {
   const double end = method.time();
-  const double touch = has_left_mode(end) ? source_.mode_exit_time() : course_.touch();
+  double touch = has_left_mode(end) ? source_.mode_exit_time() : course_.touch();
+  if (is_resolved(end)) touch = std::min(touch, touch_within(end, method.state()));
   if (!is_before(touch, end)) return {Step::made, true};
   const Step step = repeat_step(method, touch);
   return {step, step != Step::made};
@@ -107,8 +108,13 @@ Locator::Trial Locator::end_without_event(Stepping& method) {
 Locator::Trial Locator::end_before_event(Stepping& method) {
   if (const Step step = search_all(method); step != Step::made) return {step, true};
   const bool looks_before = source_.finds_touches_before_events();
-  if (!course_.any_changed()) return {Step::made, !looks_before};
-  const double touch = looks_before ? course_.touch() : INFINITY;
+  if (!course_.any_changed()) {
+    const double end = method.time();
+    const bool touches = is_resolved(end) && is_before(touch_within(end, method.state()), end);
+    return {Step::made, !looks_before && !touches};
+  }
+  double touch = looks_before ? course_.touch() : INFINITY;
+  if (is_resolved(high_t_)) touch = std::min(touch, touch_within(high_t_, high_y_.data()));
   if (!is_before(touch, high_t_)) return {end_at_event(method), true};
   if (const Step step = repeat_step(method, touch); step != Step::made) return {step, true};
   if (course_.any_changed()) return {Step::made, false};
@@ -117,8 +123,13 @@ Locator::Trial Locator::end_before_event(Stepping& method) {
 }
 
 // Whether a time within the step is before its end, and can be distinguished from its start.
-bool Locator::is_before(double t, double end) const {
-  return t < end && end - course_.start() > shortest_course * rounding(end);
+bool Locator::is_before(double t, double end) const { return t < end && is_resolved(end); }
+
+bool Locator::is_resolved(double end) const { return end - course_.start() > shortest_course * rounding(end); }
+
+// See EventSource; after the end of the step has been set.
+double Locator::touch_within(double end, const double* y) const {
+  return source_.touch_within(course_.start(), start_y_.data(), end, y);
 }
 
 // After a step beyond zeros of indicators: leaves the earliest end beyond one of them in high_y_.

@@ -60,6 +60,8 @@ class Locator {
   Trial end_without_event(Stepping& method);
   Trial end_before_event(Stepping& method);
   bool is_before(double t, double end) const;
+  bool is_resolved(double end) const;
+  double touch_within(double end, const double* y) const;
   Step search_all(Stepping& method);
   Step search(std::size_t i, Stepping& method);
   Step repeat_step(Stepping& method, double end);

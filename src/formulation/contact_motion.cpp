@@ -74,18 +74,6 @@ void ContactMotion::start() {
   if (touch_) touch_->start();
 }
 
-void ContactMotion::begin_part(bool continues) {
-  steps_used_before_ = steps_used_;
-  steps_.begin_part(continues);
-  if (touch_) touch_->begin_part();
-}
-
-void ContactMotion::undo_part() {
-  steps_used_ = steps_used_before_;
-  steps_.undo_part();
-  if (touch_) touch_->undo_part();
-}
-
 void ContactMotion::serialize(Archive& archive) {
   steps_.serialize(archive);
   if (!touch_) return;

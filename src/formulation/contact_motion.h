@@ -49,9 +49,8 @@ class ContactMotion final : public ImpulseEquations {
 
   // At the start of a run.
   void start();
-  // At the start of each part of a communication step, to which undo_part() returns; continues: of a later one.
-  void begin_part(bool continues);
-  void undo_part();
+  // At the start of each part of a communication step; continues: of a later one.
+  void begin_part(bool continues) { steps_.begin_part(continues); }
   void serialize(Archive& archive);
 
  private:
@@ -71,7 +70,7 @@ class ContactMotion final : public ImpulseEquations {
   ImpulseSteps steps_;
   std::unique_ptr<TouchModes> touch_;
   PresentReadings readings_{*this};
-  bool steps_used_ = false, steps_used_before_ = false;
+  bool steps_used_ = false;
 };
 
 }  // namespace gelenk

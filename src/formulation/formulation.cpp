@@ -141,6 +141,10 @@ bool Formulation::jacobian(double t, const double* y, double* J) {
   return out.allFinite();
 }
 
+void Formulation::discard_jacobian() {
+  if (contacts_.touch() != nullptr) contacts_.touch()->equations().forget_differences();
+}
+
 bool Formulation::jacobian_is_outdated() {
   return contacts_.touch() != nullptr && contacts_.touch()->equations().slides_otherwise();
 }
@@ -282,6 +286,8 @@ void Formulation::serialize(Archive& archive) {
   modes_.locks().serialize(archive);
   contacts_.serialize(archive);
   archive.serialize(jacobian_count_);
+  if (!archive.reading()) return;
+  takes_differences_ = false;
   projector().discard_factors();
 }
 

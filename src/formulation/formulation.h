@@ -85,8 +85,8 @@ class Formulation : public Equations, private ModeEquations, private TouchedEqua
   bool holds_by_modes() const;
   // What the forces of the last output_accelerations() break of their laws; y: the same state.
   std::optional<BrokenLaw> broken_law(const double* y);
-  // Saves or restores the data carried from one step to the next. Factors are not included: they are recomputed
-  // afterwards, both in the run that saves and in the one that restores.
+  // Saves or restores the data carried from one step to the next. Factors are not included: each step computes them
+  // before it uses them.
   virtual void serialize(Archive& archive);
 
   Drives& drives() { return drives_; }
@@ -118,6 +118,7 @@ class Formulation : public Equations, private ModeEquations, private TouchedEqua
 
  private:
   bool jacobian_is_outdated() final;
+  void discard_jacobian() final;
   void displace(double* q, const double* dv) const final { dynamics_.displace(q, dv); }
   std::string describe_dead_center();
   void mode_changed() override {}

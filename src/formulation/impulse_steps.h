@@ -39,12 +39,9 @@ class ImpulseSteps {
   void forget() {
     if (are_available()) stepper_->forget();
   }
-  // At the start of each part of a communication step, to which undo_part() returns; continues: of a later one.
+  // At the start of each part of a communication step; continues: of a later one.
   void begin_part(bool continues) {
     if (are_available()) stepper_->begin_part(continues);
-  }
-  void undo_part() {
-    if (are_available()) stepper_->undo_part();
   }
   // Why the last step has failed; empty: it has not.
   std::string failure() const { return are_available() ? stepper_->failure() : ""; }

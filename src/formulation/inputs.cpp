@@ -41,17 +41,23 @@ Inputs::Change Inputs::set_value(int i, double value) {
   at(i, 0) = value;
   if (now_time_ != start_) evaluate(start_);
   now_[i] = value;
-  const double change = change_[i];
-  if (change > 0 && std::abs(value - before) <= rounding_tolerance * (std::abs(before) + change)) return Change::smooth;
+  if (is_rounding(static_cast<std::size_t>(i), value, before)) return Change::smooth;
   update_rates(i);
   return Change::jump;
 }
 
 bool Inputs::jumped() const {
   for (std::size_t i = 0; i < reached_.size(); ++i) {
-    if (at(static_cast<int>(i), 0) != reached_[i]) return true;
+    if (at(static_cast<int>(i), 0) != reached_[i] && !is_rounding(i, at(static_cast<int>(i), 0), reached_[i]))
+      return true;
   }
   return false;
+}
+
+// Whether a value is the one reached by derivatives, up to rounding.
+bool Inputs::is_rounding(std::size_t i, double value, double reached) const {
+  const double change = change_[i];
+  return change > 0 && std::abs(value - reached) <= rounding_tolerance * (std::abs(reached) + change);
 }
 
 void Inputs::note_reached() {

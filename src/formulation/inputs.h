@@ -37,6 +37,7 @@ class Inputs {
 
   std::size_t count() const { return now_.size(); }
   bool moving() const { return moving_; }  // some derivative is not zero
+  bool moved() const { return changed_; }  // some was not in the last step
   // u0, or d^order u / dt^order at t0.
   double value(int i) const { return at(i, 0); }
   // The value as it was set, or that to which derivatives that were set have led.
@@ -125,6 +126,7 @@ class Inputs {
   bool is_known_by_values(const Motion& m) const;
   void commit_samples();
   void end_motions();
+  bool is_rounding(std::size_t i, double value, double reached) const;
 
   std::vector<double> taylor_;   // u0, d1, ..., d5 of each input
   std::vector<double> reached_;  // at t0, before values were set

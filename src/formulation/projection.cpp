@@ -78,7 +78,10 @@ class WeakRowCorrector final : public ConstraintProjector {
     full_correction_ = false;
     return closed;
   }
-  void serialize(Archive& archive) { archive.serialize(best_pivot_ratio_); }
+  void serialize(Archive& archive) {
+    archive.serialize(best_pivot_ratio_);
+    if (archive.reading()) full_correction_ = false;
+  }
 
  private:
   void refactor() override {
@@ -327,7 +330,10 @@ bool Projection::close(double* y) {
 
 bool Projection::project(double t, double* y) {
   drives_.go_to(t);
-  if (impulses()->are_used()) rows_.discard_factors();  // those of the middle of the step
+  if (impulses()->are_used()) {
+    rows_.discard_factors();  // those of the middle of the step
+    rows_.factors_changed();
+  }
   if (corrections_ > 0 && mechanism_.rows > 0) return apply_fixed_corrections(y, y + mechanism_.nq);
   if (!rows_.is_regular()) rows_.update_singularity_status();  // the last accelerations used another weak fraction
   const bool closed = close(y) || (!rows_.is_regular() && rows_.close_in_full(y, y + mechanism_.nq));

@@ -54,7 +54,8 @@ SUNErrCode combine_any(int count, sunrealtype* c, N_Vector* x, N_Vector out) {
 
 }  // namespace
 
-ArkodeIntegrator::ArkodeIntegrator(Equations& system) : SundialsIntegrator(system, false) {
+ArkodeIntegrator::ArkodeIntegrator(Equations& system)
+    : SundialsIntegrator(system, false), kept_derivative_(static_cast<std::size_t>(system.size())) {
   y_->ops->nvlinearcombination = combine_any;  // all vectors of the steppers are clones of y_
 }
 
@@ -81,6 +82,18 @@ void ArkodeIntegrator::use(int stepper, double step) {
   memory_ = next.memory;
   try_first(next, step);
   fresh_ = true;
+  resumed_ = false;
+}
+
+int ArkodeIntegrator::rhs(sunrealtype t, N_Vector y, N_Vector ydot, void* self) {
+  ArkodeIntegrator& at = static_cast<ArkodeIntegrator&>(*static_cast<SundialsIntegrator*>(self));
+  double* const out = sundials::data(ydot);
+  at.derivative_ = out;
+  at.derivative_time_ = t;
+  if (!at.resumed_) return at.system_.rhs(t, sundials::data(y), out) ? 0 : 1;
+  at.resumed_ = false;
+  std::ranges::copy(at.kept_derivative_, out);
+  return 0;
 }
 
 long ArkodeIntegrator::attempts() const {
@@ -116,14 +129,27 @@ double ArkodeIntegrator::current_step(void* memory) {
 
 // ARKODE cannot copy its memory, but of a one-step method only the length of the next step matters.
 void ArkodeIntegrator::serialize(Archive& archive) {
+  const bool resumed = resumed_;
+  bool has_derivative = resumed || (!fresh_ && derivative_ != nullptr && derivative_time_ == t_);
   SundialsIntegrator::serialize(archive);
-  archive.serialize(step_at_end_);
+  archive.serialize(step_at_end_, has_derivative);
+  if (has_derivative) {
+    if (!archive.reading() && !resumed) std::copy_n(derivative_, kept_derivative_.size(), kept_derivative_.begin());
+    archive.serialize(kept_derivative_);
+  }
+  if (archive.reading()) {
+    resumed_ = has_derivative;
+    touched_ = false;
+  }
   for (std::size_t i = 0; i < steppers_.size(); ++i) {
     Stepper& stepper = steppers_[i];
     double step = step_to_try(i);
-    if (!stepper.first_step) ARKodeGetLastStep(stepper.memory, &stepper.last_step);
-    archive.serialize(step, stepper.last_step, stepper.used);
+    double last_step = stepper.last_step;
+    if (!stepper.first_step) ARKodeGetLastStep(stepper.memory, &last_step);
+    archive.serialize(step, last_step, stepper.used);
+    if (!archive.reading()) continue;
     stepper.first_step = step;
+    stepper.last_step = last_step;
     reinitialize(stepper.memory);
     ARKodeSetInitStep(stepper.memory, step);
     ARKodeSetMaxFirstGrowth(stepper.memory, stepper.used ? max_growth : max_first_growth);
@@ -137,8 +163,9 @@ void ArkodeIntegrator::prepare(double end) {
 
 void ArkodeIntegrator::begin(double end) {
   // A reset discards the derivative from the last step, which belongs to the former inputs, but not the step size.
-  if (fresh_ || jumped_) ARKodeReset(memory_, t_, y_.get());
-  fresh_ = false;
+  if (jumped_ || touched_) resumed_ = false;
+  if (fresh_ || jumped_ || touched_) ARKodeReset(memory_, t_, y_.get());
+  fresh_ = touched_ = false;
   ARKodeSetStopTime(memory_, end);
   const Stepper& stepper = steppers_[in_use()];
   if (stepper.first_step && stepper.last_step > 0) {

@@ -16,6 +16,7 @@ namespace gelenk {
 class ArkodeIntegrator : public SundialsIntegrator {
  public:
   ~ArkodeIntegrator() override;
+  void inputs_touched() override { touched_ = true; }
   bool will_have_history() const override { return false; }
   bool has_history() const override { return false; }
   void serialize(Archive& archive) override;
@@ -27,6 +28,8 @@ class ArkodeIntegrator : public SundialsIntegrator {
   void adopt(void* memory, double tolerance);
   // Continues with another stepper, which tries this step [s] first; 0: it chooses one.
   void use(int stepper, double step);
+  // Evaluates ydot = f(t, y), unless a saved state that was restored has it.
+  static int rhs(sunrealtype t, N_Vector y, N_Vector ydot, void* self);
   // Resets a stepper to (t_, y_) as if it had made no steps; its settings remain.
   virtual void reinitialize(void* memory) = 0;
   // s: the step that a stepper will try after it has reached its stop time.
@@ -67,6 +70,12 @@ class ArkodeIntegrator : public SundialsIntegrator {
   std::size_t in_use() const { return std::ranges::find(steppers_, memory_, &Stepper::memory) - steppers_.begin(); }
 
   std::vector<Stepper> steppers_;
+  bool touched_ = false;  // see inputs_touched()
+  // The derivative evaluated last, in memory of ARKODE, and its time [s]: at the end of a step, where the next one
+  // starts with it.
+  const double* derivative_ = nullptr;
+  double derivative_time_ = 0;
+  std::vector<double> kept_derivative_;  // of a saved state
 };
 
 }  // namespace gelenk

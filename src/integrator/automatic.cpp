@@ -45,6 +45,7 @@ class EvaluationCounter final : public Equations {
     return counter_.jacobian(t, y, J);
   }
   bool jacobian_is_outdated() override { return counter_.jacobian_is_outdated(); }
+  void discard_jacobian() override { counter_.discard_jacobian(); }
   bool project(double t, double* y) override { return counter_.project(t, y); }
   void polish(bool on) override { counter_.polish(on); }
   void displace(double* q, const double* dv) const override { counter_.displace(q, dv); }
@@ -78,7 +79,13 @@ class Automatic final : public Integrator {
     window_ = {};
   }
 
+  void begin() override {
+    for (const auto& method : methods_) {
+      if (method) method->begin();
+    }
+  }
   void inputs_changed() override { methods_[current_]->inputs_changed(); }
+  void inputs_touched() override { methods_[current_]->inputs_touched(); }
 
   void warm_up(double end, double* y) override {
     for (const auto& method : methods_) {

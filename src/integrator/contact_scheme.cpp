@@ -34,7 +34,9 @@ class ContactScheme final : public Integrator {
     }
     present().restart(t_, y_.data());
   }
+  void begin() override { between_events_->begin(); }
   void inputs_changed() override { present().inputs_changed(); }
+  void inputs_touched() override { present().inputs_touched(); }
 
   void warm_up(double end, double* y) override {
     const std::vector<double> start = y_;

@@ -48,6 +48,7 @@ class Cvode : public SundialsIntegrator {
     if (fresh_ || (jumped_ && restarts_at_jumps())) {
       keep_counts();
       CVodeReInit(memory_, t_, y_.get());
+      system_.discard_jacobian();
       fresh_ = false;
     }
     CVodeSetStopTime(memory_, end);

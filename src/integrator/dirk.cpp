@@ -87,6 +87,7 @@ class Dirk final : public ArkodeIntegrator {
     ARKodeSetDeduceImplicitRhs(memory_, 1);
   }
 
+  void inputs_touched() override {}  // its history goes on
   // The Newton matrix is reused over many steps.
   bool will_have_history() const override { return true; }
   bool has_history() const override { return !fresh_; }
@@ -146,7 +147,10 @@ class Dirk final : public ArkodeIntegrator {
   }
 
   void before_step() override { ARKodeSetLSetupFrequency(memory_, system_.jacobian_is_outdated() ? 1 : 0); }
-  void reinitialize(void* memory) override { ARKStepReInit(memory, nullptr, sundials::rhs, t_, y_.get()); }
+  void reinitialize(void* memory) override {
+    ARKStepReInit(memory, nullptr, sundials::rhs, t_, y_.get());
+    estimate_due_ = false;  // of a step that was given up
+  }
 
   sundials::DenseSolver linear_;
   sundials::NonlinearSolver newton_;

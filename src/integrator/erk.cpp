@@ -69,7 +69,7 @@ class Erk final : public ArkodeIntegrator {
   Erk(Equations& system, const IntegratorOptions& options)
       : ArkodeIntegrator(system), top_(highest_pair(options.tolerance)), pair_(top_) {
     for (int i = 0; i <= top_; ++i) {
-      adopt(ERKStepCreate(sundials::rhs, 0, y_.get(), context_), local_tolerance(embedded_pairs[i], options.tolerance));
+      adopt(ERKStepCreate(rhs, 0, y_.get(), context_), local_tolerance(embedded_pairs[i], options.tolerance));
       take_table(embedded_pairs[i].table);
       ARKodeSetSafetyFactor(memory_, safety);
       controllers_[i] = sundials::make_step_controller(context_);
@@ -96,7 +96,7 @@ class Erk final : public ArkodeIntegrator {
     archive.serialize(since, length_, trial_, cost_before_);
     archive.serialize_in_range(pair_before_, 0, top_);
     trials_.serialize(archive);
-    attempts_before_ = attempts() - since;
+    if (archive.reading()) attempts_before_ = attempts() - since;
   }
 
  private:
@@ -110,7 +110,7 @@ class Erk final : public ArkodeIntegrator {
     ERKStepSetTable(memory_, table.get());
   }
 
-  void reinitialize(void* memory) override { ERKStepReInit(memory, sundials::rhs, t_, y_.get()); }
+  void reinitialize(void* memory) override { ERKStepReInit(memory, rhs, t_, y_.get()); }
 
   double step_after_stop(std::size_t stepper) const override {
     return sundials::next_step(controllers_[stepper], safety, growth(stepper));

@@ -20,7 +20,13 @@ FixedStep::FixedStep(Equations& system, const IntegratorOptions& options)
 void FixedStep::restart(double t, const double* y) {
   t_ = t;
   std::copy(y, y + n_, y_.begin());
+  locator_.restart();
   if (locates_events()) system_.modes().keep_directions_below(no_direction);
+}
+
+void FixedStep::serialize(Archive& archive) {
+  Integrator::serialize(archive);
+  locator_.serialize(archive);
 }
 
 double FixedStep::advance(double end, double* y) { return advance_some(end, y, std::numeric_limits<long>::max()); }

@@ -12,6 +12,7 @@ namespace gelenk {
 class FixedStep : public Integrator, private Stepping {
  public:
   void restart(double t, const double* y) override;
+  void serialize(Archive& archive) override;
   double advance(double end, double* y) final;
   double advance_some(double end, double* y, long max_steps) final;
 

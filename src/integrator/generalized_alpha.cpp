@@ -13,6 +13,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <vector>
 
 #include "integrator/fixed_step.h"
@@ -71,10 +72,11 @@ class GeneralizedAlpha final : public FixedStep {
   void inputs_changed() override { fresh_ = true; }
   // Includes the Newton matrix, so that saving changes nothing; its factors are recomputed from it.
   void serialize(Archive& archive) override {
-    Integrator::serialize(archive);
+    FixedStep::serialize(archive);
     archive.serialize(fresh_, last_step_, vdot_, a_, x_, matrix_step_);
     if (matrix_step_ == 0) return;
-    for (double& entry : A_.reshaped()) archive.serialize(entry);
+    std::span<double> entries(A_.data(), static_cast<std::size_t>(A_.size()));
+    archive.serialize(entries);
     if (archive.reading()) lu_.compute(A_);
   }
 

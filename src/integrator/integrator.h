@@ -37,8 +37,13 @@ class Integrator {
 
   // Starts or restarts at (t, y).
   virtual void restart(double t, const double* y) = 0;
+  // Call at the start of each communication step, though not where it goes on after having been cut short.
+  virtual void begin() {}
   // Call if inputs have changed discontinuously since the last advance.
   virtual void inputs_changed() {}
+  // Call if the equations at the present time are not to the bit those at the end of the last advance, although inputs
+  // have not jumped: a derivative from there is not used again.
+  virtual void inputs_touched() {}
   // Whether steps may extend across events, which the caller then locates; by default they end there.
   virtual void pass_events(bool /*on*/) {}
   // Advances to `end` > t [s] exactly, or to the end of the first step after which the evaluation budget of the system
@@ -64,8 +69,8 @@ class Integrator {
   virtual bool has_history() const { return false; }
   // Discards the history; (t, y) is the present state.
   virtual void discard_history(double t, const double* y) { restart(t, y); }
-  // Saves or restores the data carried between communication points in addition to (t, y) and the history; when
-  // reading, after restart() there. Must not be called while there is a history.
+  // Saves or restores all data carried between communication points in addition to (t, y) and the history; when
+  // reading, after restart() there. Saving has no effect on the run, and must not be done while there is a history.
   virtual void serialize(Archive& archive) { archive.serialize(steps_, rejected_); }
 
   long steps() const { return steps_; }

@@ -47,7 +47,14 @@ class StartedMultistep final : public Integrator {
     begin_multistep();
   }
 
+  void begin() override {
+    erk_->begin();
+    multistep_->begin();
+  }
   void inputs_changed() override { jumped_ = true; }
+  void inputs_touched() override {
+    if (using_starter_) erk_->inputs_touched();
+  }
   double finest_tolerance() const override { return multistep_->finest_tolerance(); }
 
   void warm_up(double end, double* y) override {
@@ -74,8 +81,7 @@ class StartedMultistep final : public Integrator {
     starts_.serialize(archive);
     stability_checks_.serialize(archive);
     fastest_rate_.serialize(archive);
-    archive.serialize(best_progress_);
-    open_window();
+    archive.serialize(best_progress_, window_start_, window_start_steps_, window_start_rejected_);
   }
 
   double advance(double end, double* y) override {
@@ -126,7 +132,8 @@ class StartedMultistep final : public Integrator {
     const HeldMode held(system_.modes(), t_, course_.mode());
     t_ = multistep_->advance_some(end, y_.data(), 1);
     course_.end(t_, y_.data());
-    return system_.modes().mode_exit_time() < t_ || course_.any_changed() || course_.touch() < t_;
+    if (system_.modes().mode_exit_time() < t_ || course_.any_changed() || course_.touch() < t_) return true;
+    return system_.modes().touch_within(course_.start(), y_before_.data(), t_, y_.data()) < t_;
   }
 
   void advance_starter(double end) {

@@ -32,6 +32,7 @@ void SundialsIntegrator::restart(double t, const double* y) {
   t_ = t;
   std::copy(y, y + system_.size(), sundials::data(y_.get()));
   fresh_ = true;
+  resumed_ = false;
   locator_.restart();
 }
 
@@ -39,14 +40,15 @@ void SundialsIntegrator::serialize(Archive& archive) {
   Integrator::serialize(archive);
   archive.serialize(jumped_);
   locator_.serialize(archive);
+  if (!archive.reading()) return;
   keep_counts();
   fresh_ = true;
+  stalls_.reset();
 }
 
 void SundialsIntegrator::keep_counts() { base_counts_ = {steps_, rejected_}; }
 
 double SundialsIntegrator::advance(double end, double* y) {
-  stall_end_ = t_;  // no advance ends at its start
   do {
     advance_some(end, y, std::numeric_limits<long>::max());
   } while (t_ < end && !system_.budget_exhausted());
@@ -56,10 +58,7 @@ double SundialsIntegrator::advance(double end, double* y) {
 double SundialsIntegrator::advance_some(double end, double* y, long max_steps) {
   system_.polish(takes_differences_);
   const double start = t_;
-  if (end != stall_end_) {
-    stall_detector_ = StallDetector(start, end);
-    stall_end_ = end;
-  }
+  if (!stalls_) stalls_.emplace(start, end);
   const bool locates = locator_.is_needed() && !passes_events_;
   // In a very short step multipliers would be rounding only.
   const bool across = system_.multipliers() > 0;
@@ -67,6 +66,7 @@ double SundialsIntegrator::advance_some(double end, double* y, long max_steps) {
     if (!locates) return make_step(end);
     return across ? locator_.step_across(*this, end) : locator_.step(*this, end);
   };
+  if (!stall_.empty()) refuse(system_, t_, sundials::data(y_.get()), stall_);
   prepare(end);
   for (; t_ < end && max_steps > 0; --max_steps) {
     Step step = step_towards();
@@ -82,10 +82,8 @@ double SundialsIntegrator::advance_some(double end, double* y, long max_steps) {
     if (step != Step::made && t_ > start) break;
     if (step != Step::made) fail(step, start);
     system_.accepted(t_, sundials::data(y_.get()));
-    if (const std::string why = stall_detector_.step_to(t_); !why.empty()) {
-      refuse(system_, t_, sundials::data(y_.get()), why);
-    }
-    if (system_.budget_exhausted()) break;
+    stall_ = stalls_->step_to(t_);
+    if (!stall_.empty() || system_.budget_exhausted()) break;
   }
   const Counts made = count();
   steps_ = base_counts_.steps + made.steps;

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <memory>
+#include <string>
+#include <optional>
 #include <vector>
 
 #include "event/locator.h"
@@ -21,6 +23,8 @@ double inverse_bdf_tolerance(double fraction, double error);
 class SundialsIntegrator : public Integrator, private Stepping {
  public:
   void restart(double t, const double* y) final;
+  void begin() final { stalls_.reset(); }
+  std::string stall_;  // why the steps up to t_ have been too short; the next call fails
   void inputs_changed() final { jumped_ = true; }
   void pass_events(bool on) final { passes_events_ = on; }
   double advance(double end, double* y) final;
@@ -60,6 +64,8 @@ class SundialsIntegrator : public Integrator, private Stepping {
   double t_ = 0;
   bool fresh_ = true;    // (t_, y_) is not the end of the last step
   bool jumped_ = false;  // inputs have changed since the last step
+  // fresh_ because a saved state was restored, whose run knew the derivative at (t_, y_).
+  bool resumed_ = false;
 
  private:
   // Called at the start of each step, and of each repetition.
@@ -77,8 +83,7 @@ class SundialsIntegrator : public Integrator, private Stepping {
   Locator locator_;
   bool takes_differences_;
   bool passes_events_ = false;
-  StallDetector stall_detector_{0, 0};
-  double stall_end_ = 0;  // s: end of the advance that stall_detector_ belongs to
+  std::optional<StallDetector> stalls_;  // of the communication step
   Counts base_counts_;
 };
 

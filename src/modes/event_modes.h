@@ -76,6 +76,9 @@ class EventModes final : public EventSource {
 
  private:
   bool finds_touches_before_events() const override { return others_ == nullptr; }
+  double touch_within(double t0, const double* y0, double t1, const double* y1) override {
+    return others_ == nullptr ? INFINITY : others_->touch_within(t0, y0, t1, y1);
+  }
   void keep_directions_below(double speed) override {
     if (others_ != nullptr) others_->keep_directions_below(speed);
   }

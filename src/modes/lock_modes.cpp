@@ -385,6 +385,9 @@ void LockModes::serialize(Archive& archive) {
   archive.serialize(modes_.leaves_from);
   archive.serialize_in_range(modes_.unstoppable, -1, 2 * static_cast<int>(sides_.size()) - 1);
   archive.serialize(jumped_, started_, counts_.impacts, counts_.closed_series, counts_.ambiguous);
+  if (!archive.reading()) return;
+  std::ranges::fill(triggered_, nothing);  // a step may have been given up between an event and what follows
+  doubtful_.clear();
   hold();
 }
 

@@ -39,16 +39,14 @@ Island::Island(const Scene& scene, PreparedIsland prepared, Loads loads, Inputs&
       time_(time),
       y_(prepared_.start.q),
       vdot_(prepared_.mechanism.nv, 0.0),
-      backup_time_(time),
       inputs_of_scene_(u.count()) {
   y_.insert(y_.end(), prepared_.start.v.begin(), prepared_.start.v.end());
-  backup_ = y_;
   events_.describe(event_texts(), scene.solver.max_events);
   dynamics_->set_max_rank(prepared_.mobility.rank);
   equations_->start(prepared_.cut_start, time, y_.data());
   follows_ = std::ranges::any_of(mechanism().coordinate_rows, [](const CoordinateRow& row) { return row.input >= 0; });
   if (follows_) equations_->drives().targets_at(time, followed_);
-  backup_followed_ = drives_ = followed_;  // so that steps do not allocate
+  drives_ = followed_;  // so that steps do not allocate
   make_reading();
 }
 
@@ -83,7 +81,7 @@ std::vector<std::array<std::string, 2>> Island::event_texts() const {
 void Island::warm_up(double step) {
   Archive start;
   serialize(start);
-  if (may_have_history()) reserve(start.words().size());
+  reserve(start.words().size());
   const auto undo = [&] {
     start.start_reading();
     serialize(start);
@@ -100,18 +98,30 @@ void Island::warm_up(double step) {
 }
 
 // words: size of an archive at the start; later it also contains stored accelerations and inputs (projection.cpp) and
-// samples near a singular configuration (singularity_monitor.h).
+// samples near a singular configuration (singularity_monitor.h), and points of contact.
 void Island::reserve(std::size_t words) {
-  replay_.beginning.reserve(words + 16 * (20 + y_.size() + inputs_of_scene_));
-  replay_.legs.reserve(ReplayHistory::max_legs);
+  const std::size_t contacts = mechanism().shapes.empty() ? 0 : ContactState::reserved_words;
+  replay_.beginning.reserve(words + 16 * (20 + y_.size() + inputs_of_scene_) + contacts);
+  if (may_have_history()) replay_.legs.reserve(ReplayHistory::max_legs);
+}
+
+// Keeps what roll_back() needs, and where a history will begin. A method with a history has kept it there.
+void Island::keep_start() {
+  start_ = {.time = time_, .evaluations = evaluations(), .jumped = inputs_jumped_, .shown = shown_};
+  if (has_history() && !replay_.legs.empty()) {
+    start_.legs = replay_.legs.size();
+    start_.last_evaluations = replay_.legs.back().evaluations;
+  }
+  if (!integrator_ || has_history()) return;
+  replay_.clear();
+  replay_.beginning.start_writing();
+  serialize(replay_.beginning);
 }
 
 double Island::advance(double end, long max_evaluations, bool continues) {
-  backup_ = y_;
-  backup_time_ = time_;
-  backup_followed_ = followed_;
-  if (const LockModes& locks = equations_->modes().locks(); !locks.empty()) backup_modes_ = locks.state();
+  keep_start();
   realized_ = Stage::position;
+  shown_ = false;
   if (!continues) events_.begin(time_);
   equations_->contacts().begin_part(continues);
   events_.begin_part();
@@ -121,12 +131,12 @@ double Island::advance(double end, long max_evaluations, bool continues) {
     if (inputs_jumped_) {
       equations_->inputs_changed(time_, y_.data());
       integrator_->inputs_changed();
+    } else if (inputs_touched_ || (follows_ && equations_->drives().inputs().moved())) {
+      integrator_->inputs_touched();
     }
-    if (will_have_history() && !has_history()) {
-      replay_.beginning.start_writing();
-      serialize(replay_.beginning);
-      replay_.begin(integrator_->steps());
-    }
+    inputs_touched_ = false;
+    if (!continues) integrator_->begin();
+    if (will_have_history() && !has_history()) replay_.begin(integrator_->steps());
     ReplayStep leg{end, dynamics_->evaluations(), inputs_jumped_};
     equations_->set_evaluation_budget(max_evaluations);
     time_ = integrator_->advance(end, y_.data());
@@ -140,16 +150,17 @@ double Island::advance(double end, long max_evaluations, bool continues) {
   return time_;
 }
 
+// The legs remain, to which roll_back() may return.
 void Island::discard_history() {
   integrator_->discard_history(time_, y_.data());
-  replay_.clear();
+  replay_.begun = false;
 }
 
 // whole: the advance has reached its end. Otherwise the method is not restarted, so that an advance in parts gives the
 // same results as one without interruption.
 void Island::remember(const ReplayStep& leg, bool continues, bool whole) {
   if (!has_history()) {
-    replay_.clear();
+    replay_.begun = false;
   } else if (!replay_.begun || !replay_.add(leg, continues) ||
              (whole && integrator_->steps() - replay_.steps > ReplayHistory::max_steps)) {
     discard_history();
@@ -171,6 +182,8 @@ void Island::replay(const ReplayStep& leg) {
 void Island::finish_replay(const ReplayPath& replay_path, double time) {
   if (time_ != time) throw std::invalid_argument("it is not of this plant, or damaged");
   inputs_jumped_ = replay_path.jumped;
+  shown_ = replay_path.shown;
+  events_.begin_part();  // those of the last leg have been reported
   evaluations_before_ = dynamics_->evaluations() - replay_path.evaluations;
 }
 
@@ -214,41 +227,46 @@ void Island::carry_along() {
   }
 }
 
-void Island::roll_back() {
-  y_ = backup_;
-  time_ = backup_time_;
-  followed_ = backup_followed_;
-  events_.undo_part();
-  equations_->contacts().undo_part();
-  realized_ = Stage::position;
-  equations_->start(equations_->revolutions().coordinates(), time_, y_.data());
-  if (LockModes& locks = equations_->modes().locks(); !locks.empty()) locks.set_state(backup_modes_);
-  if (integrator_) integrator_->restart(time_, y_.data());
-  replay_.clear();
+ReplayPath Island::roll_back() {
+  ReplayPath path{{}, start_.evaluations, start_.jumped, start_.shown};
+  path.legs.assign(replay_.legs.begin(), replay_.legs.begin() + static_cast<std::ptrdiff_t>(start_.legs));
+  if (!path.legs.empty()) path.legs.back().evaluations = start_.last_evaluations;
+  if (integrator_) {
+    replay_.beginning.start_reading();
+    serialize(replay_.beginning);
+  } else {
+    time_ = start_.time;
+    realized_ = Stage::position;
+    events_.begin_part();
+  }
+  return path;
 }
 
+// Writing has no effect on the run.
 void Island::serialize(Archive& archive) {
-  if (!archive.reading() && has_history()) {
-    archive.append(replay_.beginning);
-    realized_ = Stage::position;  // as in the instance that reads it, since outputs count as evaluations
-    return;
-  }
+  if (!archive.reading() && has_history()) return archive.append(replay_.beginning);
   long made = evaluations();
-  archive.serialize(time_, y_, inputs_jumped_, loads_changed_, made);
+  archive.serialize(time_, y_, inputs_jumped_, loads_changed_, shown_, made);
   if (follows_) archive.serialize(followed_);
-  evaluations_before_ = dynamics_->evaluations() - made;
   equations_->serialize(archive);
   if (integrator_) {
     if (archive.reading()) integrator_->restart(time_, y_.data());
     integrator_->serialize(archive);
   }
+  if (!archive.reading()) return;
+  evaluations_before_ = dynamics_->evaluations() - made;
   realized_ = Stage::position;
+  replay_.clear();
 }
 
 void Island::realize(Stage stage) {
   if (stage <= realized_) return;
   if (stage == Stage::acceleration) {
+    const long before = dynamics_->evaluations();
     equations_->output_accelerations(time_, y_.data(), vdot_.data());
+    // The run that was saved has counted them.
+    if (shown_) evaluations_before_ += dynamics_->evaluations() - before;
+    shown_ = true;
   } else {
     equations_->drives().go_to_outputs(time_);
     dynamics_->set_position(y_.data());

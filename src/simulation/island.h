@@ -32,14 +32,18 @@ class Island {
   double advance(double end, long max_evaluations, bool continues = false);
   // Throws IntegrationError if the forces at the end of an advance break the laws of friction, limits or contacts.
   void audit();
-  // Restores the state before the last advance().
-  void roll_back();
+  // Returns to the state before the last advance(), with all memory, as if that had not been made. For a method with a
+  // history, to the state at its last restart: the caller then calls replay() for each leg of the path returned, with
+  // the inputs of that step, and finish_replay().
+  ReplayPath roll_back();
 
   // Writes or reads the state and all memory between steps. For a method with a history, that at its last restart: the
   // reader then calls replay() for each leg of replay_path(), with the inputs of that step, and finish_replay(). Throw
   // std::invalid_argument for invalid data; the island must then not be used.
   void serialize(Archive& archive);
-  ReplayPath replay_path() const { return {replay_.legs, evaluations(), inputs_jumped_}; }
+  ReplayPath replay_path() const {
+    return {has_history() ? replay_.legs : std::vector<ReplayStep>{}, evaluations(), inputs_jumped_, shown_};
+  }
   void replay(const ReplayStep& leg);
   void finish_replay(const ReplayPath& replay_path, double time);
   const Integrator* integrator() const { return integrator_.get(); }  // null if nothing can move
@@ -47,7 +51,13 @@ class Island {
   double time() const { return time_; }  // s
   void inputs_changed(bool jump) {
     inputs_jumped_ = inputs_jumped_ || jump;
+    inputs_touched_ = true;
     realized_ = Stage::position;
+    shown_ = false;
+  }
+  // Their time derivatives act where they prescribe motions.
+  void input_derivatives_changed() {
+    if (follows_) inputs_changed(false);
   }
   // Exchanges the loads for those of the same scene with other numbers.
   void swap_loads(Loads& loads) {
@@ -97,6 +107,7 @@ class Island {
   std::vector<std::array<std::string, 2>> event_texts() const;
   void warm_up(double step);
   void reserve(std::size_t words);
+  void keep_start();
   void discard_history();
   void make_reading();
   void remember(const ReplayStep& leg, bool continues, bool whole);
@@ -113,14 +124,23 @@ class Island {
   double time_;
   std::vector<double> y_, vdot_;
   std::optional<Reading> reading_;
-  double backup_time_;
-  std::vector<double> backup_;
-  LockModes::State backup_modes_;  // before the last advance
-  bool follows_ = false;           // whether an input prescribes a coordinate
+  bool follows_ = false;  // whether an input prescribes a coordinate
   // Prescribed motions up to which the state was advanced (Drives::targets_at).
-  std::vector<double> followed_, backup_followed_, drives_;
+  std::vector<double> followed_, drives_;
   Stage realized_ = Stage::position;  // of dynamics_, for the present state and inputs
+  bool shown_ = false;                // outputs of this state and these inputs have been evaluated, which counts once
   bool inputs_jumped_ = false, loads_changed_ = false;
+  bool inputs_touched_ = false;  // a number has changed since the last advance
+  // Where the last advance() began.
+  struct Start {
+    double time = 0;       // s
+    long evaluations = 0;  // of the run
+    bool jumped = false;   // inputs_jumped_
+    bool shown = false;
+    std::size_t legs = 0;       // of the history
+    long last_evaluations = 0;  // of the last of them
+  };
+  Start start_;
   ReplayHistory replay_;
   std::size_t inputs_of_scene_;
   long evaluations_before_ = 0;  // evaluations before the run, which are not counted

@@ -24,7 +24,7 @@ void ReplayPath::serialize(Archive& archive) {
     sum = std::min(sum, ReplayHistory::max_evaluations + 1) + std::min(leg.evaluations, ReplayHistory::max_evaluations);
   }
   if (sum > ReplayHistory::max_evaluations) throw std::invalid_argument("it is not of this plant, or damaged");
-  archive.serialize(evaluations, jumped);
+  archive.serialize(evaluations, jumped, shown);
 }
 
 bool ReplayHistory::add(const ReplayStep& leg, bool continues) {
@@ -42,7 +42,7 @@ bool ReplayHistory::add(const ReplayStep& leg, bool continues) {
 void InputLog::reserve() {
   one_.start_writing();
   last_.serialize(one_);
-  words_.resize(ReplayHistory::max_legs * one_.words().size());
+  words_.resize(capacity * one_.words().size());
 }
 
 void InputLog::add(const Inputs& u) {
@@ -52,6 +52,22 @@ void InputLog::add(const Inputs& u) {
   last_.serialize(one_);
   ++added_;
   std::ranges::copy(one_.words(), words_.begin() + static_cast<std::ptrdiff_t>(place(1)));
+}
+
+void InputLog::forget_last() {
+  if (added_ == 0) return;
+  --added_;
+  if (added_ > 0) last_ = before(1);
+}
+
+void InputLog::serialize_last(Archive& archive) {
+  bool any = added_ > 0;
+  archive.serialize(any);
+  if (archive.reading()) added_ = 0;
+  if (!any) return;
+  Inputs last = last_;
+  last.serialize(archive);
+  if (archive.reading()) add(last);
 }
 
 Inputs InputLog::before(std::size_t ago) const {
@@ -89,15 +105,18 @@ void Simulation::Impl::serialize_replay(Archive& archive) {
 }
 
 void Simulation::Impl::replay(const std::vector<ReplayPath>& paths) {
+  for (std::size_t i = 0; i < islands.size(); ++i) replay(*islands[i], paths[i], 0);
+}
+
+// newer: number of inputs in the log after those of the path.
+void Simulation::Impl::replay(Island& island, const ReplayPath& path, std::size_t newer) {
+  if (path.legs.empty()) return;
   Inputs present = u;
-  for (std::size_t i = 0; i < islands.size(); ++i) {
-    const ReplayPath& path = paths[i];
-    for (std::size_t k = 0; k < path.legs.size(); ++k) {
-      u = log.before(path.legs.size() - k);
-      islands[i]->replay(path.legs[k]);
-    }
-    if (!path.legs.empty()) islands[i]->finish_replay(path, time);
+  for (std::size_t k = 0; k < path.legs.size(); ++k) {
+    u = log.before(path.legs.size() - k + newer);
+    island.replay(path.legs[k]);
   }
+  island.finish_replay(path, time);
   u = std::move(present);
 }
 

@@ -27,6 +27,7 @@ struct ReplayPath {
   std::vector<ReplayStep> legs;
   long evaluations = 0;  // of the whole run up to the present
   bool jumped = false;   // whether inputs jumped since the last leg
+  bool shown = false;    // whether outputs of the present have been evaluated
   // Throws std::invalid_argument.
   void serialize(Archive& archive);
 };
@@ -41,13 +42,13 @@ struct ReplayHistory {
   // is invalid.
   static constexpr long max_evaluations = 10'000'000;
 
-  Archive beginning;  // the island at the restart
+  Archive beginning;  // the island at the restart; of a method without a history, at the start of the last advance
   std::vector<ReplayStep> legs;
-  bool begun = false;    // whether `beginning` is valid
+  bool begun = false;    // whether a history begins there
   long steps = 0;        // integrator steps of the island at the restart
   long evaluations = 0;  // of the legs
 
-  // Starts a history at the state that has just been written to `beginning`.
+  // Starts a history at the state that has been written to `beginning`.
   void begin(long steps_there) {
     clear();
     begun = true;
@@ -72,15 +73,21 @@ class InputLog {
   // Allocates the buffer; without it, nothing is recorded.
   void reserve();
   void add(const Inputs& u);
+  // Takes back the last one.
+  void forget_last();
   // Inputs of the last step (ago = 1), of the one before it (2), and so on.
   Inputs before(std::size_t ago) const;
   bool ends_with(const Inputs& u) const { return added_ > 0 && last_ == u; }
   // Writes or reads the latest `count` inputs; reading discards all others.
   void serialize(Archive& archive, std::size_t count);
+  // The same for the last inputs alone, if there are any.
+  void serialize_last(Archive& archive);
 
  private:
-  std::size_t place(std::size_t ago) const { return (added_ - ago) % ReplayHistory::max_legs * width(); }
-  std::size_t width() const { return words_.size() / ReplayHistory::max_legs; }
+  // Those of the longest path, and of a step that may be taken back.
+  static constexpr std::size_t capacity = ReplayHistory::max_legs + 1;
+  std::size_t place(std::size_t ago) const { return (added_ - ago) % capacity * width(); }
+  std::size_t width() const { return words_.size() / capacity; }
 
   Inputs last_;
   Archive one_;

@@ -32,7 +32,7 @@ void Simulation::Impl::check_inputs(double end) const {
 
 // Advances all islands to `end`, or to the time at which the first of them exhausts its evaluation budget; returns the
 // time reached. moved: number of islands that may have left the start of the step.
-double Simulation::Impl::advance_islands(double end, bool continues, std::size_t& moved) {
+double Simulation::Impl::advance_islands(double end, bool continues, bool logged, std::size_t& moved) {
   for (const auto& island : islands) {
     ++moved;
     end = island->advance(end, scene.solver.max_evaluations, continues);
@@ -40,7 +40,7 @@ double Simulation::Impl::advance_islands(double end, bool continues, std::size_t
   // Islands that went further did so within their budget, so no limit is needed.
   for (const auto& island : islands) {
     if (island->time() == end) continue;
-    island->roll_back();
+    roll_back(*island, logged);
     island->advance(end, LONG_MAX, continues);
   }
   return end;
@@ -58,9 +58,10 @@ void Simulation::Impl::advance(double end) {
   std::string cause;
   std::size_t moved = 0;
   const bool continues = cut_short && !u.moving() && log.ends_with(u);
-  if (!continues && any_integrator(islands, &Integrator::will_have_history)) log.add(u);
+  const bool logged = !continues && any_integrator(islands, &Integrator::will_have_history);
+  if (logged) log.add(u);
   try {
-    const double reached = advance_islands(end, continues, moved);
+    const double reached = advance_islands(end, continues, logged, moved);
     for (const auto& island : islands) island->audit();
     time = reached;
     cut_short = reached < end;
@@ -72,7 +73,9 @@ void Simulation::Impl::advance(double end) {
   } catch (const SingularMass& fault) {
     cause = describe_lost_inertia(time, fault.what());
   }
-  for (std::size_t i = 0; i < moved; ++i) islands[i]->roll_back();
+  // As if the step had not been tried.
+  for (std::size_t i = 0; i < moved; ++i) roll_back(*islands[i], logged);
+  if (logged) log.forget_last();
   throw StepError(describe_failed_step(cause, time));
 }
 
@@ -120,11 +123,11 @@ void Simulation::step_to(double end) {
 void Simulation::serialize(Archive& archive) {
   Impl& s = *impl_;
   if (!s.runs) throw UsageError("a run cannot be saved or restored before initialize()");
-  archive.serialize(s.time);
+  archive.serialize(s.time, s.cut_short);
   s.u.serialize(archive);
+  if (s.cut_short) s.log.serialize_last(archive);
   for (const auto& island : s.islands) island->serialize(archive);
   s.serialize_replay(archive);
-  s.cut_short = false;
 }
 
 double Simulation::time() const { return impl_->time; }
@@ -149,8 +152,11 @@ void Simulation::set_input(int index, double value) {
 void Simulation::set_input_derivative(int index, int order, double value) {
   const std::string fault = Inputs::fault(order, value);
   if (!fault.empty()) throw UsageError(impl_->inputs.at(index).name + ": " + fault);
-  const int known = impl_->checked_input(index);
-  impl_->u.set_derivative(known, order, value / impl_->input_size[known]);
+  Impl& s = *impl_;
+  const int known = s.checked_input(index);
+  s.u.set_derivative(known, order, value / s.input_size[known]);
+  if (!s.initialized) return;
+  if (const int island = s.island_of_input[known]; island >= 0) s.islands[island]->input_derivatives_changed();
 }
 
 double Simulation::input(int index) const {

@@ -94,7 +94,9 @@ struct Simulation::Impl {
   void advance(double end);
   void serialize_replay(Archive& archive);
   void replay(const std::vector<ReplayPath>& paths);
-  double advance_islands(double end, bool continues, std::size_t& moved);
+  void replay(Island& island, const ReplayPath& path, std::size_t newer);
+  void roll_back(Island& island, bool logged) { replay(island, island.roll_back(), logged ? 1 : 0); }
+  double advance_islands(double end, bool continues, bool logged, std::size_t& moved);
   Energy energy();
   double max_constraint_error(const std::vector<double>& (Kinematics::*errors)() const);
   std::vector<std::string> names_of_coordinates(int island) const;  // of the independent ones

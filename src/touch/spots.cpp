@@ -33,6 +33,12 @@ double radius_of(const AnyShape& shape) {
   return out + margin;
 }
 
+// Of a ball about the origin of a shape's frame that contains it [m].
+double arm_of(const AnyShape& shape) {
+  const Aabb box = bounds(shape, Pose3());
+  return box.lower.cwiseAbs().cwiseMax(box.upper.cwiseAbs()).norm();
+}
+
 }  // namespace
 
 Spots::Spots(const Mechanism& mechanism)
@@ -77,6 +83,25 @@ void Spots::begin_pair(const Mechanism& mechanism, int tip, int core) {
   pair.core = b.X_LS.p;
   pair.tip = a.X_LS.p;
   pair.reach = radius_of(a.is) + radius_of(b.is);
+  pair.tip_arm = arm_of(a.is);
+  pair.core_arm = arm_of(b.is);
+}
+
+Spots::Range Spots::range(int pair) const {
+  const auto i = static_cast<std::size_t>(pair);
+  return {pairs_[i].first, i + 1 < pairs_.size() ? pairs_[i + 1].first : count()};
+}
+
+Spots::Approach Spots::approach(int pair) const {
+  const Pair& of = pairs_[static_cast<std::size_t>(pair)];
+  const bool tip_moves = of.tip_arm <= of.core_arm;
+  const int moving = tip_moves ? of.tip_link : of.core_link;
+  const int other = tip_moves ? of.core_link : of.tip_link;
+  const Vector3d p = pose(moving).point(tip_moves ? of.tip : of.core);
+  const Vector3d w = velocity(moving).w - velocity(other).w;
+  const Vector3d v = velocity(moving).v - velocity(other).v + w.cross(p);
+  const Eigen::Matrix3d R = pose(other).R.transpose();
+  return {.p = R * (p - pose(other).p), .v = R * v, .w = R * w, .arm = tip_moves ? of.tip_arm : of.core_arm};
 }
 
 Vector3d Spots::between(const Pair& pair) const {
@@ -109,6 +134,7 @@ Spot Spots::spot_between(const Mechanism& mechanism, int contact, int tip, int c
   spot.contact = contact;
   spot.sign = core_is_first ? 1 : -1;
   spot.X_LS = with_core.X_LS;
+  spot.X_tip = with_tips.X_LS;
   spot.box = *core_of(with_core.is);
   spot.size = std::min(size_of(with_core.is), size_of(with_tips.is));
   spot.R_belt = belt.X_LS.R;

@@ -24,7 +24,7 @@ struct Spot {
   int contact = 0;         // of the scene
   int feature = 0;         // of the tip
   double sign = 1;         // -1: the shape of the tip has the first surface of the contact
-  Pose3 X_LS;              // of the core in its link
+  Pose3 X_LS, X_tip;       // of the core and of the shape of the tip in their links
   RoundedBox box;          // the core, in S
   Eigen::Vector3d center;  // of the tip in its link [m]
   Eigen::Vector3d way;     // to it from the middle of all tips of its shape [m]
@@ -72,6 +72,26 @@ class Spots {
   bool is_close(int spot) const { return pair_of(spot).is_close; }
   bool shows_distance(int spot) const { return pair_of(spot).first == spot; }
   double distance(int spot, double& rate) const;
+  double distance(int spot) const { return between(pair_of(spot)).norm() - pair_of(spot).reach; }
+
+  // Pairs of shapes, and their spots.
+  int pairs() const { return static_cast<int>(pairs_.size()); }
+  struct Range {
+    int first = 0, last = 0;  // spot; the one after the last
+  };
+  Range range(int pair) const;
+  // After read_motion(): the motion of a bounded shape of a pair as seen from the other one, in the frame of its link:
+  // that of the origin of the shape's frame, and its angular velocity.
+  struct Approach {
+    Eigen::Vector3d p = Eigen::Vector3d::Zero();  // m: that origin
+    Eigen::Vector3d v = Eigen::Vector3d::Zero();  // m/s
+    Eigen::Vector3d w = Eigen::Vector3d::Zero();  // rad/s
+    double arm = 0;                               // m: the largest distance of its points from that origin
+  };
+  Approach approach(int pair) const;
+  // After read_position(): of the shapes of a spot, in the root frame.
+  Pose3 core_pose(const Spot& spot) const { return pose(spot.core_link) * spot.X_LS; }
+  Pose3 tip_pose(const Spot& spot) const { return pose(spot.tip_link) * spot.X_tip; }
   // After read_position(). Of a feature beyond its ends, as if it were longer.
   double gap(int spot) const;
   // How far the point of contact is from the ends of a feature, negative beyond them; positive for what has none.
@@ -89,8 +109,9 @@ class Spots {
   struct Pair {
     int first = 0;  // spot
     int core_link = 0, tip_link = 0;
-    Eigen::Vector3d core, tip;  // centers in their links [m]
-    double reach = INFINITY;    // m: sum of the radii
+    Eigen::Vector3d core, tip;                       // centers in their links [m]
+    double reach = INFINITY;                         // m: sum of the radii
+    double core_arm = INFINITY, tip_arm = INFINITY;  // m: largest distances of points from the centers
     bool is_close = true;
   };
   const Pair& pair_of(int spot) const { return pairs_[static_cast<std::size_t>((*this)[spot].pair)]; }

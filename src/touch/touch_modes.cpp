@@ -31,10 +31,10 @@ TouchModes::TouchModes(const Context& context)
       first_indicator_(context.first_indicator),
       touch_(context.mechanism, context.dynamics, context.loads),
       locks_(context.locks, context.mechanism.nv),
+      hidden_(context.mechanism, context.dynamics, touch_),
       decision_(touch_),
       outputs_(context.mechanism, context.dynamics, touch_, context.loads.contacts.size()),
-      before_(touch_.modes()),
-      triggered_(before_.size()),
+      triggered_(touch_.modes().size()),
       vdot_(static_cast<std::size_t>(context.mechanism.nv)),
       checked_(static_cast<std::size_t>(indicators())),
       checked_rates_(checked_.size()),
@@ -61,8 +61,7 @@ void TouchModes::go_to(const double* y) {
 }
 
 void TouchModes::start() {
-  touch_.set_modes(undone_ ? before_ : std::vector<SpotMode>(before_.size()));
-  undone_ = false;
+  touch_.set_modes(std::vector<SpotMode>(triggered_.size()));
   started_ = true;
   for (Guard& guard : guards_) guard.least = INFINITY;
   refusal_.clear();
@@ -288,6 +287,7 @@ bool TouchModes::update_modes(double t, const double* y) {
   }
   touch_.set_modes(next);
   update_guards(t);
+  hidden_.begin();
   return touches;
 }
 
@@ -328,8 +328,11 @@ bool TouchModes::recall_mode(double t, double* y) {
   const bool touches = update_modes(t, y);
   const bool decides = locks_.recall(t, y) || touches || started_ || (jumped_ && !is_consistent(t, y));
   started_ = jumped_ = false;
-  if (decides) determine(t, y);
-  return decides;
+  if (!decides) return false;
+  determine(t, y);
+  go_to(y);
+  hidden_.begin();
+  return true;
 }
 
 void TouchModes::preview(double t, const double* y) {
@@ -347,11 +350,12 @@ void TouchModes::serialize(Archive& archive) {
     }
   }
   archive.serialize(started_, jumped_, counts_.impacts, counts_.closed_series, counts_.ambiguous);
-  if (archive.reading()) {
-    touch_.set_modes(modes);
-    for (Guard& guard : guards_) guard.least = INFINITY;
-    refusal_.clear();
-  }
+  for (Guard& guard : guards_) archive.serialize(guard.allowed, guard.least);
+  if (!archive.reading()) return;
+  touch_.set_modes(modes);
+  touch_.forget_differences();
+  std::ranges::fill(triggered_, Trigger{});
+  refusal_.clear();
 }
 
 }  // namespace gelenk

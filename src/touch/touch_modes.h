@@ -14,6 +14,7 @@
 #include "event/event_log.h"
 #include "modes/event_modes.h"
 #include "modes/joint_locks.h"
+#include "touch/hidden_touches.h"
 #include "touch/touch_decision.h"
 #include "touch/touch_equations.h"
 #include "touch/touch_outputs.h"
@@ -42,6 +43,9 @@ class TouchModes final : public ConnectedModes {
   void indicator_values(double t, const double* y, double* g, double* gdot) override;
   void redistribute(double t, const double* y, double* locks, double* own) override;
   bool recall_mode(double t, double* y) override;
+  double touch_within(double t0, const double* y0, double t1, const double* y1) override {
+    return hidden_.find(t0, y0, t1, y1);
+  }
   void remembered_mode(bool* positive) const override;
   void hold_mode(double t, const bool* positive) override;
   double mode_exit_time() const override { return mode_exit_time_; }
@@ -70,9 +74,6 @@ class TouchModes final : public ConnectedModes {
     long impacts = 0, closed_series = 0, ambiguous = 0;
   };
   const Counts& counts() const { return counts_; }
-  void begin_part() { before_ = touch_.modes(); }
-  // start() must follow.
-  void undo_part() { undone_ = true; }
   void serialize(Archive& archive);
 
  private:
@@ -109,11 +110,11 @@ class TouchModes final : public ConnectedModes {
   int first_indicator_;
   TouchEquations touch_;
   JointLocks locks_;
+  HiddenTouches hidden_;
   ContactDecision decision_;
   TouchOutputs outputs_;
-  std::vector<SpotMode> before_;
   std::vector<Trigger> triggered_;  // by spot
-  bool started_ = true, jumped_ = false, undone_ = false;
+  bool started_ = true, jumped_ = false;
   bool held_ = false;
   double held_from_ = 0, mode_exit_time_ = INFINITY;  // s
   // Contacts of edges, whose features may be passed within a step: penetration of the whole shapes is an event, too.

@@ -7,7 +7,9 @@
 #include <bit>
 #include <concepts>
 #include <cstdint>
+#include <cstring>
 #include <limits>
+#include <span>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -66,7 +68,11 @@ class Archive {
   template <class Numbers>
     requires requires(Numbers& x) { x.begin(); }
   void serialize(Numbers& x) {
-    for (auto& number : x) serialize(number);
+    if constexpr (requires(Numbers& of) { std::span<double>(of); }) {
+      serialize_span(std::span<double>(x));
+    } else {
+      for (auto& number : x) serialize(number);
+    }
   }
   template <class First, class Second, class... Rest>
   void serialize(First& first, Second& second, Rest&... rest) {
@@ -93,6 +99,20 @@ class Archive {
     }
     if (next_ == words_.size()) fail();
     x = std::bit_cast<T>(words_[next_++]);
+  }
+  // At once, since every step writes many.
+  void serialize_span(std::span<double> x) {
+    static_assert(sizeof(double) == sizeof(std::uint64_t));
+    if (x.empty()) return;
+    const std::size_t first = reading_ ? next_ : words_.size();
+    if (!reading_) {
+      words_.resize(first + x.size());
+      std::memcpy(words_.data() + first, x.data(), x.size_bytes());
+      return;
+    }
+    if (words_.size() - next_ < x.size()) fail();
+    std::memcpy(x.data(), words_.data() + first, x.size_bytes());
+    next_ += x.size();
   }
   [[noreturn]] static void fail() { throw std::invalid_argument("it is not of this plant, or damaged"); }
 

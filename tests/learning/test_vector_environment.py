@@ -58,6 +58,18 @@ def test_each_instance_is_an_environment_of_its_own(task: dict[str, Any]) -> Non
     assert episodes > 7
 
 
+def test_thousands_of_instances_are_as_one(task: dict[str, Any]) -> None:
+    """Together they make 30,000 integrator steps in one plant, whose time hardly advances."""
+    task["starts"] = [{}]
+    many = gelenk.vector_environment(instances=3000, **task, reward=upright)
+    many.reset(seed=1)
+    rows = many.step(np.full((3000, 1), -9.4))[0]
+    single = gelenk.environment(**task, reward=upright)
+    single.reset(seed=1)
+    row = single.step(np.array([-9.4]))[0]
+    assert np.all(rows == row)
+
+
 def test_equal_seeds_and_actions_give_equal_episodes(task: dict[str, Any]) -> None:
     def rows(seed: int) -> bytes:
         env = gelenk.vector_environment(instances=5, **task, reward=upright)

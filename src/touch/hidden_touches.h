@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Shapes that touch and separate within a step, of which the indicators at its ends show nothing. For each pair that is
+// apart at both ends, gaps g0 and g1, a step of length h is safe if
+//
+//   g0 + g1 > h V,   or   sqrt(g0) + sqrt(g1) >= h sqrt(A / 2):
+//
+// with the bound V of the speed of all points of one shape, seen from the other one, the gap cannot have closed and
+// opened again; nor with the bound A of its second derivative, which exists unless the features that are nearest are
+// sharp: then g >= (1 - s) g0 + s g1 - h^2 A s (1 - s) / 2, s from 0 to 1. Both bounds are estimated from the motion at
+// the ends. A step that is not safe is looked into: positions between its ends are interpolated (cubic Hermite), and it
+// is halved until the parts are safe or show a penetration. Where the smallest parts are not safe, the step is made up
+// to there, which makes them smaller.
+#pragma once
+
+#include <Eigen/Core>
+#include <cmath>
+#include <vector>
+
+#include "dynamics/dynamics.h"
+#include "touch/touch_equations.h"
+
+namespace gelenk {
+
+class HiddenTouches {
+ public:
+  // All must outlive it.
+  HiddenTouches(const Mechanism& mechanism, Dynamics& dynamics, TouchEquations& touch);
+
+  // Call where a step begins, after Spots::read_motion() there.
+  void begin();
+  // The earliest time found at which something touches within a step from (t0, y0), the state at begin(), to (t1, y1)
+  // [s]; infinite: nothing does. What remains closed, and sharp features of pairs of which others are closed, are not
+  // looked at. `dynamics` is left at the position and velocity of y1.
+  double find(double t0, const double* y0, double t1, const double* y1);
+
+ private:
+  static constexpr int most_halvings = 10;
+  struct Pair {
+    bool is_sharp = false;
+    double curvature = 0;                              // 1/m, of the surfaces together; 0: that of planes
+    Eigen::Vector3d normal = Eigen::Vector3d::Zero();  // of a plane, in its link; zero: otherwise
+    double gaps[2] = {};                               // m, at the ends; infinite: not looked at
+    Spots::Approach at[2];
+    double speed = 0;         // V [m/s]
+    double acceleration = 0;  // A [m/s2]
+    double error_bound = 0;   // m: of the interpolated gap
+  };
+  // Gaps at a time within the step.
+  struct Sample {
+    double s = 0;              // fraction of the step
+    std::vector<double> gaps;  // by pair
+  };
+
+  double gap(int pair) const;
+  void bound(Pair& pair, double h) const;
+  bool is_safe(const Pair& pair, double g0, double g1, double h) const;
+  bool is_safe(const Sample& a, const Sample& b) const;
+  void look_at(double s, Sample& out);
+  double search(const Sample& a, const Sample& b, int halvings);
+  bool may_touch(const Sample& a, const Sample& at, const Sample& b) const;
+
+  const Mechanism& mechanism_;
+  Dynamics& dynamics_;
+  TouchEquations& touch_;
+  std::vector<Pair> pairs_;
+  std::vector<int> unsafe_;  // pairs of the present step
+  Sample first_, last_;
+  std::vector<Sample> samples_;  // by number of halvings
+  int samples_left_ = 0;
+  // The motion of the coordinates in the step.
+  double h_ = 0;  // s
+  const double* q0_ = nullptr;
+  const double* q1_ = nullptr;
+  std::vector<double> qdot0_, qdot1_, q_;
+};
+
+}  // namespace gelenk

@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What a run remembers: saved states, restored ones, steps that were discarded."""
