@@ -33,6 +33,7 @@ void SundialsIntegrator::restart(double t, const double* y) {
   std::copy(y, y + system_.size(), sundials::data(y_.get()));
   fresh_ = true;
   resumed_ = false;
+  stall_.clear();
   locator_.restart();
 }
 

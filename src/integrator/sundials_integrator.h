@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "event/locator.h"
@@ -24,7 +25,6 @@ class SundialsIntegrator : public Integrator, private Stepping {
  public:
   void restart(double t, const double* y) final;
   void begin() final { stalls_.reset(); }
-  std::string stall_;  // why the steps up to t_ have been too short; the next call fails
   void inputs_changed() final { jumped_ = true; }
   void pass_events(bool on) final { passes_events_ = on; }
   double advance(double end, double* y) final;
@@ -84,6 +84,7 @@ class SundialsIntegrator : public Integrator, private Stepping {
   bool takes_differences_;
   bool passes_events_ = false;
   std::optional<StallDetector> stalls_;  // of the communication step
+  std::string stall_;  // why the steps up to t_ have been too short; the next call fails
   Counts base_counts_;
 };
 
