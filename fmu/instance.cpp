@@ -41,9 +41,7 @@ Instance::Instance(std::shared_ptr<const PlantModel> model, Log log)
     : model_(std::move(model)),
       log_(std::move(log)),
       plant_(model_),
-      stop_(no_stop),
-      follows_motions_(std::ranges::any_of(input_signals(model_->scene),
-                                           [](const Signal& input) { return input.name.ends_with("_ref"); })) {}
+      stop_(no_stop) {}
 
 void Instance::setup_experiment(std::optional<double> tolerance, double start, std::optional<double> stop) {
   if (!std::isfinite(start))
@@ -100,7 +98,6 @@ void Instance::step(double current, double h) {
                      text::number(stop_) + " s of fmi2SetupExperiment");
   }
   Clock next = clock_;
-  const long crossings = plant_.count(Diagnostic::singular_positions);
   try {
     plant_.step_to(std::max(next.step(current, h), plant_.time()));
   } catch (const StepBudgetError&) {
@@ -112,9 +109,7 @@ void Instance::step(double current, double h) {
   }
   clock_ = next;
   mode_ = Mode::step_complete;
-  const bool only_doubtful = !log_.is_enabled(Category::events);
-  if (only_doubtful && !follows_motions_ && plant_.count(Diagnostic::singular_positions) == crossings) return;
-  for (const EventReport& event : plant_.events(only_doubtful)) {
+  for (const EventReport& event : plant_.events(!log_.is_enabled(Category::events))) {
     log_.write(event.is_doubtful ? Category::warning : Category::events, describe_event(event));
   }
 }

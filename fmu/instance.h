@@ -74,9 +74,8 @@ class Instance {
   Plant plant_;
   Clock clock_;
   Mode mode_ = Mode::instantiated;
-  bool stuck_ = false;    // in mode step_failed: see stuck()
-  bool follows_motions_;  // whether an input prescribes a motion
-  double stop_;           // stop time [s]; infinite: none given
+  bool stuck_ = false;  // in mode step_failed: see stuck()
+  double stop_;         // stop time [s]; infinite: none given
   std::map<const void*, std::unique_ptr<SavedState>> states_;
 };
 

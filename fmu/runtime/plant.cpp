@@ -177,8 +177,6 @@ void Plant::set(int variable, double value) {
   simulation_.reset();
 }
 
-long Plant::count(Diagnostic diagnostic) { return std::lround(simulation_->diagnostic(static_cast<int>(diagnostic))); }
-
 void Plant::tune(int variable, double value) {
   const Variable& v = catalog().variables()[static_cast<std::size_t>(variable)];
   if (v.variability != Variability::tunable) return set(variable, value);

@@ -84,7 +84,6 @@ class Plant {
   // See Simulation; require an assembled plant.
   void step_to(double end) { simulation_->step_to(end); }
   double time() const { return simulation_ ? simulation_->time() : start_; }
-  long count(Diagnostic diagnostic);  // the value of a diagnostic that is a count
   std::vector<EventReport> events(bool only_doubtful) const { return simulation_->events(only_doubtful); }
   std::string assembly_report() const;
   std::vector<std::string> start_warnings() const;

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <iterator>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -21,6 +22,7 @@
 #include "scene_file/read.h"
 #include "simulation/parameters.h"
 #include "simulation/start_report.h"
+#include "simulation/stepping_report.h"
 #include "util/text.h"
 
 namespace nb = nanobind;
@@ -201,6 +203,7 @@ class Batch {
       throw;
     }
     note(report, done);
+    std::ranges::move(gelenk::SteppingReport(simulation).warnings(), std::back_inserter(report.warnings));
     report.is_complete = done.steps + 1 == times_.size();
   }
 

@@ -23,6 +23,7 @@
 #include "simulation/probe.h"
 #include "simulation/start_report.h"
 #include "simulation/state_derivatives.h"
+#include "simulation/stepping_report.h"
 
 namespace nb = nanobind;
 using gelenk::Plant;
@@ -336,6 +337,10 @@ void bind_reports(nb::class_<Plant>& simulation) {
            [](Plant& p) { return p.with([](Simulation& s) { return gelenk::StartReport(s).moved_frames(); }); })
       .def("start_warnings",
            [](Plant& p) { return p.with([](Simulation& s) { return gelenk::StartReport(s).warnings(); }); })
+      .def(
+          "run_warnings",
+          [](Plant& p) { return p.with([](Simulation& s) { return gelenk::SteppingReport(s).warnings(); }); },
+          "Where time steps with impulses were used instead of located events, and their estimated error.")
       .def("assembly_report",
            [](Plant& p) { return p.with([](Simulation& s) { return gelenk::StartReport(s).assembly(); }); });
 }

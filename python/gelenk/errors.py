@@ -78,7 +78,9 @@ class SceneWarning(UserWarning):
 
 
 class StartWarning(UserWarning):
-    """The start is at or near a singular configuration. The message names the loop and its consequences."""
+    """The start is at or near a singular configuration, or the run will not keep its tolerance. The message
+    says where, and what follows.
+    """
 
 
 class ExportError(GelenkError):

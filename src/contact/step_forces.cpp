@@ -66,7 +66,10 @@ double TimeStepper::gap(int contact) {
 }
 
 void TimeStepper::serialize(Archive& archive) {
-  state_.serialize(archive, static_cast<int>(mechanism_.shapes.size()));
+  const int shapes = static_cast<int>(mechanism_.shapes.size());
+  state_.serialize(archive, shapes);
+  archive.serialize(has_second_);
+  if (has_second_) second_.serialize(archive, shapes);
   archive.serialize(solved_.residual);
   archive.serialize_in_range(solved_.iterations, 0, std::numeric_limits<int>::max());
 }

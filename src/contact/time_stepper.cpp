@@ -101,6 +101,7 @@ TimeStepper::TimeStepper(const Mechanism& mechanism, Dynamics& dynamics, const L
   state_.wrenches.resize(mechanism.links.size());
   state_.along.resize(v0_.size());
   state_.sums.resize(loads.contacts.size());
+  kept_ = second_ = state_;
   reserve();
 }
 
@@ -121,7 +122,7 @@ void TimeStepper::reserve() {
   finder_.reserve(points);
   points_.reserve(points);
   frames_.reserve(points);
-  for (auto* of : {&state_.contacts, &last_contacts_}) of->reserve(points);
+  for (auto* of : {&state_.contacts, &kept_.contacts, &second_.contacts, &last_contacts_}) of->reserve(points);
   cones_.reserve(rows);
   correction_cones_.reserve(rows);
   lock_rows_.reserve(rows);

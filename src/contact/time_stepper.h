@@ -11,6 +11,7 @@
 #pragma once
 
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "cone/cone.h"
@@ -42,6 +43,16 @@ class TimeStepper final : public ContactReadings {
   void forget();
   // The forces of the last step, means over it.
   const ContactState& state() const { return state_; }
+  // The accelerations by all other forces at the mean velocity of the last step.
+  const std::vector<double>& smooth_accelerations() const { return vdot_; }
+  // Memories of the last step, from which the next one starts: of a step that may be repeated, and of a second run.
+  enum class Memory { kept, second };
+  void copy_to(Memory memory) {
+    (memory == Memory::kept ? kept_ : second_) = state_;
+    has_second_ = has_second_ || memory == Memory::second;
+  }
+  void forget_second() { has_second_ = false; }
+  void exchange_with(Memory memory) { std::swap(memory == Memory::kept ? kept_ : second_, state_); }
   // Of the last step; gap(): at the present position of `dynamics`, after set_root_poses().
   Eigen::Vector3d force(int contact) const override { return state_.sums[static_cast<std::size_t>(contact)].force; }
   int mode(int contact) const override { return state_.sums[static_cast<std::size_t>(contact)].mode; }
@@ -111,7 +122,8 @@ class TimeStepper final : public ContactReadings {
   FreeRotation rotation_;
   std::unique_ptr<Operator> operator_;
   std::unique_ptr<ConeSolver> solver_;
-  ContactState state_;
+  ContactState state_, kept_, second_;
+  bool has_second_ = false;
   std::vector<RememberedContact> last_contacts_;  // those before the last step
   long changes_ = 0;
   Solved solved_;

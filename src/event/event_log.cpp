@@ -12,15 +12,42 @@ namespace {
 // Capacity of the list of a communication step, for islands without and with stops.
 constexpr std::size_t capacity_without_stops = 8;
 constexpr std::size_t capacity_with_stops = 256;
+// Of changes of scheme, which follow each other after tens of steps.
+constexpr std::size_t capacity_of_schemes = 32;
 
 constexpr const char* ambiguous_remark =
     ", although friction and limits permit more than one motion from there, or none exactly";
 
 }  // namespace
 
-void EventLog::describe(std::vector<std::array<std::string, 2>> texts, long max_events) {
+const char* text_of(SchemeChange::Cause cause) {
+  switch (cause) {
+    case SchemeChange::Cause::not_located:
+      return "events are not located in this scene: of pairs of shapes without located contacts, or of very many";
+    case SchemeChange::Cause::closed_points:
+      return "very many points of contact are closed";
+    case SchemeChange::Cause::contact_events:
+      return "contacts change very often";
+    case SchemeChange::Cause::refused:
+      return "located events are refused while shapes touch";
+    case SchemeChange::Cause::overlap:
+      return "shapes overlap whose contact was not located";
+    case SchemeChange::Cause::none:
+      break;
+  }
+  return "";
+}
+
+std::string error_text(double error, double length) {
+  if (length == 1) return text::rounded(error, 2) + " (m, rad)";
+  return text::rounded(error * length, 2) + " m, " + text::rounded(error, 2) + " rad";
+}
+
+void EventLog::describe(std::vector<std::array<std::string, 2>> texts, long max_events, int first_of_contacts) {
   texts_ = std::move(texts);
   max_events_ = max_events;
+  first_of_contacts_ = first_of_contacts;
+  scheme_changes_.reserve(capacity_of_schemes);
   events_.reserve(texts_.empty() ? capacity_without_stops : capacity_with_stops);
 }
 
@@ -31,8 +58,8 @@ std::string_view EventLog::text(const Event& event) const {
 }
 
 void EventLog::begin(double t) {
-  before_ += in_step_;
-  in_step_ = 0;
+  before_ = counts();
+  in_step_ = {};
   repeated_ = 0;
   start_ = t;
 }
@@ -40,17 +67,19 @@ void EventLog::begin(double t) {
 void EventLog::begin_part() {
   before_part_ = in_step_;
   events_.clear();
+  scheme_changes_.clear();
 }
 
-void EventLog::forget_beyond(long count) {
-  const long in_part = std::max(0L, count - before_ - before_part_);
-  in_step_ = before_part_ + in_part;
+void EventLog::forget_beyond(const Counts& counts) {
+  const long in_part = std::max(0L, counts.all - before_.all - before_part_.all);
+  in_step_.all = before_part_.all + in_part;
+  in_step_.contacts = std::max(before_part_.contacts, counts.contacts - before_.contacts);
   events_.resize(std::min(events_.size(), static_cast<std::size_t>(in_part)));
 }
 
 void EventLog::serialize(Archive& archive) {
-  archive.serialize(before_, in_step_, start_);
-  if (in_step_ > 0) {  // the step may go on
+  archive.serialize(before_.all, before_.contacts, in_step_.all, in_step_.contacts, start_);
+  if (in_step_.all > 0) {  // the step may go on
     archive.serialize(repeated_, last_.time, last_.positive);
     archive.serialize_in_range(last_.indicator, Event::singular_position, static_cast<int>(texts_.size()) - 1);
   }
@@ -66,18 +95,31 @@ void EventLog::add(const Event& event) {
     ++repeated_;
     return;
   }
-  ++in_step_;
+  ++in_step_.all;
+  if (event.indicator >= first_of_contacts_) ++in_step_.contacts;
   last_ = event;
   if (events_.size() < events_.capacity()) events_.push_back(event);  // steps allocate no memory
 }
 
+void EventLog::add(const SchemeChange& change) {
+  if (scheme_changes_.size() < scheme_changes_.capacity()) scheme_changes_.push_back(change);
+}
+
+EventReport EventLog::report(const SchemeChange& change, double length) {
+  if (change.cause != SchemeChange::Cause::none)
+    return {change.time, std::string("time steps with impulses from here on, since ") + text_of(change.cause), true};
+  return {change.time,
+          "located events from here on; the time steps since t = " + text::rounded(change.since) +
+              " s have an estimated error of " + error_text(change.error, length),
+          true};
+}
+
 EventReport EventLog::report(const Event& event) const {
-  const bool doubtful = event.is_ambiguous || event.indicator == Event::singular_position;
-  return {event.time, std::string(text(event)) + (event.is_ambiguous ? ambiguous_remark : ""), doubtful};
+  return {event.time, std::string(text(event)) + (event.is_ambiguous ? ambiguous_remark : ""), event.is_doubtful()};
 }
 
 std::string EventLog::too_many() const {
-  if (in_step_ + repeated_ <= max_events_) return {};
+  if (in_step_.all + repeated_ <= max_events_) return {};
   return "more than " + std::to_string(max_events_) + " events (solver.max_events) since t = " + text::rounded(start_) +
          " s, the last: " + std::string(text(last_));
 }

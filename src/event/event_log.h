@@ -18,20 +18,45 @@ struct Event {
   int indicator = 0;          // index of the indicator that changed sign, or singular_position
   bool positive = true;       // the new sign
   bool is_ambiguous = false;  // more than one outcome is consistent, or none
+
+  bool is_doubtful() const { return is_ambiguous || indicator == singular_position; }
+};
+
+// Where a run goes over to time steps with impulses, or returns to located events.
+struct SchemeChange {
+  // Why steps begin; `none`: they end.
+  enum class Cause { none, not_located, closed_points, contact_events, refused, overlap };
+
+  double time = 0;  // s
+  Cause cause = Cause::none;
+  double since = 0;  // s: where the steps that end have begun
+  double error = 0;  // their estimated error [rad, natural units of length]
 };
 
 struct EventReport {
   double time;       // s
   std::string text;  // "A.phi meets the stop at its upper bound"
-  bool is_doubtful;  // the motion afterwards is uncertain: a singular configuration was crossed, or modes are ambiguous
+  // The motion afterwards is uncertain: a singular configuration was crossed, modes are ambiguous, or steps with
+  // impulses begin or end.
+  bool is_doubtful;
 };
+
+// Why steps begin: the end of a sentence.
+const char* text_of(SchemeChange::Cause cause);
+// "2.1e-4 (m, rad)": an error in natural units, one of which is a length [m].
+std::string error_text(double error, double length);
 
 class EventLog {
  public:
   // texts: for each indicator, the event when it becomes negative and when it becomes positive. max_events: limit on
-  // the number of events in a communication step.
-  void describe(std::vector<std::array<std::string, 2>> texts, long max_events);
+  // the number of events in a communication step. first_of_contacts: indicators from this one on are of contacts
+  // between shapes.
+  void describe(std::vector<std::array<std::string, 2>> texts, long max_events, int first_of_contacts);
 
+  // Those of all kinds; those of contacts between shapes.
+  struct Counts {
+    long all = 0, contacts = 0;
+  };
   // Begins a communication step at t [s].
   void begin(double t);
   // Begins a part of it, or all of it.
@@ -39,13 +64,21 @@ class EventLog {
   // An event with the text and the time of another one is the same event. It counts towards max_events all the same, so
   // that modes cannot alternate forever at one time.
   void add(const Event& event);
-  // Forgets the last events, beyond a number of all that was reached within this part.
-  void forget_beyond(long count);
+  // Forgets the last events, beyond counts that were reached within this part.
+  void forget_beyond(const Counts& counts);
 
+  // A change of scheme, which counts as no event.
+  void add(const SchemeChange& change);
   // The events of the last part in chronological order; if there are very many, the first ones.
   const std::vector<Event>& events() const { return events_; }
+  const std::vector<SchemeChange>& scheme_changes() const { return scheme_changes_; }
   EventReport report(const Event& event) const;
-  long count() const { return before_ + in_step_; }
+  // length: of a natural unit [m].
+  static EventReport report(const SchemeChange& change, double length);
+  Counts counts() const { return {before_.all + in_step_.all, before_.contacts + in_step_.contacts}; }
+  long count() const { return counts().all; }
+  // Whether at least half of the events of this communication step are of contacts between shapes.
+  bool contacts_prevail() const { return 2 * in_step_.contacts >= in_step_.all; }
   // An error message if there are too many events in this communication step; otherwise empty.
   std::string too_many() const;
   // The list of events is not saved.
@@ -54,12 +87,14 @@ class EventLog {
  private:
   std::vector<std::array<std::string, 2>> texts_;
   std::vector<Event> events_;
+  std::vector<SchemeChange> scheme_changes_;
   long max_events_ = 0;
-  long before_ = 0, in_step_ = 0;
-  long repeated_ = 0;     // events in this communication step that were the same as another one
-  long before_part_ = 0;  // value of in_step_ at the start of the part
-  double start_ = 0;      // s: start of the communication step
-  Event last_{};          // of this communication step, if there is one
+  int first_of_contacts_ = 0;
+  Counts before_, in_step_;
+  long repeated_ = 0;   // events in this communication step that were the same as another one
+  Counts before_part_;  // value of in_step_ at the start of the part
+  double start_ = 0;    // s: start of the communication step
+  Event last_{};        // of this communication step, if there is one
 
   std::string_view text(const Event& event) const;
 };

@@ -25,6 +25,7 @@ void ContactMotion::change_to(bool impulses, double t, const double* y) {
   if (impulses == steps_used_) return;
   steps_used_ = impulses;
   steps_.forget();
+  steps_.stepper().forget_second();
   touch_->start();
   if (steps_.locks().empty()) return;
   if (impulses) {
@@ -35,16 +36,25 @@ void ContactMotion::change_to(bool impulses, double t, const double* y) {
 }
 
 ImpulseEquations::Activity ContactMotion::activity() const {
-  if (steps_used_) return {static_cast<int>(steps_.contact_points()), steps_.changes(), steps_.evaluations()};
-  return {static_cast<int>(touch_->equations().closed().size()), steps_.events().count(), steps_.evaluations()};
+  Activity out{.closed = static_cast<int>(steps_.contact_points()),
+               .changes = steps_.changes(),
+               .events = steps_.events().counts()};
+  if (!steps_used_) out.closed = static_cast<int>(touch_->equations().closed().size());
+  return out;
 }
 
 bool ContactMotion::can_be_located_at(const double* y) { return !touch_->outputs().any_overlap(y); }
 
-// Bounds beyond which no force can stop a motion, are no question of the method.
-bool ContactMotion::take_over(long changes) {
+// Bounds beyond which no force can stop a motion, are no question of the method; nor are events of joints alone, or
+// stiffness where nothing touches.
+bool ContactMotion::take_over(const Activity& before) {
   if (steps_.locks().state().unstoppable >= 0) return false;
-  steps_.events().forget_beyond(changes);
+  const EventLog& events = steps_.events();
+  const bool touch =
+      !touch_->equations().closed().empty() || before.closed > 0 || events.counts().contacts > before.events.contacts;
+  const bool by_contacts = events.too_many().empty() ? touch : events.contacts_prevail();
+  if (!by_contacts && touch_->refusal().empty()) return false;
+  forget_events(before);
   return true;
 }
 

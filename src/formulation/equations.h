@@ -5,6 +5,7 @@
 
 #include <string>
 
+#include "event/event_log.h"
 #include "event/event_source.h"
 
 namespace gelenk {
@@ -25,20 +26,35 @@ class ImpulseEquations {
   virtual void change_to(bool impulses, double t, const double* y) = 0;
   // Of the present way, since the start: counts of which differences are taken.
   struct Activity {
-    int closed = 0;        // points of contact at present
-    long changes = 0;      // events; or steps in which points have opened or closed, begun or ceased to slide
-    long evaluations = 0;  // of the equations of motion
+    int closed = 0;             // points of contact at present
+    long changes = 0;           // steps in which points have opened or closed, begun or ceased to slide
+    EventLog::Counts events{};  // located
   };
   virtual Activity activity() const = 0;
   // Whether modes can take over at y: nothing overlaps.
   virtual bool can_be_located_at(const double* y) = 0;
-  // After a refusal of EventSource: forgets the events since a number of changes, and returns whether impulses can
-  // lead on.
-  virtual bool take_over(long changes) = 0;
+  // After located events were refused: whether contacts between shapes take part in that, and impulses can lead on;
+  // then forgets the events since `before`.
+  virtual bool take_over(const Activity& before) = 0;
+  // Forgets the events since `before`, which are repeated.
+  virtual void forget_events(const Activity& before) = 0;
+  // Tells the log of events.
+  virtual void report(const SchemeChange& change) = 0;
   // Call at the start of a run with steps of length h at (t, y): finds the forces there.
   virtual void start(double t, double h, const double* y) = 0;
   // Advances y from t by h, without projection. Returns false if it is not finite.
   virtual bool step(double t, double h, double* y) = 0;
+  // The accelerations (nv) by all but impulses in the middle of the last step.
+  virtual const double* smooth_accelerations() const = 0;
+  // What the next step starts from, impulses and what slides: keeps it, returns to what was kept, and exchanges it for
+  // that of a second run of the same equations, which begins as a copy.
+  virtual void keep() = 0;
+  virtual void return_to_kept() = 0;
+  virtual void copy_to_second() = 0;
+  virtual void exchange_with_second() = 0;
+  // The highest circular frequency of vibrations at (t, y), of no contact [rad/s]: steps are stable up to 2 /
+  // frequency. 0: unknown.
+  virtual double highest_frequency(double t, const double* y) = 0;
 };
 
 class Equations {

@@ -5,10 +5,28 @@
 #include <cmath>
 
 namespace gelenk {
+namespace {
+
+// Displacements by which accelerations are differentiated [rad, natural units of length]: large against their rounding,
+// small against what changes stiffness.
+constexpr double small_displacement = 1e-6;
+// Iterations for the fastest vibration, which end where its frequency changes by no more than this part.
+constexpr int max_iterations = 12;
+constexpr double relative_tolerance = 0.02;
+constexpr double slow = 1;  // rad^2/s^2: slower vibrations limit no steps
+// Energies and other outputs contain products of two numbers of the state, of two components of a force, and a mass.
+constexpr double largest = 1e120;
+
+}  // namespace
 
 void ImpulseSteps::use(double cone_tolerance) {
   stepper_ = std::make_unique<TimeStepper>(with_.mechanism, with_.dynamics, with_.loads, cone_tolerance);
   if (!with_.locks.empty()) with_.locks.release();
+  const auto nv = static_cast<std::size_t>(with_.mechanism.nv);
+  for (std::vector<double>* of : {&displacement_, &rest_, &at_rest_}) of->assign(nv, 0.0);
+  displaced_.resize(static_cast<std::size_t>(with_.mechanism.nq));
+  vibration_.resize(nv);
+  for (std::size_t k = 0; k < nv; ++k) vibration_[k] = 1 + 0.3 * static_cast<double>(k) / static_cast<double>(nv);
 }
 
 // Finds them by a trial step.
@@ -20,16 +38,64 @@ void ImpulseSteps::start(double t, double h, const double* y) {
 
 bool ImpulseSteps::step(double t, double h, double* y) {
   const auto finite = [&] {
-    return std::all_of(y, y + with_.mechanism.nq + with_.mechanism.nv, [](double x) { return std::isfinite(x); });
+    return std::all_of(y, y + with_.mechanism.nq + with_.mechanism.nv, [](double x) { return std::abs(x) < largest; });
   };
   if (!finite()) return false;
   with_.drives.go_to(t + h / 2);
   const bool made = stepper_->step(h, with_.drives.u().data(), y);
-  return made && finite();
+  const ContactState& state = stepper_->state();
+  return made && finite() && std::ranges::all_of(state.sums, [](const ContactSum& sum) {
+           return sum.force.squaredNorm() < largest * largest;
+         });
+}
+
+// displacement_ <- the accelerations at rest at y, displaced by x times small_displacement, minus at_rest_, divided by
+// it; returns its length, which is NaN if they are not finite.
+double ImpulseSteps::change_of_accelerations(const double* y, const std::vector<double>& x) {
+  std::copy_n(y, displaced_.size(), displaced_.data());
+  for (std::size_t k = 0; k < x.size(); ++k) displacement_[k] = small_displacement * x[k];
+  with_.dynamics.displace(displaced_.data(), displacement_.data());
+  with_.dynamics.set_position(displaced_.data());
+  with_.dynamics.factorize();
+  with_.dynamics.set_velocity(rest_.data());
+  with_.dynamics.solve(with_.drives.u().data(), displacement_.data());
+  double sum = 0;
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    displacement_[k] = (displacement_[k] - at_rest_[k]) / small_displacement;
+    sum += displacement_[k] * displacement_[k];
+  }
+  return std::sqrt(sum);
+}
+
+// Power iteration: accelerations change by -omega^2 x where the position changes by a mode x. It is made at rest, since
+// what changes with velocities, such as centrifugal forces, does not make these steps unstable.
+double ImpulseSteps::highest_frequency(double t, const double* y) {
+  with_.drives.go_to(t);
+  std::ranges::fill(at_rest_, 0.0);
+  std::ranges::fill(displaced_, 0.0);
+  change_of_accelerations(y, rest_);
+  for (std::size_t k = 0; k < at_rest_.size(); ++k) at_rest_[k] = small_displacement * displacement_[k];
+  double square = 0;
+  for (int i = 0; i < max_iterations; ++i) {
+    double length = 0;
+    for (const double x : vibration_) length += x * x;
+    length = std::sqrt(length);
+    if (!(length > 0 && std::isfinite(length))) break;
+    for (double& x : vibration_) x /= length;
+    const double before = square;
+    square = change_of_accelerations(y, vibration_);
+    vibration_.swap(displacement_);
+    if (square < slow || std::abs(square - before) < relative_tolerance * square) break;
+  }
+  if (square > 0 && std::isfinite(square)) return std::sqrt(square);
+  std::ranges::fill(vibration_, 1.0);
+  return 0;
 }
 
 void ImpulseSteps::serialize(Archive& archive) {
-  if (are_available()) stepper_->serialize(archive);
+  if (!are_available()) return;
+  stepper_->serialize(archive);
+  archive.serialize(vibration_);
 }
 
 ImpulseSteps::AppliedForces::AppliedForces(ImpulseSteps& steps)

@@ -33,7 +33,9 @@ class ImpulseSteps {
   bool step(double t, double h, double* y);
   LockModes& locks() const { return with_.locks; }
   EventLog& events() const { return with_.events; }
-  long evaluations() const { return with_.dynamics.evaluations(); }
+  TimeStepper& stepper() { return *stepper_; }
+  const double* smooth_accelerations() const { return stepper_->smooth_accelerations().data(); }
+  double highest_frequency(double t, const double* y);
 
   // Forgets the forces of the last step.
   void forget() {
@@ -69,8 +71,12 @@ class ImpulseSteps {
 
  private:
   Context with_;
+  double change_of_accelerations(const double* y, const std::vector<double>& displacement);
+
   std::unique_ptr<TimeStepper> stepper_;  // null: only modes between events
   std::vector<double> trial_;
+  // Of the search for the fastest vibration: its mode, the last one a good guess, and workspace.
+  std::vector<double> vibration_, displacement_, rest_, at_rest_, displaced_;
 };
 
 }  // namespace gelenk

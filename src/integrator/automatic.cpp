@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "formulation/fastest_rate.h"
-#include "integrator/integrator.h"
+#include "integrator/controlled_steps.h"
 #include "integrator/starter.h"
 
 namespace gelenk {
@@ -243,7 +243,7 @@ std::unique_ptr<Integrator> make_automatic(Equations& system, const IntegratorOp
   auto by_cost = [&] { return std::make_unique<Automatic>(system, options); };
   ImpulseEquations* const impulses = system.impulses();
   if (impulses == nullptr || !impulses->are_required()) return by_cost();
-  if (!impulses->may_be_located()) return make_moreau_jean(system, options);
+  if (!impulses->may_be_located()) return std::make_unique<ControlledSteps>(system, options, true);
   return make_contact_scheme(by_cost(), system, options);
 }
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "event/scheme_watch.h"
-#include "integrator/integrator.h"
+#include "integrator/controlled_steps.h"
 
 namespace gelenk {
 namespace {
@@ -18,23 +18,23 @@ class ContactScheme final : public Integrator {
   ContactScheme(std::unique_ptr<Integrator> between_events, Equations& system, const IntegratorOptions& options)
       : system_(system),
         impulses_(*system.impulses()),
-        step_(options.step),
         between_events_(std::move(between_events)),
-        with_impulses_(make_moreau_jean(system, options)),
+        with_impulses_(std::make_unique<ControlledSteps>(system, options, false)),
         y_(static_cast<std::size_t>(system.size())),
-        start_(y_.size()) {}
+        start_(y_.size()),
+        watch_(options.step) {}
 
   void restart(double t, const double* y) override {
     t_ = t;
     std::copy_n(y, y_.size(), y_.begin());
-    if (!started_) {  // which tries a step with impulses
-      with_impulses_->restart(t_, y_.data());
-      impulses_.change_to(false, t_, y_.data());
-      started_ = true;
-    }
+    if (!started_) impulses_.change_to(false, t_, y_.data());
+    started_ = true;
     present().restart(t_, y_.data());
   }
-  void begin() override { between_events_->begin(); }
+  void begin() override {
+    between_events_->begin();
+    with_impulses_->begin();
+  }
   void inputs_changed() override { present().inputs_changed(); }
   void inputs_touched() override { present().inputs_touched(); }
 
@@ -52,6 +52,8 @@ class ContactScheme final : public Integrator {
   bool may_have_history() const override { return true; }
   bool will_have_history() const override { return !impulses_.are_used() && between_events_->will_have_history(); }
   bool has_history() const override { return !impulses_.are_used() && between_events_->has_history(); }
+
+  SteppedTime stepped_time() const override { return with_impulses_->stepped_time(); }
 
   // After the equations, which know the present way.
   void serialize(Archive& archive) override {
@@ -90,8 +92,8 @@ class ContactScheme final : public Integrator {
     try {
       t_ = between_events_->advance_some(end, y_.data(), steps_between_events);
     } catch (const IntegrationError& refusal) {
-      if (!impulses_.take_over(before.changes)) throw;
-      leave_events();
+      if (!impulses_.take_over(before)) throw;
+      leave_events(SchemeChange::Cause::refused);
       try {
         t_ = with_impulses_->advance_some(end, y_.data(), 1);
       } catch (const IntegrationError&) {
@@ -99,42 +101,45 @@ class ContactScheme final : public Integrator {
       }
       return;
     }
-    if (were_apart && !impulses_.can_be_located_at(y_.data())) return step_instead(start, before.changes);
+    if (were_apart && !impulses_.can_be_located_at(y_.data())) return step_instead(start, before);
     const ImpulseEquations::Activity now = impulses_.activity();
-    watch_.located((t_ - start) / step_, now.changes - before.changes, now.evaluations - before.evaluations);
-    if (watch_.are_too_many(now.closed)) leave_events();
+    watch_.located(t_ - start, now.events.contacts - before.events.contacts);
+    const SchemeChange::Cause cause = watch_.too_many(now.closed);
+    if (cause != SchemeChange::Cause::none) leave_events(cause);
   }
 
   // An event has been missed, so that shapes overlap.
-  void step_instead(double start, long changes) {
-    impulses_.take_over(changes);
+  void step_instead(double start, const ImpulseEquations::Activity& before) {
+    impulses_.forget_events(before);
     t_ = start;
     std::ranges::copy(start_, y_.begin());
-    leave_events();
+    leave_events(SchemeChange::Cause::overlap);
   }
 
   void step_towards(double end) {
-    const long changes = impulses_.activity().changes;
-    const long steps = with_impulses_->steps();
+    const long changes = with_impulses_->changes();
+    const double start = t_;
     t_ = with_impulses_->advance_some(end, y_.data(), steps_with_impulses);
-    const ImpulseEquations::Activity now = impulses_.activity();
-    const auto made = static_cast<int>(with_impulses_->steps() - steps);
-    if (!watch_.stepped(made, now.changes != changes, now.closed) || !impulses_.can_be_located_at(y_.data())) return;
+    const bool changed = with_impulses_->changes() != changes;
+    if (!watch_.stepped(t_ - start, changed, impulses_.activity().closed) || !impulses_.can_be_located_at(y_.data()))
+      return;
     watch_.return_to_events();
+    with_impulses_->end();
     impulses_.change_to(false, t_, y_.data());
     between_events_->restart(t_, y_.data());
   }
 
-  void leave_events() {
+  void leave_events(SchemeChange::Cause cause) {
     watch_.leave_events();
     impulses_.change_to(true, t_, y_.data());
     with_impulses_->restart(t_, y_.data());
+    with_impulses_->begin(cause);
   }
 
   Equations& system_;
   ImpulseEquations& impulses_;
-  double step_;
-  std::unique_ptr<Integrator> between_events_, with_impulses_;
+  std::unique_ptr<Integrator> between_events_;
+  std::unique_ptr<ControlledSteps> with_impulses_;
   std::vector<double> y_, start_;
   double t_ = 0;
   bool started_ = false;

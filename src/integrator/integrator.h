@@ -73,6 +73,16 @@ class Integrator {
   // reading, after restart() there. Saving has no effect on the run, and must not be done while there is a history.
   virtual void serialize(Archive& archive) { archive.serialize(steps_, rejected_); }
 
+  // Where `auto` has made steps with impulses.
+  struct SteppedTime {
+    int parts = 0;                                          // 0: nowhere
+    SchemeChange::Cause cause = SchemeChange::Cause::none;  // of the first part
+    double from = 0, to = 0;                                // s: start of the first, end of the last part
+    double time = 0;                                        // s: sum of all parts
+    double error = 0;  // the largest estimated error of positions [rad, natural units of length]
+  };
+  virtual SteppedTime stepped_time() const { return {}; }
+
   long steps() const { return steps_; }
   long rejected_steps() const { return rejected_; }
 

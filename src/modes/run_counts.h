@@ -11,6 +11,7 @@ struct RunCounts : LockModes::Counts {
   long steps = 0, rejected_steps = 0, evaluations = 0, jacobians = 0, events = 0, singular_positions = 0;
   long contact_points = 0, cone_iterations = 0, scheme = 0;
   double cone_residual = 0;  // natural units of speed
+  double step_error = 0;     // of steps with impulses of `auto` [rad, natural units of length]
 
   // The count that a diagnostic sums over all islands; 0: of another diagnostic.
   long of(Diagnostic diagnostic) const {

@@ -325,6 +325,11 @@ std::string describe_unreachable_tolerance(const std::string& integrator, double
          "; for smaller errors use 'erk' or 'dirk'";
 }
 
+std::string describe_time_steps(const Scene& scene, const std::string& reason, double accuracy) {
+  return "contacts are solved in time steps with an accuracy of " + error_text(accuracy, scene.units.size_of("m")) +
+         " each, not at located events, which keep the tolerance: " + reason;
+}
+
 std::string describe_event(const EventReport& event) {
   return "t = " + text::rounded(event.time) + " s: " + event.text;
 }

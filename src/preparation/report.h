@@ -59,6 +59,10 @@ std::string describe_equal_assemblies(const Scene& scene, const std::string& coo
 // Describes a spring whose ends coincide at the start.
 std::string describe_collapsed_spring(const Scene& scene, int force);
 
+// Describes that the integrator auto makes time steps from the start. reason: see reason_for_time_steps(); accuracy: of
+// a step [natural units].
+std::string describe_time_steps(const Scene& scene, const std::string& reason, double accuracy);
+
 // Describes a tolerance smaller than the errors `finest` that the integrator can achieve.
 std::string describe_unreachable_tolerance(const std::string& integrator, double tolerance, double finest);
 

@@ -30,24 +30,26 @@ bool refers_to(const Contact& contact, const std::string& surface) {
 constexpr int most_features = 1500;
 constexpr std::size_t most_shapes = 60;
 
-// Whether all contacts of the scene can be located, and their features are not very many.
-bool are_few(const Scene& scene) {
+}  // namespace
+
+std::string reason_for_time_steps(const Scene& scene) {
   std::size_t shapes = 0;
   each_shape(scene, [&](const BodyShape& shape) { shapes += shape.surface.empty() ? 0 : 1; });
-  if (shapes > most_shapes) return false;
+  if (shapes > most_shapes) return "more than " + std::to_string(most_shapes) + " shapes can touch";
   int sum = 0;
-  bool located = true;
+  std::string not_located;
   for (const Contact& contact : scene.contacts) {
     each_pair_of_shapes(scene, contact, [&](const BodyShape& a, const BodyShape& b) {
       const int features = located_features(a.is, b.is);
-      located = located && features > 0;
+      if (features == 0 && not_located.empty())
+        not_located = "contacts." + contact.name + " is between a " + std::string(kind_of(a.is).kind) + " and a " +
+                      std::string(kind_of(b.is).kind);
       sum += features;
     });
   }
-  return located && sum <= most_features;
+  if (!not_located.empty() || sum <= most_features) return not_located;
+  return "more than " + std::to_string(most_features) + " pairs of features can touch";
 }
-
-}  // namespace
 
 void scale(AnyShape& shape, double factor) {
   const ShapeKind& kind = kind_of(shape);
@@ -107,7 +109,7 @@ int located_features(const AnyShape& a, const AnyShape& b) {
 bool locates_contacts(const Scene& scene) {
   const std::string& integrator = scene.solver.integrator;
   if (scene.contacts.empty() || integrator == "moreau-jean") return false;
-  return (integrator != "auto" && !integrator.empty()) || are_few(scene);
+  return (integrator != "auto" && !integrator.empty()) || reason_for_time_steps(scene).empty();
 }
 
 void each_pair_of_shapes(const Scene& scene, const Contact& contact,

@@ -26,6 +26,9 @@ int contact_between(const Scene& scene, const std::string& a, const std::string&
 // The number of features at which shapes can touch for located events (shape/features.h): tips on cores, corners on
 // faces, edges on edges, rims on planes; 0: contacts of such shapes are not located.
 int located_features(const AnyShape& a, const AnyShape& b);
+// Why the integrator auto makes time steps from the start: pairs of shapes whose contacts are not located, or very
+// many; empty: it locates events.
+std::string reason_for_time_steps(const Scene& scene);
 // Whether contacts may change at events that are located; otherwise steps are made with impulses. The integrator auto
 // does so if it can for all pairs of shapes, unless there are very many.
 bool locates_contacts(const Scene& scene);

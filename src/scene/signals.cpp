@@ -207,6 +207,9 @@ std::vector<Signal> diagnostic_signals() {
       "contact points that have transmitted a force in the last step");
   set(Diagnostic::scheme, "solver.scheme", "1",
       "how contacts are solved at present: 0 at located events, 1 by impulses in steps");
+  set(Diagnostic::step_error, "solver.step_error", "1",
+      "estimated error of positions by time steps with impulses of the integrator auto, the largest since "
+      "initialization: m for distances, rad for angles");
   return signals;
 }
 

@@ -58,8 +58,9 @@ enum class Diagnostic : int {
   cone_iterations,      // the most for one cone problem of the last communication step
   contact_points,       // that transmit a force at the end of the last step
   scheme,               // of contacts: 0: located events, 1: steps with impulses
+  step_error,           // of the latter with the integrator auto: estimated error of positions [rad, m]
 };
-inline constexpr int diagnostic_count = 18;
+inline constexpr int diagnostic_count = 19;
 
 // Returns the diagnostics in the order of Diagnostic.
 std::vector<Signal> diagnostic_signals();

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "simulation/simulation_impl.h"
+#include "simulation/stepping_report.h"
 #include "util/text.h"
 
 namespace gelenk {
@@ -28,8 +29,25 @@ std::vector<EventReport> Simulation::events(bool only_doubtful) const {
   for (const auto& island : impl_->islands) {
     const EventLog& log = island->events();
     for (const Event& event : log.events()) {
-      if (!only_doubtful || event.is_ambiguous || event.indicator == Event::singular_position) add(log.report(event));
+      if (!only_doubtful || event.is_doubtful()) add(log.report(event));
     }
+    for (const SchemeChange& change : log.scheme_changes())
+      add(EventLog::report(change, impl_->scene.units.size_of("m")));
+  }
+  return out;
+}
+
+std::vector<std::string> SteppingReport::warnings() const {
+  std::vector<std::string> out;
+  for (const auto& island : impl_.islands) {
+    const Integrator::SteppedTime of = island->stepped_time();
+    if (of.parts == 0) continue;
+    std::string line =
+        "time steps with impulses from t = " + text::rounded(of.from) + " s to " + text::rounded(of.to) + " s";
+    if (of.parts > 1)
+      line += ", in " + std::to_string(of.parts) + " parts of " + text::rounded(of.time) + " s together";
+    line += ", with an estimated error of " + error_text(of.error, impl_.scene.units.size_of("m"));
+    out.push_back(line + ": " + text_of(of.cause));
   }
   return out;
 }

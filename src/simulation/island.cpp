@@ -41,7 +41,7 @@ Island::Island(const Scene& scene, PreparedIsland prepared, Loads loads, Inputs&
       vdot_(prepared_.mechanism.nv, 0.0),
       inputs_of_scene_(u.count()) {
   y_.insert(y_.end(), prepared_.start.v.begin(), prepared_.start.v.end());
-  events_.describe(event_texts(), scene.solver.max_events);
+  events_.describe(event_texts(), scene.solver.max_events, equations_->modes().own_indicators());
   dynamics_->set_max_rank(prepared_.mobility.rank);
   equations_->start(prepared_.cut_start, time, y_.data());
   follows_ = std::ranges::any_of(mechanism().coordinate_rows, [](const CoordinateRow& row) { return row.input >= 0; });
@@ -338,6 +338,7 @@ RunCounts Island::counts() const {
   out.rejected_steps = integrator_ ? integrator_->rejected_steps() : 0;
   out.evaluations = evaluations();
   out.events = events_.count();
+  out.step_error = stepped_time().error;
   return out;
 }
 

@@ -6,8 +6,10 @@
 #include <iterator>
 #include <utility>
 
+#include "integrator/controlled_steps.h"
 #include "preparation/report.h"
 #include "scene/settable.h"
+#include "scene/shapes.h"
 #include "simulation/parameters.h"
 #include "simulation/simulation_impl.h"
 
@@ -96,6 +98,12 @@ void Simulation::initialize(double time, double tolerance) {
     island->start_integrator(wanted);
     if (const Integrator* made = island->integrator()) finest = std::max(finest, made->finest_tolerance());
   }
+  const bool may_step = std::ranges::any_of(s.islands, [](const auto& island) {
+    return island->integrator() != nullptr && island->formulation().contacts().are_required();
+  });
+  const bool chooses = s.scene.solver.integrator.empty() || s.scene.solver.integrator == "auto";
+  if (const std::string reason = chooses && may_step ? reason_for_time_steps(s.scene) : ""; !reason.empty())
+    s.prepared.warnings.push_back(describe_time_steps(s.scene, reason, accuracy_of_steps(wanted)));
   if (wanted < finest)
     s.prepared.warnings.push_back(describe_unreachable_tolerance(s.scene.solver.integrator, wanted, finest));
   if (any_integrator(s.islands, &Integrator::may_have_history)) s.log.reserve();

@@ -203,13 +203,14 @@ Pose3 Simulation::body_pose(int body) {
 double Simulation::diagnostic(int index) {
   Impl& s = *impl_;
   if (!s.initialized) throw UsageError("diagnostics are not available before initialize()");
-  double sum = 0, iterations = 0, residual = 0, scheme = 0;
+  double sum = 0, iterations = 0, residual = 0, scheme = 0, step_error = 0;
   for (const auto& island : s.islands) {
     const RunCounts counts = island->counts();
     sum += static_cast<double>(counts.of(static_cast<Diagnostic>(index)));
     iterations = std::max(iterations, static_cast<double>(counts.cone_iterations));
     residual = std::max(residual, counts.cone_residual);
     scheme = std::max(scheme, static_cast<double>(counts.scheme));
+    step_error = std::max(step_error, counts.step_error);
   }
   switch (static_cast<Diagnostic>(index)) {
     case Diagnostic::cone_residual:
@@ -218,6 +219,8 @@ double Simulation::diagnostic(int index) {
       return iterations;
     case Diagnostic::scheme:
       return scheme;
+    case Diagnostic::step_error:
+      return std::max(1.0, s.scene.units.length) * step_error;  // of angles, or of lengths
     case Diagnostic::constraint_position:
       return s.max_constraint_error(&Kinematics::Phi);
     case Diagnostic::constraint_velocity:

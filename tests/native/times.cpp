@@ -108,9 +108,10 @@ void bind_times(nb::module_& m) {
       .def("extremum", &Cubic::extremum);
 
   using gelenk::SchemeWatch;
-  auto watch = nb::class_<SchemeWatch>(m, "SchemeWatch").def(nb::init<>());
+  auto watch = nb::class_<SchemeWatch>(m, "SchemeWatch").def(nb::init<double>());
   watch.def("located", &SchemeWatch::located)
-      .def("are_too_many", &SchemeWatch::are_too_many)
+      .def("are_too_many",
+           [](const SchemeWatch& of, int closed) { return of.too_many(closed) != gelenk::SchemeChange::Cause::none; })
       .def("leave_events", &SchemeWatch::leave_events)
       .def("stepped", &SchemeWatch::stepped)
       .def("return_to_events", &SchemeWatch::return_to_events);

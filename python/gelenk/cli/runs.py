@@ -87,6 +87,8 @@ def simulate(
     text = _summary(result) if output is None else _written(result, output)
     if result.singular_positions:
         print(_singular_crossings(result), file=sys.stderr)
+    for sentence in result.warnings:
+        print(sentence, file=sys.stderr)
     return Report(text, _data(result, output))
 
 
@@ -131,7 +133,7 @@ def _data(result: Result, output: Path | None) -> dict[str, Any]:
         "stop": float(result.time[-1]),
         "outputs": {n: {"unit": result.units[n], **_range(result, n)} for n in result.names},
         "events": [{"t": t, "event": text} for t, text in result.events],
-        "singular_positions": list(result.singular_positions),
+        "singular_positions": list(result.singular_positions), "warnings": list(result.warnings),
         **({"signals": {name: result[name].tolist() for name in signals}} if signals else {}),
     }  # fmt: skip
 

@@ -45,6 +45,7 @@ class FmuPlant(Plant):
         self._file = path
         self._messages: list[str] = []
         self._warnings: list[str] = []
+        self._warnings_in_steps: list[str] = []
         self._description = _description(path)
         self._variables = {v.name: v for v in self._description.modelVariables}
         experiment = self._description.defaultExperiment
@@ -90,6 +91,18 @@ class FmuPlant(Plant):
     @override
     def events(self) -> list[tuple[float, str]]:
         return []  # FMUs log their events
+
+    @property
+    @override
+    def run_warnings(self) -> list[str]:
+        found = list(self._warnings_in_steps)
+        if {"solver.scheme", "solver.step_error"} <= self._variables.keys():
+            scheme, error = self._slave.getReal(self._references_of(["solver.scheme", "solver.step_error"]))
+            if scheme:
+                found.append(
+                    f"time steps with impulses at the end, with an estimated error of {error:.2g} (m, rad)"
+                )
+        return found
 
     @override
     def set_parameters(self, settings: Mapping[str, Value]) -> None:
@@ -147,6 +160,7 @@ class FmuPlant(Plant):
             self._collect_messages()
             self._warnings.clear()
             self._slave.exitInitializationMode()
+        self._warnings_in_steps.clear()
         for sentence in self._warnings:
             warnings.warn(sentence, StartWarning, stacklevel=2)
 
@@ -177,6 +191,7 @@ class FmuPlant(Plant):
     def advance(self, start: float, end: float) -> None:
         with self._reporting(StepError):
             self._slave.doStep(start, end - start)
+        self._warnings_in_steps += self._warnings
 
     @override
     def read(self) -> NDArray[np.float64]:

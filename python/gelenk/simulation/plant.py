@@ -54,6 +54,10 @@ class Plant(Protocol):
     def events(self) -> list[tuple[float, str]]:
         """Times [s] and descriptions of the events in the last `advance`; empty if unknown."""
 
+    @property
+    def run_warnings(self) -> list[str]:
+        """Why the run since `start` may not have kept its tolerance, a sentence each."""
+
     def set_parameters(self, settings: Mapping[str, Value]) -> None:
         """Set parameters before `start`. Raises UsageError or SceneError for invalid names and values."""
 

@@ -35,6 +35,7 @@ def result_html(result: Result) -> str:
     left = len(result.names) - len(shown)
     if left:
         parts.append(_html.paragraph(f"and {left} more; result.names lists all"))
+    parts.extend(_html.paragraph(sentence) for sentence in result.warnings)
     if result.events:
         parts.append(_html.folded(f"{len(result.events)} events", _events(result)))
     return _html.joined(parts)

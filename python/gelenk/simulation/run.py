@@ -313,6 +313,7 @@ def _result(
     found = Result(names, rows[:, : 1 + len(names)], {name: plant.units[name] for name in names})
     found.assembly_report = plant.assembly_report
     found.events = tuple(events)
+    found.warnings = tuple(plant.run_warnings)
     column = 1 + names.index(SINGULAR_CROSSINGS) if SINGULAR_CROSSINGS in names else 1 + len(names)
     if column < rows.shape[1]:
         counts = np.maximum.accumulate(np.maximum(rows[:, column], 0.0))

@@ -57,6 +57,11 @@ class ScenePlant(Plant):
     def events(self) -> list[tuple[float, str]]:
         return self._simulation.events
 
+    @property
+    @override
+    def run_warnings(self) -> list[str]:
+        return self._simulation._core.run_warnings()
+
     @override
     def set_parameters(self, settings: Mapping[str, Value]) -> None:
         kept = self._scene.parameters if self._scene is not self._whole else settings
