@@ -447,6 +447,9 @@ class Draw:
             for name, course in self.inputs.items()
             if ".friction." not in name or "friction" in self.joints[name.partition(".")[0]]
         }
+        if self.contacts:  # gears with losses exclude them
+            for constraint in self.constraints.values():
+                constraint.pop("efficiency", None)
         tolerance = self.one_of((1e-6, 1e-8, 1e-8, 1e-10))
         return with_joint_names(Trial(scene, self.inputs, self.points, tolerance))
 
