@@ -282,7 +282,7 @@ def test_states_asked_for_lead_over_the_dead_centre_of_those_of_the_plant() -> N
 
 
 def rod_between_balls() -> dict[str, Any]:
-    """Its spin about its own line is a freedom that no joint's coordinates tell."""
+    """Its spin about its own line is a rotation of one of its ball joints."""
     start = {"fixed": True}
     return scene(
         {"crank": body(1.0, (0.1, 0, 0), (0.01, 0.02, 0.02)),
@@ -297,13 +297,14 @@ def rod_between_balls() -> dict[str, Any]:
     )  # fmt: skip
 
 
-def test_freedoms_that_no_state_tells_are_not_left_out_in_silence(tmp_path: Path) -> None:
+def test_a_spin_that_matters_is_among_the_states(tmp_path: Path) -> None:
+    """The center of mass is beside the line between the balls; test_idle_rotations.py has idle spins."""
     source = rod_between_balls()
-    for plant in (source, gelenk.export_fmu(source, tmp_path / "x.fmu")):
-        with pytest.raises(
-            gelenk.GelenkError, match=r"the other states, A\.phi, A\.w, do not determine the motion"
-        ):
-            linear_model(plant)
+    models = [linear_model(plant) for plant in (source, gelenk.export_fmu(source, tmp_path / "x.fmu"))]
+    for model in models:
+        assert model.states == ("A.phi", "S.theta[1]", "A.w", "S.w[1]")
+        assert model.left_out == ()
+    assert np.allclose(models[0].A, models[1].A, rtol=1e-9, atol=1e-9)
 
 
 def test_an_fmu_without_derivatives_is_told(cart_pole: Path, tmp_path: Path) -> None:

@@ -19,8 +19,12 @@ struct InitialGuess {
   std::vector<double> q, v;
   std::vector<bool> q_fixed, v_fixed;      // kept exactly
   std::vector<double> q_weight, v_weight;  // in the squared distance that is minimized; 0: no preference
-  std::vector<bool> q_given;               // given by the user; the others may take any value
+  std::vector<bool> q_given, v_given;      // given by the user; the others may take any value
   std::vector<bool> turns;                 // coordinate is an angle, equivalent modulo 2 pi
+  // Of two assemblies that are equally near, that with the larger value of the first coordinate by rank in which they
+  // differ is taken: the ranks and the user's signs do not depend on the order of the file or on the cuts.
+  std::vector<int> rank;
+  std::vector<double> user_sign;
 };
 
 struct Assembled {
@@ -61,9 +65,9 @@ class CannotAssemble : public std::runtime_error {
   Conflict conflict;
 };
 
-// Finds the position and the velocities that close the loops with the smallest weighted change of the guesses; fixed
-// values are kept. Damped, step-limited iteration: Levenberg-Marquardt to close the loops, Gauss-Newton along the
-// closed loops to minimize the distance (Nocedal & Wright, ch. 10 and 18).
+// Finds the position and the velocities that close the loops with the smallest weighted change of the guesses of all
+// joints, whether they are in the tree or cut; fixed values are kept. Among those that change given values least, the
+// other values change least. Groups of loops that share no joint are closed one by one (loop_groups.h).
 // Throws CannotAssemble with the smallest closure error reached for positions, or the residual rate for velocities.
 Assembled assemble(const Mechanism& mechanism, Dynamics& dynamics, const InitialGuess& tree, const InitialGuess& cuts);
 

@@ -30,14 +30,8 @@ void difference(int nq, int nv, const double* q, const double* q0, double* out) 
   for (int i = 0; i < 3; ++i) out[plain + i] = turn[i];
 }
 
-double largest_given(const InitialGuess& guesses, const VectorXd& offset) {
-  double out = 0;
-  for (Eigen::Index k = 0; k < offset.size(); ++k) {
-    const auto i = static_cast<std::size_t>(k);
-    if (guesses.q_given[i] && !guesses.q_fixed[i]) out = std::max(out, std::abs(offset[k]));
-  }
-  return out;
-}
+// An angle within half a turn; other coordinates as they are.
+double within_a_turn(double x, bool turns) { return turns ? std::remainder(x, 2 * std::numbers::pi) : x; }
 
 using Entries = std::vector<Eigen::Triplet<double>>;
 
@@ -90,7 +84,7 @@ void append(VectorXd& top, const VectorXd& all, const std::vector<bool>& chosen)
 }  // namespace
 
 AssemblyProblem::AssemblyProblem(const Mechanism& mechanism, Dynamics& dynamics, const InitialGuess& tree,
-                                 const InitialGuess& cuts)
+                                 const InitialGuess& cuts, const std::vector<bool>* rows)
     : mechanism_(mechanism),
       dynamics_(dynamics),
       tree_(tree),
@@ -111,7 +105,7 @@ AssemblyProblem::AssemblyProblem(const Mechanism& mechanism, Dynamics& dynamics,
   cut_guesses_ = cuts_fixed_ || any(cuts.v_fixed) || any_positive(cuts.q_weight) || any_positive(cuts.v_weight);
   const std::vector<bool> holds = mechanism.position_rows();
   for (int r = 0; r < mechanism.rows; ++r) {
-    if (holds[r]) position_rows_.push_back(r);
+    if (holds[r] && (rows == nullptr || (*rows)[r])) position_rows_.push_back(r);
   }
   for (const Link& link : mechanism.links) span_ = std::max(span_, link.X_PJ.p.norm());
   length_ = std::max(length_, span_);
@@ -189,6 +183,7 @@ AssemblyProblem::VelocityEquations AssemblyProblem::velocity_equations(const std
     T.emplace_back(k, k, root);
     out.d0[k] = root * (fixed[k] - tree_.v[k]);
   }
+  out.given = tree_.v_given;
   dynamics_.set_velocity(fixed.data());
   const std::vector<double>& rates = dynamics_.row_rates();
   out.g0 = Eigen::Map<const VectorXd>(rates.data(), static_cast<Eigen::Index>(rates.size()));
@@ -198,6 +193,7 @@ AssemblyProblem::VelocityEquations AssemblyProblem::velocity_equations(const std
     rows = add_rows(G, rows, C, as_factors(cuts_.v_fixed), true);
     append(out.g0, offset, cuts_.v_fixed);
     distances = add_rows(T, distances, C, roots(cuts_.v_weight), false);
+    out.given.insert(out.given.end(), cuts_.v_given.begin(), cuts_.v_given.end());
     out.d0.conservativeResize(distances);
     for (int k = 0; k < mechanism_.cut_nv; ++k) out.d0[nv + k] = std::sqrt(cuts_.v_weight[k]) * offset[k];
   }
@@ -214,15 +210,19 @@ std::vector<double> AssemblyProblem::displaced(const std::vector<double>& q, con
   return out;
 }
 
-void AssemblyProblem::unwind(std::vector<double>& q) const {
+bool AssemblyProblem::unwind(std::vector<double>& q) const {
+  bool changed = false;
   for (const Link& link : mechanism_.links) {
     for (int i = 0; i < link.nv; ++i) {
       const int k = link.iv + i;
       if (tree_.q_fixed[k] || !turns_[k]) continue;
       double& angle = q[link.iq + i];
-      angle -= 2 * std::numbers::pi * std::round((angle - tree_.q[link.iq + i]) / (2 * std::numbers::pi));
+      const double turns = std::round((angle - tree_.q[link.iq + i]) / (2 * std::numbers::pi));
+      angle -= 2 * std::numbers::pi * turns;
+      changed = changed || turns != 0;
     }
   }
+  return changed;
 }
 
 std::vector<double> AssemblyProblem::random_position(std::mt19937& random) const {
@@ -252,15 +252,49 @@ double AssemblyProblem::separation(const std::vector<double>& a, const std::vect
     if (link.parent < 0) continue;
     difference(link.nq, link.nv, a.data() + link.iq, b.data() + link.iq, d);
     for (int i = 0; i < link.nv; ++i) {
-      out = std::max(out, std::abs(turns_[link.iv + i] ? std::remainder(d[i], 2 * std::numbers::pi) : d[i]));
+      out = std::max(out, std::abs(within_a_turn(d[i], turns_[link.iv + i])));
     }
   }
   return out;
 }
 
-double AssemblyProblem::moved(const std::vector<double>& q) {
-  const double in_tree = largest_given(tree_, tree_offset(q));
-  return cut_guesses_ ? std::max(in_tree, largest_given(cuts_, cut_offset(q))) : in_tree;
+template <class Visit>
+void AssemblyProblem::each_change(const std::vector<double>& q, Visit visit) {
+  const VectorXd tree = tree_offset(q);
+  for (int k = 0; k < mechanism_.nv; ++k) visit(tree_, k, tree[k]);
+  if (!cut_guesses_) return;
+  const VectorXd cut = cut_offset(q);
+  for (int k = 0; k < mechanism_.cut_nv; ++k) visit(cuts_, k, cut[k]);
+}
+
+AssemblyProblem::Largest AssemblyProblem::moved(const std::vector<double>& q) {
+  Largest out;
+  each_change(q, [&](const InitialGuess& of, int k, double change) {
+    if (of.q_fixed[k]) return;
+    if (of.q_given[k]) out.given = std::max(out.given, std::abs(change));
+    if (of.q_weight[k] > 0) out.any = std::max(out.any, std::abs(change));
+  });
+  return out;
+}
+
+AssemblyProblem::Squared AssemblyProblem::squared_distance(const std::vector<double>& q) {
+  Squared out;
+  each_change(q, [&](const InitialGuess& of, int k, double change) {
+    (of.q_given[k] ? out.given : out.other) += of.q_weight[k] * change * change;
+  });
+  return out;
+}
+
+std::vector<double> AssemblyProblem::changes_by_rank(const std::vector<double>& q) {
+  std::vector<std::pair<int, double>> ranked;
+  each_change(q, [&](const InitialGuess& of, int k, double change) {
+    if (of.q_weight[k] > 0 || of.q_fixed[k])
+      ranked.emplace_back(of.rank[k], of.user_sign[k] * within_a_turn(change, of.turns[k]));
+  });
+  std::ranges::stable_sort(ranked, {}, &std::pair<int, double>::first);
+  std::vector<double> out;
+  for (const auto& [rank, change] : ranked) out.push_back(change);
+  return out;
 }
 
 VectorXd AssemblyProblem::tree_offset(const std::vector<double>& q) const {
@@ -282,10 +316,8 @@ VectorXd AssemblyProblem::cut_offset(const std::vector<double>& q) {
     std::copy_n(cuts_.q.data() + cut.iq, cut.nq, found);
     dynamics_.cut_coordinates(c, found);
     difference(cut.nq, cut.nv, found, cuts_.q.data() + cut.iq, d.data() + cut.iv);
-    for (int i = 0; i < cut.nv && cut.nq == cut.nv; ++i) {
-      // A cut joint's angle is known within a turn.
-      if (cut.is_angle[i]) d[cut.iv + i] = std::remainder(d[cut.iv + i], 2 * std::numbers::pi);
-    }
+    // A cut joint's angle is known within a turn.
+    for (int i = 0; i < cut.nv && cut.nq == cut.nv; ++i) d[cut.iv + i] = within_a_turn(d[cut.iv + i], cut.is_angle[i]);
   }
   return d;
 }

@@ -14,7 +14,9 @@ namespace gelenk {
 
 class AssemblyProblem {
  public:
-  AssemblyProblem(const Mechanism& mechanism, Dynamics& dynamics, const InitialGuess& tree, const InitialGuess& cuts);
+  // rows: the constraint equations that must hold; null: all.
+  AssemblyProblem(const Mechanism& mechanism, Dynamics& dynamics, const InitialGuess& tree, const InitialGuess& cuts,
+                  const std::vector<bool>* rows = nullptr);
 
   // Columns of the Jacobians below: the velocities that are not fixed or, at position level, whose coordinates are not.
   enum class Level { position, velocity };
@@ -31,17 +33,31 @@ class AssemblyProblem {
   struct VelocityEquations {
     SparseMatrix G, T;
     Eigen::VectorXd g0, d0;
-    std::vector<double> v;  // fixed velocities; the others are zero
+    std::vector<bool> given;  // by row of T: the velocity was given
+    std::vector<double> v;    // fixed velocities; the others are zero
   };
   VelocityEquations velocity_equations(const std::vector<double>& q);
 
   // q displaced by `step` along the free velocities.
   std::vector<double> displaced(const std::vector<double>& q, const Eigen::VectorXd& step) const;
-  // Changes free angles by full turns so that they are within half a turn of their guesses.
-  void unwind(std::vector<double>& q) const;
+  // Changes free angles by full turns so that they are within half a turn of their guesses. Returns whether any
+  // changed.
+  bool unwind(std::vector<double>& q) const;
 
-  // Largest change of a coordinate that was given but not fixed, in the tree or at cut joints [rad, m].
-  double moved(const std::vector<double>& q);
+  // Largest change of a coordinate that is not fixed, in the tree or at cut joints [rad, m]: of those that were given,
+  // and of all that have a weight.
+  struct Largest {
+    double given = 0, any = 0;
+  };
+  Largest moved(const std::vector<double>& q);
+  // The squared distance from the guesses: the part of the values that were given, and that of the others.
+  struct Squared {
+    double given = 0, other = 0;
+  };
+  Squared squared_distance(const std::vector<double>& q);
+  // The changes of all coordinates with a weight or a fixed value, in the order of their ranks and with the user's
+  // signs; angles within half a turn.
+  std::vector<double> changes_by_rank(const std::vector<double>& q);
 
   // The guesses with random free coordinates: angles and quaternions over all orientations, lengths within the size of
   // the links.
@@ -56,6 +72,9 @@ class AssemblyProblem {
   SparseMatrix rows_at(const std::vector<double>& q);
   Eigen::VectorXd tree_offset(const std::vector<double>& q) const;
   Eigen::VectorXd cut_offset(const std::vector<double>& q);
+  // Calls visit(guesses, velocity, change of its coordinate) for all joints.
+  template <class Visit>
+  void each_change(const std::vector<double>& q, Visit visit);
   SparseMatrix cut_columns(const std::vector<double>& q);
   void find_cut_pattern();
 

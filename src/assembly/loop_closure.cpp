@@ -107,7 +107,7 @@ bool try_step(AssemblyProblem& problem, std::vector<double>& q, Gradient& at, Ve
 VectorXd nearest_velocities(const AssemblyProblem::VelocityEquations& s, double threshold) {
   const RowSpace loops(s.G, threshold);
   const VectorXd v = -loops.min_norm(s.g0);
-  return loops.degrees_of_freedom() > 0 ? VectorXd(v + nearest(loops, s.T, s.T * v + s.d0)) : v;
+  return loops.degrees_of_freedom() > 0 ? VectorXd(v + nearest(loops, s.T, s.T * v + s.d0, s.given)) : v;
 }
 
 double close_loops(AssemblyProblem& problem, std::vector<double>& q) {

@@ -37,8 +37,9 @@ struct LocalMinimum {
 };
 LocalMinimum local_minimum_at(AssemblyProblem& problem, const std::vector<double>& q);
 
-// The velocities nearest to the guesses that satisfy s.G v = -s.g0; pivots below `threshold` times the largest count as
-// zero.
+// The velocities nearest to the guesses that satisfy s.G v = -s.g0: those that were given change least and, as far as
+// these leave a choice, the others. Pivots below `threshold` times the largest
+// count as zero.
 Eigen::VectorXd nearest_velocities(const AssemblyProblem::VelocityEquations& s, double threshold);
 
 // q with its free coordinates perturbed, the more the higher the attempt, reproducibly; attempt 0 returns q.

@@ -19,6 +19,7 @@ using Eigen::VectorXd;
 constexpr Index max_dense_columns = 300;
 constexpr Index max_basis_columns = 64;   // beyond this a basis of sparse equations is too expensive
 constexpr double min_pivot_ratio = 1e-9;  // relative to the largest pivot, in a basis
+constexpr double second_weight = 1e-4;    // root of the weight of what is minimized second
 constexpr double regularization = 1e-12;  // relative to the largest entry, where no basis is used
 
 bool is_large(const SparseMatrix& G) { return G.cols() > max_dense_columns; }
@@ -126,6 +127,23 @@ VectorXd nearest(const RowSpace& rows, const SparseMatrix& T, const VectorXd& d)
   right.head(n) = -(T.transpose() * d);
   const VectorXd x = factor.solve(right);
   return rows.null_space_part(x.head(n));  // removes the error of the regularization
+}
+
+VectorXd nearest(const RowSpace& rows, const SparseMatrix& T, const VectorXd& d, const std::vector<bool>& first) {
+  VectorXd weights(d.size());  // of the first components
+  for (Index r = 0; r < d.size(); ++r) weights[r] = first[static_cast<std::size_t>(r)] ? 1 : 0;
+  if (!rows.has_basis()) {
+    const VectorXd both = weights.unaryExpr([](double x) { return x > 0 ? x : second_weight; });
+    return nearest(rows, both.asDiagonal() * T, both.cwiseProduct(d));
+  }
+  const MatrixXd& Z = rows.basis();
+  if (Z.cols() == 0) return VectorXd::Zero(T.cols());
+  const MatrixXd along = T * Z;
+  const MatrixXd along_first = weights.asDiagonal() * along;
+  VectorXd x = -along_first.completeOrthogonalDecomposition().solve(weights.cwiseProduct(d));
+  const MatrixXd N = nullspace(along_first, Z.cols());
+  if (N.cols() > 0) x -= N * MatrixXd(along * N).completeOrthogonalDecomposition().solve(d + along * x);
+  return Z * x;
 }
 
 SparseMatrix plus_diagonal(const SparseMatrix& A, double x) {

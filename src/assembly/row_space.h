@@ -9,6 +9,7 @@
 #include <Eigen/SparseQR>
 #include <memory>
 #include <optional>
+#include <vector>
 
 namespace gelenk {
 
@@ -46,6 +47,10 @@ class RowSpace {
 
 // The x in the null space of G that minimizes |T x + d|.
 Eigen::VectorXd nearest(const RowSpace& rows, const SparseMatrix& T, const Eigen::VectorXd& d);
+// The same, where first the components of T x + d in `first` are minimized and then, as far as x is not determined, the
+// others; without a basis of the null space the latter are weighted so weakly that they hardly move the former.
+Eigen::VectorXd nearest(const RowSpace& rows, const SparseMatrix& T, const Eigen::VectorXd& d,
+                        const std::vector<bool>& first);
 
 // A + x I.
 SparseMatrix plus_diagonal(const SparseMatrix& A, double x);

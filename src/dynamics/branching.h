@@ -17,7 +17,7 @@ namespace gelenk {
 // The largest friction against motion in either direction, in the user's sign. They differ where gears have losses.
 struct DirectedLimit {
   double positive = 0, negative = 0;
-  bool vanishes = false;  // whatever the loads are: without friction, or an open clutch or brake
+  bool vanishes = false;  // under any load: without friction, or an open clutch or brake
   double against(int direction) const { return direction > 0 ? positive : negative; }
   double largest() const { return std::max(positive, negative); }
 };

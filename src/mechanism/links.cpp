@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "joint/turns.h"
 #include "mechanism/graph.h"
 
 namespace gelenk {
@@ -181,7 +182,7 @@ struct MechanismBuilder {
     const JointKind& kind = kind_of(edge.joint);
     cut.scene_joints.push_back(edge.scene_joint);
     place_joint(edge, role, static_cast<int>(out.cuts.size()), out.cut_nq, out.cut_nv, false);
-    for (const Quantity& q : kind.q) cut.is_angle.push_back(q.unit == "rad");
+    for (int i = 0; i < kind.nq; ++i) cut.is_angle.push_back(repeats_each_turn(edge.joint, i));
     cut.nq += kind.nq;
     cut.nv += kind.nv;
     out.cut_nq += kind.nq;

@@ -4,14 +4,17 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <string_view>
 #include <unordered_set>
+
+#include "joint/turns.h"
 
 namespace gelenk {
 namespace {
 
 // Weight of coordinates without a start value: these change by 1 m rather than those with a start value (weight 1 by
-// default) by 1 cm.
+// default) by 1 cm. It is that of all joints, so that the assembly does not depend on which of them are cut.
 constexpr double default_guess_weight = 1e-4;
 
 InitialGuess zero_guess(int nq, int nv) {
@@ -23,7 +26,10 @@ InitialGuess zero_guess(int nq, int nv) {
   w.q_weight.assign(nv, 0);
   w.v_weight.assign(nv, 0);
   w.q_given.assign(nv, false);
+  w.v_given.assign(nv, false);
   w.turns.assign(nv, false);
+  w.rank.assign(nv, 0);
+  w.user_sign.assign(nv, 1);
   return w;
 }
 
@@ -37,19 +43,32 @@ void preferred_coordinates(const Joint& joint, const JointPlace& place, double* 
   for (int i = 0; i < kind.nq; ++i) q[i] = place.q_sign[i] * (start.q_given[i] ? start.q[i] : kind.q_zero[i]);
 }
 
-void add_guesses(const Joint& joint, const JointKind& kind, const JointPlace& place, double default_weight,
-                 InitialGuess& out) {
+// The places of the joints in alphabetical order, by joint of the scene.
+std::vector<int> alphabetical_ranks(const Scene& scene) {
+  std::vector<int> order(scene.joints.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::ranges::sort(order, {}, [&](int j) -> const std::string& { return scene.joints[j].name; });
+  std::vector<int> out(order.size());
+  for (std::size_t k = 0; k < order.size(); ++k) out[order[k]] = static_cast<int>(k);
+  return out;
+}
+
+void add_guesses(const Joint& joint, int rank, const JointPlace& place, InitialGuess& out) {
+  const JointKind& kind = *find_joint_kind(joint.type);
   const JointStart& start = joint.start;
   preferred_coordinates(joint, place, &out.q[place.iq]);
   for (int i = 0; i < kind.nv; ++i) {
     const int c = coordinate_of(kind, i);
     out.q_fixed[place.iv + i] = start.q_fixed[c];
-    out.q_weight[place.iv + i] = start.q_given[c] ? start.q_weight[c] : default_weight;
+    out.q_weight[place.iv + i] = start.q_given[c] ? start.q_weight[c] : default_guess_weight;
     out.q_given[place.iv + i] = start.q_given[c];
-    out.turns[place.iv + i] = kind.q[c].unit == "rad";
+    out.turns[place.iv + i] = repeats_each_turn(joint.is, c);
+    out.rank[place.iv + i] = rank;
+    out.user_sign[place.iv + i] = place.q_sign[c];
+    out.v_given[place.iv + i] = start.v_given[i];
     out.v[place.iv + i] = start.v_given[i] ? place.v_sign[i] * start.v[i] : 0;
     out.v_fixed[place.iv + i] = start.v_fixed[i];
-    out.v_weight[place.iv + i] = start.v_given[i] ? start.v_weight[i] : default_weight;
+    out.v_weight[place.iv + i] = start.v_given[i] ? start.v_weight[i] : default_guess_weight;
   }
 }
 
@@ -58,12 +77,12 @@ void add_guesses(const Joint& joint, const JointKind& kind, const JointPlace& pl
 StartGuesses start_guesses(const Scene& scene, const ReducedScene& reduced, int island) {
   const Mechanism& mechanism = reduced.islands[island];
   StartGuesses out{zero_guess(mechanism.nq, mechanism.nv), zero_guess(mechanism.cut_nq, mechanism.cut_nv)};
+  const std::vector<int> ranks = alphabetical_ranks(scene);
   for (const int j : mechanism.joints) {
     const Joint& joint = scene.joints[j];
-    const JointKind& kind = *find_joint_kind(joint.type);
     const JointPlace& place = reduced.joints[j];
-    if (place.role == JointPlace::Role::tree) add_guesses(joint, kind, place, default_guess_weight, out.tree);
-    if (place.role == JointPlace::Role::cut) add_guesses(joint, kind, place, 0, out.cuts);
+    if (place.role == JointPlace::Role::tree) add_guesses(joint, ranks[j], place, out.tree);
+    if (place.role == JointPlace::Role::cut) add_guesses(joint, ranks[j], place, out.cuts);
     // Guesses of joints at a rod are used while it is still a body (preparation.cpp); only its side and turns remain.
     if (place.role == JointPlace::Role::rod) preferred_coordinates(joint, place, &out.cuts.q[place.iq]);
   }
@@ -113,7 +132,7 @@ std::vector<double> coordinates_of(const Scene& scene, const ReducedScene& reduc
   dynamics.cut_coordinates(place.index, found);
   for (int i = 0; i < kind.nq; ++i) {
     out[i] = place.q_sign[i] * found[place.iq - cut.iq + i];
-    if (kind.q[i].unit != "rad") continue;
+    if (!repeats_each_turn(scene.joints[joint].is, i)) continue;
     const double wanted = start.q_given[i] ? start.q[i] : 0;
     out[i] += 2 * std::numbers::pi * std::round((wanted - out[i]) / (2 * std::numbers::pi));
   }
