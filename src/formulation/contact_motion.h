@@ -35,16 +35,8 @@ class ContactMotion final : public ImpulseEquations {
   Activity activity() const override;
   bool can_be_located_at(const double* y) override;
   bool take_over(const Activity& before) override;
-  void forget_events(const Activity& before) override { steps_.events().forget_beyond(before.events); }
-  void report(const SchemeChange& change) override { steps_.events().add(change); }
   void start(double t, double h, const double* y) override { steps_.start(t, h, y); }
   bool step(double t, double h, double* y) override { return steps_.step(t, h, y); }
-  const double* smooth_accelerations() const override { return steps_.smooth_accelerations(); }
-  void keep() override { steps_.stepper().copy_to(TimeStepper::Memory::kept); }
-  void return_to_kept() override { steps_.stepper().exchange_with(TimeStepper::Memory::kept); }
-  void copy_to_second() override { steps_.stepper().copy_to(TimeStepper::Memory::second); }
-  void exchange_with_second() override { steps_.stepper().exchange_with(TimeStepper::Memory::second); }
-  double highest_frequency(double t, const double* y) override { return steps_.highest_frequency(t, y); }
 
   ImpulseSteps& steps() { return steps_; }
   TouchModes* touch() const { return touch_.get(); }  // null: not at events
@@ -62,6 +54,15 @@ class ContactMotion final : public ImpulseEquations {
   void serialize(Archive& archive);
 
  private:
+  void forget_events(const Activity& before) override { steps_.events().forget_beyond(before.events); }
+  void report(const SchemeChange& change) override { steps_.events().add(change); }
+  const double* smooth_accelerations() const override { return steps_.smooth_accelerations(); }
+  void keep() override { steps_.stepper().copy_to(TimeStepper::Memory::kept); }
+  void return_to_kept() override { steps_.stepper().exchange_with(TimeStepper::Memory::kept); }
+  void copy_to_second() override { steps_.stepper().copy_to(TimeStepper::Memory::second); }
+  void exchange_with_second() override { steps_.stepper().exchange_with(TimeStepper::Memory::second); }
+  double highest_frequency(double t, const double* y) override { return steps_.highest_frequency(t, y); }
+
   // Of the present way.
   class PresentReadings final : public ContactReadings {
    public:

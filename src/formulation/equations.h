@@ -38,7 +38,7 @@ class ImpulseEquations {
   virtual bool take_over(const Activity& before) = 0;
   // Forgets the events since `before`, which are repeated.
   virtual void forget_events(const Activity& before) = 0;
-  // Tells the log of events.
+  // To the log of events.
   virtual void report(const SchemeChange& change) = 0;
   // Call at the start of a run with steps of length h at (t, y): finds the forces there.
   virtual void start(double t, double h, const double* y) = 0;

@@ -38,7 +38,10 @@ constexpr double share_of_accuracy = 10;
 constexpr double most_growth = 2;
 constexpr double least_growth = 1.0 / 8;
 constexpr int most_halvings_for_share = 6;
-constexpr double beyond_recovery = 100;
+constexpr double beyond_recovery = 10;
+// Part of the estimate for the run than which no pair need be more accurate: where the motion is chaotic, accuracy is
+// of no use.
+constexpr double part_of_estimate = 0.01;
 // Rounding of times, relative to steps.
 constexpr double rounding = 1e-9;
 
@@ -133,6 +136,8 @@ double ControlledSteps::advance_some(double end, double* y, long max_steps) {
   return t_;
 }
 
+double ControlledSteps::accuracy() const { return std::max(accuracy_, part_of_estimate * memory_.error); }
+
 // Of the next pair, such that equal ones lead to `end`.
 double ControlledSteps::length_towards(double end) {
   if (memory_.until_check-- <= 0) {
@@ -155,14 +160,14 @@ void ControlledSteps::make_pair(double end) {
   for (bool is_again = false;; is_again = true) {
     const bool made = try_pair(start, h);
     error = made ? local_error(h / 2) : 0;
-    if (made && (error <= accuracy_ || h <= shortest_)) break;
+    if (made && (error <= accuracy() || h <= shortest_)) break;
     if (!made && h <= shortest_)
       refuse(system_, start, start_.data(), "velocities or forces are not finite, or too large for numbers");
     ++rejected_;
     y_ = start_;
     impulses_.return_to_kept();
     impulses_.keep();
-    shorten(h, made ? error / accuracy_ : 1, is_again);
+    shorten(h, made ? error / accuracy() : 1, is_again);
     if (!made) memory_.calm = -calm_after_failure;
     h = length_towards(end);
   }
@@ -215,7 +220,7 @@ void ControlledSteps::shorten(double h, double excess, bool is_again) {
 }
 
 void ControlledSteps::lengthen(double error) {
-  memory_.calm = error < calm_fraction * accuracy_ ? memory_.calm + 1 : std::min(memory_.calm, 0);
+  memory_.calm = error < calm_fraction * accuracy() ? memory_.calm + 1 : std::min(memory_.calm, 0);
   if (memory_.calm < calm_pairs) return;
   memory_.calm = 0;
   memory_.halvings = std::max(0, memory_.halvings - 1);

@@ -69,6 +69,7 @@ class ControlledSteps final : public Integrator {
     SchemeChange::Cause cause = SchemeChange::Cause::none;  // of the first ones
   };
 
+  double accuracy() const;  // of the next pair
   void make_pair(double end);
   bool try_pair(double t, double h);
   double local_error(double s) const;

@@ -40,7 +40,8 @@ std::vector<EventReport> Simulation::events(bool only_doubtful) const {
 std::vector<std::string> SteppingReport::warnings() const {
   std::vector<std::string> out;
   for (const auto& island : impl_.islands) {
-    const Integrator::SteppedTime of = island->stepped_time();
+    if (island->integrator() == nullptr) continue;
+    const Integrator::SteppedTime of = island->integrator()->stepped_time();
     if (of.parts == 0) continue;
     std::string line =
         "time steps with impulses from t = " + text::rounded(of.from) + " s to " + text::rounded(of.to) + " s";

@@ -338,7 +338,7 @@ RunCounts Island::counts() const {
   out.rejected_steps = integrator_ ? integrator_->rejected_steps() : 0;
   out.evaluations = evaluations();
   out.events = events_.count();
-  out.step_error = stepped_time().error;
+  out.step_error = integrator_ ? integrator_->stepped_time().error : 0;
   return out;
 }
 

@@ -79,9 +79,6 @@ class Island {
 
   RunCounts counts() const;
   const EventLog& events() const { return events_; }
-  Integrator::SteppedTime stepped_time() const {
-    return integrator_ ? integrator_->stepped_time() : Integrator::SteppedTime{};
-  }
 
  private:
   friend class Probe;

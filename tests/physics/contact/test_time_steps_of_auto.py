@@ -85,8 +85,8 @@ def test_time_steps_know_their_error_in_a_vibration(frequency: float, amplitude:
 def test_time_steps_know_their_error_on_a_shaken_plate() -> None:
     """Boxes slide down a plate at 40 Hz; one alone, which is located, is the reference.
 
-    The root of the tolerance, 1e-3, is what the estimate may grow by in a second (docs/contact.md), after as much at
-    the start; steps of 10 ms, which do not resolve 40 Hz, had an error of 3e-2.
+    The root of the tolerance, 1e-3, is what the estimate may grow by in a second (docs/contact.md), after as
+    much at the start; steps of 10 ms, which do not resolve 40 Hz, had an error of 3e-2.
     """
     located = gelenk.simulate(conveyor(1, integrator="erk"), outputs=["j0.r[1]"], tolerance=1e-8)
     names = ["j0.r[1]", "solver.scheme", "solver.step_error"]
@@ -100,8 +100,8 @@ def test_time_steps_know_their_error_on_a_shaken_plate() -> None:
 
 def test_few_boxes_on_a_shaken_plate_are_located() -> None:
     """Sticking and slipping 80 to 160 times a second is not very often; the tolerance is kept."""
-    located = gelenk.simulate(conveyor(1, integrator="erk"), outputs=["j0.r[1]"], stop=3, tolerance=1e-8)
-    run = gelenk.simulate(conveyor(1), outputs=["j0.r[1]"], stop=3, tolerance=1e-8)
+    located = gelenk.simulate(conveyor(1, integrator="erk"), outputs=["j0.r[1]"], tolerance=1e-7)
+    run = gelenk.simulate(conveyor(1), outputs=["j0.r[1]"], tolerance=1e-7)
     assert run.warnings == ()
     np.testing.assert_allclose(run["j0.r[1]"], located["j0.r[1]"], rtol=0, atol=1e-6)
 
@@ -135,7 +135,7 @@ def test_the_run_says_from_when_to_when_it_made_time_steps() -> None:
     begin, end, error = map(float, found.group(1, 2, 3))
     assert 0 < begin <= 0.01
     assert 0.35 < end < 0.37
-    assert error == pytest.approx(run["solver.step_error"][-1], rel=0.01)
+    assert error == pytest.approx(run["solver.step_error"][-1], rel=0.05)  # two digits
     assert found.group(4) == "very many points of contact are closed"
     assert set(run["solver.scheme"][run.time > end]) == {EVENTS}
     texts = [text for _, text in run.events]
