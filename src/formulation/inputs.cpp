@@ -13,6 +13,11 @@ namespace {
 // change in the step, to which the rounding of times is magnified.
 constexpr double rounding_tolerance = 1e-10;
 
+// change: bound on that of the input in the last step; 0: it was constant.
+bool is_rounding(double value, double reached, double change) {
+  return change > 0 && std::abs(value - reached) <= rounding_tolerance * (std::abs(reached) + change);
+}
+
 }  // namespace
 
 Inputs::Inputs(std::size_t count)
@@ -41,23 +46,17 @@ Inputs::Change Inputs::set_value(int i, double value) {
   at(i, 0) = value;
   if (now_time_ != start_) evaluate(start_);
   now_[i] = value;
-  if (is_rounding(static_cast<std::size_t>(i), value, before)) return Change::smooth;
+  if (is_rounding(value, before, change_[static_cast<std::size_t>(i)])) return Change::smooth;
   update_rates(i);
   return Change::jump;
 }
 
 bool Inputs::jumped() const {
   for (std::size_t i = 0; i < reached_.size(); ++i) {
-    if (at(static_cast<int>(i), 0) != reached_[i] && !is_rounding(i, at(static_cast<int>(i), 0), reached_[i]))
-      return true;
+    const double value = at(static_cast<int>(i), 0);
+    if (value != reached_[i] && !is_rounding(value, reached_[i], change_[i])) return true;
   }
   return false;
-}
-
-// Whether a value is the one reached by derivatives, up to rounding.
-bool Inputs::is_rounding(std::size_t i, double value, double reached) const {
-  const double change = change_[i];
-  return change > 0 && std::abs(value - reached) <= rounding_tolerance * (std::abs(reached) + change);
 }
 
 void Inputs::note_reached() {

@@ -126,7 +126,6 @@ class Inputs {
   bool is_known_by_values(const Motion& m) const;
   void commit_samples();
   void end_motions();
-  bool is_rounding(std::size_t i, double value, double reached) const;
 
   std::vector<double> taylor_;   // u0, d1, ..., d5 of each input
   std::vector<double> reached_;  // at t0, before values were set

@@ -89,7 +89,6 @@ int ArkodeIntegrator::rhs(sunrealtype t, N_Vector y, N_Vector ydot, void* self) 
   ArkodeIntegrator& at = static_cast<ArkodeIntegrator&>(*static_cast<SundialsIntegrator*>(self));
   double* const out = sundials::data(ydot);
   at.derivative_ = out;
-  at.derivative_time_ = t;
   if (!at.resumed_) return at.system_.rhs(t, sundials::data(y), out) ? 0 : 1;
   at.resumed_ = false;
   std::ranges::copy(at.kept_derivative_, out);
@@ -130,7 +129,7 @@ double ArkodeIntegrator::current_step(void* memory) {
 // ARKODE cannot copy its memory, but of a one-step method only the length of the next step matters.
 void ArkodeIntegrator::serialize(Archive& archive) {
   const bool resumed = resumed_;
-  bool has_derivative = resumed || (!fresh_ && derivative_ != nullptr && derivative_time_ == t_);
+  bool has_derivative = resumed || (!fresh_ && derivative_ != nullptr && keeps_derivative());
   SundialsIntegrator::serialize(archive);
   archive.serialize(step_at_end_, has_derivative);
   if (has_derivative) {

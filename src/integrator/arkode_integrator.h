@@ -34,6 +34,8 @@ class ArkodeIntegrator : public SundialsIntegrator {
   virtual void reinitialize(void* memory) = 0;
   // s: the step that a stepper will try after it has reached its stop time.
   virtual double step_after_stop(std::size_t stepper) const;
+  // Whether the last stage of a step of the stepper in use is the first one of the next step.
+  virtual bool keeps_derivative() const { return false; }
   // Called before the steps to `end`; t_ is their start.
   virtual void choose_stepper(double /*end*/) {}
   // Called before each of these steps.
@@ -71,10 +73,8 @@ class ArkodeIntegrator : public SundialsIntegrator {
 
   std::vector<Stepper> steppers_;
   bool touched_ = false;  // see inputs_touched()
-  // The derivative evaluated last, in memory of ARKODE, and its time [s]: at the end of a step, where the next one
-  // starts with it.
+  // The derivative evaluated last, in memory of ARKODE: the one with which the next step starts, if keeps_derivative().
   const double* derivative_ = nullptr;
-  double derivative_time_ = 0;
   std::vector<double> kept_derivative_;  // of a saved state
 };
 

@@ -89,7 +89,8 @@ void HiddenTouches::begin() {
 }
 
 // Of what happens across a plane only that along its normal counts. The way of a center that velocities at the ends do
-// not explain shows turns within the step; the points of a shape turn with its angular velocity.
+// not explain shows turns within the step; the points of a shape turn with its angular velocity, and where it turns
+// about an axis outside, so does the velocity of its center.
 void HiddenTouches::bound(Pair& pair, double h) const {
   const Spots::Approach& a = pair.at[0];
   const Spots::Approach& b = pair.at[1];
@@ -97,7 +98,7 @@ void HiddenTouches::bound(Pair& pair, double h) const {
   const auto along = [&](const Eigen::Vector3d& x) { return is_plane ? std::abs(pair.normal.dot(x)) : x.norm(); };
   const auto across = [&](const Eigen::Vector3d& w) { return is_plane ? pair.normal.cross(w).norm() : w.norm(); };
   const auto speed = [&](const Spots::Approach& at) { return along(at.v) + across(at.w) * at.arm; };
-  const auto turning = [&](const Spots::Approach& at) { return across(at.w) * at.w.norm() * at.arm; };
+  const auto turning = [&](const Spots::Approach& at) { return across(at.w) * (at.w.norm() * at.arm + at.v.norm()); };
   const double change = along(b.v - a.v) + across(b.w - a.w) * a.arm;
   const double unexplained = along(b.p - a.p - h / 2 * (a.v + b.v));
   const double smooth = (acceleration_margin * change + 8 * unexplained / h) / h + std::max(turning(a), turning(b));

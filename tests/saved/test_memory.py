@@ -77,6 +77,21 @@ def test_a_discarded_step_leaves_no_trace(kind: str, integrator: str, moving: bo
     assert found == expected
 
 
+@pytest.mark.parametrize("kind", ["smooth", "limit", "contact", "loop"])
+@pytest.mark.parametrize("integrator", ADAPTIVE)
+def test_restored_at_each_step_while_the_input_stays(kind: str, integrator: str) -> None:
+    """`erk` starts its steps with the derivative from the end of the last one, also where it was restored."""
+    plain, restored = plant_of(kind, integrator), plant_of(kind, integrator)
+    state = restored.save()
+    for k in range(30):
+        plain.step_to((k + 1) * STEP)
+        restored.restore(state)
+        restored.step_to((k + 1) * STEP)
+        state = restored.save()
+        assert restored.values().tolist() == plain.values().tolist()
+        assert restored.diagnostics == plain.diagnostics
+
+
 @pytest.mark.parametrize("integrator", ["erk", "auto", "cvode", "dirk", "ida"])
 def test_restores_are_not_counted(integrator: str) -> None:
     """A step of many integrator steps, restored and made again until there are more of these in all than may
