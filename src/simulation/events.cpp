@@ -24,6 +24,7 @@ std::vector<EventReport> Simulation::events(bool only_doubtful) const {
   };
   impl_->u.each_jump([&](int input, const MotionSamples::Jump& jump) {
     const auto i = static_cast<std::size_t>(input);
+    if (impl_->inputs[i].stage != Stage::position) return;  // the jump of a speed is an impact, which is what it means
     add({jump.time, describe_jump(impl_->inputs[i], jump.size * impl_->input_size[i]), true});
   });
   for (const auto& island : impl_->islands) {
