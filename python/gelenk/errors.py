@@ -66,8 +66,8 @@ class EquilibriumError(GelenkError):
 
 
 class OperatingPointWarning(UserWarning):
-    """A model was linearized about a point that is not an equilibrium. The message gives the rates of the
-    states.
+    """A model was linearized about a point that is not an equilibrium: the message gives the rates of the
+    states. Or it leaves out idle rotations, which the message names.
     """
 
 
