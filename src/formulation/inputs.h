@@ -77,16 +77,8 @@ class Inputs {
   // Ends a step early at t [s]: u continues from there.
   void interrupt(double t);
 
-  // Of input `i`, if it prescribes a motion: see MotionSamples.
-  double time_since_start(int i) const;
-  // Calls found(i, jump) for motions whose estimates have revealed a jump before the last step.
-  template <class Found>
-  void each_jump(Found found) const {
-    for (const Motion& m : motions_) {
-      if (m.samples.jump().size != 0) found(m.last, m.samples.jump());
-    }
-  }
-  bool has_motions() const { return !motions_.empty(); }
+  // The values from which derivatives of input `i` are estimated; null: they are not.
+  const MotionSamples* samples(int i) const;
 
   void serialize(Archive& archive);
 

@@ -18,10 +18,10 @@ double Inputs::given(int i) const {
   return by_values ? flags_[i].given : at(i, 0);
 }
 
-double Inputs::time_since_start(int i) const {
-  if (flags_.empty() || flags_[i].motion < 0) return 0;
+const MotionSamples* Inputs::samples(int i) const {
+  if (flags_.empty() || flags_[i].motion < 0) return nullptr;
   const Motion& m = motions_[flags_[i].motion];
-  return m.first == m.last && m.by_values ? m.samples.time_since_start() : 0;
+  return i == m.last && m.by_values ? &m.samples : nullptr;
 }
 
 Inputs::Change Inputs::set_motion(Motion& m, int i, double value) {

@@ -22,11 +22,13 @@ std::vector<EventReport> Simulation::events(bool only_doubtful) const {
   const auto add = [&out](EventReport report) {
     out.insert(std::ranges::upper_bound(out, report.time, {}, &EventReport::time), std::move(report));
   };
-  impl_->u.each_jump([&](int input, const MotionSamples::Jump& jump) {
-    const auto i = static_cast<std::size_t>(input);
-    if (impl_->inputs[i].stage != Stage::position) return;  // the jump of a speed is an impact, which is what it means
+  for (std::size_t i = 0; i < impl_->inputs.size(); ++i) {
+    const MotionSamples* samples = impl_->u.samples(static_cast<int>(i));
+    // The jump of a speed is an impact, which is what it means.
+    if (samples == nullptr || samples->jump().size == 0 || impl_->inputs[i].stage != Stage::position) continue;
+    const MotionSamples::Jump& jump = samples->jump();
     add({jump.time, describe_jump(impl_->inputs[i], jump.size * impl_->input_size[i]), true});
-  });
+  }
   for (const auto& island : impl_->islands) {
     const EventLog& log = island->events();
     for (const Event& event : log.events()) {

@@ -218,7 +218,8 @@ void Island::carry_along() {
   const std::vector<CoordinateRow>& rows = mechanism().coordinate_rows;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (rows[i].input < 0 || !rows[i].holds_position || rows[i].terms.size() != 1) continue;
-    const double since_start = equations_->drives().inputs().time_since_start(rows[i].input);
+    const MotionSamples* samples = equations_->drives().inputs().samples(rows[i].input);
+    const double since_start = samples == nullptr ? 0 : samples->time_since_start();
     if (since_start == 0) continue;
     const MotionLaw::Derivatives s = equations_->drives().target(static_cast<int>(i), time_);
     const CoordinateRow::Term& term = rows[i].terms.front();

@@ -115,7 +115,7 @@ void Simulation::step_to(double end) {
     throw UsageError(at_time(end) + "the end of the step is before the present time " + std::to_string(s.time) + " s");
   }
   if (end <= s.time) return;
-  if (s.u.has_motions()) s.renew_motions();
+  s.renew_motions();
   s.check_inputs(end);
   s.advance(end);
 }
