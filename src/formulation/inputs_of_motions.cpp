@@ -31,8 +31,8 @@ Inputs::Change Inputs::set_motion(Motion& m, int i, double value) {
   flags_[i].given = value;
   m.by_values = is_known_by_values(m);
   const Change change = set_value(i, value);
-  const bool has_new_slope = estimate(m);
-  return has_new_slope && change == Change::none ? Change::smooth : change;
+  const bool has_new_rate = estimate(m);
+  return has_new_rate && change == Change::none ? Change::smooth : change;
 }
 
 // Estimates the derivatives of the motion unless they were set. Returns whether they have changed.
@@ -94,8 +94,8 @@ void Inputs::start_motions() {
 // A step, or a part of it, ends; the origin of the polynomials is still its start.
 void Inputs::commit_samples() {
   for (Motion& m : motions_) {
-    const bool has_slope = m.last == m.first || flags_[m.last].derivative_set;
-    if (!m.by_values && has_slope) m.samples.add(start_, at(m.last, 0), at(m.last, 1));
+    const bool has_rate = m.last == m.first || flags_[m.last].derivative_set;
+    if (!m.by_values && has_rate) m.samples.add(start_, at(m.last, 0), at(m.last, 1));
     m.samples.commit();
     m.interrupted = true;
     for (int i = m.first; i <= m.last && m.by_values; ++i) flags_[i].value_set = false;
