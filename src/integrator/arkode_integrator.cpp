@@ -2,6 +2,7 @@
 #include "integrator/arkode_integrator.h"
 
 #include <algorithm>
+#include <array>
 
 namespace gelenk {
 namespace {
@@ -107,7 +108,8 @@ double ArkodeIntegrator::step_after_stop(std::size_t stepper) const { return cur
 
 double ArkodeIntegrator::step_to_try(std::size_t i) const {
   const Stepper& stepper = steppers_[i];
-  return stepper.first_step.value_or(stepper.stopped ? step_after_stop(i) : current_step(stepper.memory));
+  if (stepper.first_step) return *stepper.first_step;
+  return stepper.stopped ? step_after_stop(i) : current_step(stepper.memory);
 }
 
 void ArkodeIntegrator::lengthen_next_step(double step) {
@@ -142,15 +144,15 @@ void ArkodeIntegrator::serialize(Archive& archive) {
   }
   for (std::size_t i = 0; i < steppers_.size(); ++i) {
     Stepper& stepper = steppers_[i];
-    double step = step_to_try(i);
-    double last_step = stepper.last_step;
-    if (!stepper.first_step) ARKodeGetLastStep(stepper.memory, &last_step);
-    archive.serialize(step, last_step, stepper.used);
+    std::array<double, 3> numbers{step_to_try(i), stepper.last_step, stepper.used ? 1.0 : 0.0};
+    if (!stepper.first_step) ARKodeGetLastStep(stepper.memory, &numbers[1]);
+    archive.serialize(numbers);
     if (!archive.reading()) continue;
-    stepper.first_step = step;
-    stepper.last_step = last_step;
+    stepper.first_step = numbers[0];
+    stepper.last_step = numbers[1];
+    stepper.used = numbers[2] != 0;
     reinitialize(stepper.memory);
-    ARKodeSetInitStep(stepper.memory, step);
+    ARKodeSetInitStep(stepper.memory, numbers[0]);
     ARKodeSetMaxFirstGrowth(stepper.memory, stepper.used ? max_growth : max_first_growth);
   }
 }

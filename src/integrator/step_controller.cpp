@@ -2,6 +2,7 @@
 #include "integrator/step_controller.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "integrator/sundials.h"
@@ -75,7 +76,9 @@ double next_step(const StepController& controller, double safety, double max_gro
 
 void serialize(const StepController& controller, Archive& archive) {
   History& last = history(controller.get());
-  archive.serialize(last.step, last.error, last.tried, last.next);
+  std::array<double, 4> numbers{last.step, last.error, last.tried, last.next};
+  archive.serialize(numbers);
+  last = {.step = numbers[0], .error = numbers[1], .tried = numbers[2], .next = numbers[3]};
 }
 
 }  // namespace gelenk::sundials

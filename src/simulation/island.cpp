@@ -247,7 +247,12 @@ ReplayPath Island::roll_back() {
 void Island::serialize(Archive& archive) {
   if (!archive.reading() && has_history()) return archive.append(replay_.beginning);
   long made = evaluations();
-  archive.serialize(time_, y_, inputs_jumped_, loads_changed_, shown_, made);
+  int flags = (inputs_jumped_ ? 1 : 0) + (loads_changed_ ? 2 : 0) + (shown_ ? 4 : 0);
+  archive.serialize(time_, y_, made);
+  archive.serialize_in_range(flags, 0, 7);
+  inputs_jumped_ = (flags & 1) != 0;
+  loads_changed_ = (flags & 2) != 0;
+  shown_ = (flags & 4) != 0;
   if (follows_) archive.serialize(followed_);
   equations_->serialize(archive);
   if (integrator_) {
