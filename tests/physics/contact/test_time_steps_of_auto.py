@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from models.running import assert_restored_run_continues
 from models.touching import free_cubes
-from models.vibrating import STEPPING_BOXES, conveyor, vibration
+from models.vibrating import STEPPING_BOXES, conveyor, resting_boxes, vibration
 
 import gelenk
 
@@ -95,6 +95,26 @@ def test_time_steps_know_their_error_on_a_shaken_plate() -> None:
     true = np.abs(run["j0.r[1]"] - located["j0.r[1]"]).max()
     assert np.ptp(located["j0.r[1]"]) > 0.05
     assert true < 4e-3
+    assert true / 10 < run["solver.step_error"][-1] < 10 * true
+
+
+def test_time_steps_know_their_error_where_limits_chatter() -> None:
+    """Boxes far from the two arms, on the floor below, make the arms move in steps; they are located alone."""
+    located = gelenk.simulate(chattering_arms(), outputs=["j0.phi", "j1.phi"], stop=0.3)
+    scene = with_floor_below(chattering_arms())
+    boxes = resting_boxes(STEPPING_BOXES, y=2.0)
+    for k in range(STEPPING_BOXES):
+        joint = boxes["joints"][f"j{k}"] | {"child": f"box{k}"}
+        joint["start"]["r"][2] -= 5
+        scene["bodies"][f"box{k}"] = boxes["bodies"][f"b{k}"]
+        scene["joints"][f"free{k}"] = joint
+    weak = {"type": "spring_damper", "stiffness": 1e-9, "length": 5.0}
+    scene["forces"] = {f"c{k}": weak | {"from": "b0", "to": f"box{k}"} for k in range(STEPPING_BOXES)}
+    names = ["j0.phi", "j1.phi", "solver.scheme", "solver.step_error"]
+    run = gelenk.simulate(scene, outputs=names, stop=0.3, tolerance=1e-6)
+    assert set(run["solver.scheme"][1:]) == {STEPPING}
+    true = max(np.abs(run[name] - located[name]).max() for name in located)
+    assert true < 0.02  # rad, of a range of 1.3; it was 0.66
     assert true / 10 < run["solver.step_error"][-1] < 10 * true
 
 
