@@ -99,7 +99,7 @@ def test_time_steps_know_their_error_on_a_shaken_plate() -> None:
 
 
 def test_time_steps_know_their_error_where_limits_chatter() -> None:
-    """Boxes far from the two arms, on the floor below, make the arms move in steps; they are located alone."""
+    """Boxes on the floor below make the arms move in steps; alone, they are located."""
     located = gelenk.simulate(chattering_arms(), outputs=["j0.phi", "j1.phi"], stop=0.3)
     scene = with_floor_below(chattering_arms())
     boxes = resting_boxes(STEPPING_BOXES, y=2.0)
