@@ -23,13 +23,14 @@ set(once
   analysis/equilibrium analysis/independent_columns analysis/rest_forces analysis/rest_pose analysis/singular_start
   analysis/mobility
   kinematics/loads kinematics/model
-  contact/contact_state contact/recorded_problem
+  contact/contact_state contact/recorded_problem contact/step_impacts
   dynamics/distributed_forces touch/spot_features
   modes/joint_locks modes/mode_changes
   linear/box_complementarity linear/least_load linear/singular_values
   outputs/outputs_dual outputs/port_readings
   inspection/inspection
-  touch/contact_impact touch/slow_motions touch/touch_changes touch/touch_decision touch/touch_modes touch/touch_outputs
+  touch/contact_impact touch/decision_checks touch/slow_motions touch/touch_changes touch/touch_decision
+  touch/touch_modes touch/touch_outputs
   simulation/assemblies simulation/assembled_start simulation/events simulation/parameters simulation/probe
   simulation/replay simulation/sensitivity simulation/set_up simulation/start_at_equilibrium
   simulation/state_derivatives)

@@ -30,7 +30,12 @@ void ContactState::serialize(Archive& archive, int shapes) {
     serialize_vector(archive, contact.force);
     serialize_vector(archive, contact.moment);
   }
-  archive.serialize(forces_along, along);
+  for (LockForces& at : locks) {
+    archive.serialize(at.friction, at.limit);
+    archive.serialize_in_range(at.motion, -1, 1);
+    archive.serialize_in_range(at.contact, -1, 1);
+  }
+  archive.serialize(along);
   for (Spatial::Force& wrench : wrenches) {
     serialize_vector(archive, wrench.n);
     serialize_vector(archive, wrench.f);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "contact/contact_finder.h"
+#include "dynamics/branching.h"
 #include "util/archive.h"
 
 namespace gelenk {
@@ -30,7 +31,7 @@ struct ContactSum {
 
 struct ContactState {
   std::vector<RememberedContact> contacts;  // ordered by their keys
-  std::vector<double> forces_along;         // by lock: force of friction and limits [N m, N]
+  std::vector<LockForces> locks;            // by lock: means over the step, and modes at its end
   std::vector<Spatial::Force> wrenches;     // by link, about and in the root frame: of all contacts
   std::vector<double> along;                // by velocity: generalized forces of friction and limits
   std::vector<ContactSum> sums;             // by contact of the scene

@@ -128,7 +128,7 @@ bool TimeStepper::converge(double h, const double* u, bool last) {
     }
     const Forces forces = update_forces(h, u, most_turned);
     if (forces == Forces::too_fast) return false;
-    if (forces == Forces::as_before) break;
+    if (!set_sliding_friction(h) && forces == Forces::as_before) break;
     solved_.residual = largest;  // of the results that count
     if (!respond(h)) return false;
     const double enough = small_change(done.count == 0 ? notable : settled);
@@ -162,8 +162,9 @@ bool TimeStepper::respond(double h) {
   for (std::size_t k = 0; k < v1_.size(); ++k) v1_[k] = v0_[k] + h * vdot_[k];
   if (!all_finite(v1_)) return false;
   if (cones_.empty()) return true;
-  set_velocities(h);
+  set_velocities(h, 1);
   solve_impulses();
+  if (strikes_any_) lose_energy(h);
   rows_.strike(x_.data(), v1_.data());
   return true;
 }

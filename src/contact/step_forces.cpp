@@ -45,20 +45,9 @@ void TimeStepper::remember(double h) {
   remember_locks(h);
 }
 
-void TimeStepper::remember_locks(double h) {
-  std::ranges::fill(state_.forces_along, 0.0);
-  std::ranges::fill(state_.along, 0.0);
-  for (std::size_t i = 0; i < lock_rows_.size(); ++i) {
-    const auto r = static_cast<std::size_t>(cones_[points_.size() + i].first);
-    state_.forces_along[static_cast<std::size_t>(lock_rows_[i].lock)] += x_[r] / h;
-  }
-  rows_.add_generalized(static_cast<int>(x_.size()) - static_cast<int>(lock_rows_.size()), x_.data(), 1 / h,
-                        state_.along.data());
-}
-
 void TimeStepper::forget() {
   state_.contacts.clear();
-  std::ranges::fill(state_.forces_along, 0.0);
+  std::ranges::fill(state_.locks, LockForces{});
 }
 
 double TimeStepper::gap(int contact) {

@@ -12,7 +12,6 @@ namespace {
 
 constexpr double unlimited = std::numeric_limits<double>::infinity();
 
-constexpr int max_iterations = 200;
 // Penetration that is removed within a step, relative to the smaller shape: the displacement is linear in the
 // coordinates.
 constexpr double max_correction = 0.1;
@@ -97,7 +96,7 @@ TimeStepper::TimeStepper(const Mechanism& mechanism, Dynamics& dynamics, const L
       vdot_before_(v0_.size()),
       dq_(v0_.size()),
       starts_(most_halvings + 1, std::vector<double>(static_cast<std::size_t>(mechanism.nq) + v0_.size())) {
-  state_.forces_along.resize(static_cast<std::size_t>(dynamics.branching().locks()));
+  state_.locks.resize(static_cast<std::size_t>(dynamics.branching().locks()));
   state_.wrenches.resize(mechanism.links.size());
   state_.along.resize(v0_.size());
   state_.sums.resize(loads.contacts.size());
@@ -126,7 +125,9 @@ void TimeStepper::reserve() {
   cones_.reserve(rows);
   correction_cones_.reserve(rows);
   lock_rows_.reserve(rows);
-  for (std::vector<double>* of : {&b_, &x_, &speeds_, &free_speeds_, &displacing_, &correction_b_, &correction_})
+  strikes_.reserve(rows);
+  for (std::vector<double>* of : {&b_, &x_, &speeds_, &free_speeds_, &belts_, &compression_, &least_, &after_,
+                                  &displacing_, &correction_b_, &correction_})
     of->reserve(rows);
   correction_rows_.reserve(rows);
   normal_operator_.reserve(rows);
@@ -158,12 +159,16 @@ void TimeStepper::collect(double h) {
   for (const TouchPoint& point : points_) add_contact(point);
   add_locks(h);
   const auto n = static_cast<std::size_t>(rows_.count());
-  for (std::vector<double>* of : {&b_, &x_, &speeds_, &free_speeds_, &displacing_}) of->assign(n, 0.0);
+  for (std::vector<double>* of :
+       {&b_, &x_, &speeds_, &free_speeds_, &belts_, &compression_, &least_, &after_, &displacing_})
+    of->assign(n, 0.0);
   if (n == 0) return;
   operator_->update();
   rows_.speeds(v0_.data(), speeds_.data());
+  set_belts();
   set_friction();
   guess(h);
+  find_strikes(h);
 }
 
 void TimeStepper::add_contact(const TouchPoint& point) {
@@ -205,62 +210,34 @@ Eigen::Vector3d TimeStepper::slip(std::size_t point, const std::vector<double>& 
   return out;
 }
 
-void TimeStepper::add_locks(double h) {
-  const Branching& branching = dynamics_.branching();
-  for (int i = 0; i < branching.locks(); ++i) {
-    const Branching::Lock lock = branching.lock(i);
-    const double speed = branching.speed(i, v0_.data());
-    if (lock.friction >= 0) {
-      const DirectedLimit& of = std::abs(speed) <= rest_speed ? lock.sticking_limit : lock.slipping_limit;
-      const double limit = h * of.largest();  // without loads, it is the same in both directions
-      cones_.push_back(Cone::within(rows_.count(), -limit, limit));
-      rows_.add_lock(i, lock.sign);
-      lock_rows_.push_back({i, 0, 0});
-    }
-    if (lock.limit < 0) continue;
-    for (const int side : {1, -1}) {
-      const double depth = branching.depth(i, side).depth;
-      // A bound that other impulses may drive the coordinate to is found in the next step.
-      if (!(depth + h * (std::abs(speed) + h * std::abs(branching.speed(i, vdot_.data()))) >= -touch_tolerance))
-        continue;
-      cones_.push_back(side > 0 ? Cone::within(rows_.count(), -unlimited, 0)
-                                : Cone::within(rows_.count(), 0, unlimited));
-      rows_.add_lock(i, lock.sign);
-      lock_rows_.push_back({i, side, depth, lock.one_way});
-    }
-  }
-}
-
-// b_ <- the velocities without impulses, plus those that the laws demand.
-void TimeStepper::set_velocities(double h) {
-  rows_.speeds(v1_.data(), free_speeds_.data());
-  b_ = free_speeds_;
+void TimeStepper::set_belts() {
   for (std::size_t i = 0; i < points_.size(); ++i) {
-    const TouchPoint& point = points_[i];
-    const ContactLaw& law = loads_.contacts[static_cast<std::size_t>(point.contact)];
-    const auto r = static_cast<std::size_t>(cones_[i].first);
-    const bool open = point.gap > touch_tolerance;
-    const double approach = std::min(speeds_[r], 0.0);
-    const bool strikes = law.restitution > 0 && point.gap + h / 2 * approach <= touch_tolerance;
-    b_[r] += strikes ? law.restitution * approach : open ? 2 * point.gap / h : 0;
+    const ContactLaw& law = loads_.contacts[static_cast<std::size_t>(points_[i].contact)];
     if (law.belt_velocity.isZero(0)) continue;
-    const Eigen::Vector3d belt = finder_.pose(point.b).R * law.belt_velocity;
+    const Eigen::Vector3d belt = finder_.pose(points_[i].b).R * law.belt_velocity;
+    const auto first = static_cast<std::size_t>(cones_[i].first) + 1;
     for (int k = 0; k < cones_[i].tangential; ++k)
-      b_[r + 1 + static_cast<std::size_t>(k)] += frames_[i].col(1 + k).dot(belt);
-  }
-  for (std::size_t i = 0; i < lock_rows_.size(); ++i) {
-    const Cone& cone = cones_[points_.size() + i];
-    set_lock_velocity(lock_rows_[i], static_cast<std::size_t>(cone.first), h);
+      belts_[first + static_cast<std::size_t>(k)] = frames_[i].col(1 + k).dot(belt);
   }
 }
 
-void TimeStepper::set_lock_velocity(const LockRow& row, std::size_t r, double h) {
-  if (row.side == 0) return;
-  const double approach = std::max(row.side * speeds_[r], 0.0);
-  const double restitution = dynamics_.branching().lock(row.lock).restitution;
-  const bool strikes = restitution > 0 && row.depth + h / 2 * approach >= -touch_tolerance;
-  const double gap = -row.depth;
-  b_[r] += row.side * (strikes ? restitution * approach : gap > touch_tolerance ? -2 * gap / h : 0);
+// b_ <- the velocities without impulses, plus those that the laws demand; part: of the restitution.
+void TimeStepper::set_velocities(double h, double part) {
+  rows_.speeds(v1_.data(), free_speeds_.data());
+  for (std::size_t r = 0; r < b_.size(); ++r) b_[r] = free_speeds_[r] += belts_[r];
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    const auto r = static_cast<std::size_t>(cones_[i].first);
+    if (strikes_[i] != 0) {
+      b_[r] -= part * restitution(i) * approach(i);
+    } else if (points_[i].gap > touch_tolerance) {
+      b_[r] += 2 * points_[i].gap / h;
+    }
+  }
+  set_lock_velocities(h, part);
+  if (!has_compression_) return;
+  set_least_impulses(part);
+  operator_->apply(least_.data(), after_.data());
+  for (std::size_t r = 0; r < b_.size(); ++r) b_[r] += after_[r];
 }
 
 // x_ <- the impulses of the last step.
@@ -277,8 +254,9 @@ void TimeStepper::guess(double h) {
   }
   for (std::size_t i = 0; i < lock_rows_.size(); ++i) {
     const Cone& cone = cones_[points_.size() + i];
-    const double force = h * state_.forces_along[static_cast<std::size_t>(lock_rows_[i].lock)];
-    x_[static_cast<std::size_t>(cone.first)] = std::clamp(force, cone.lower, cone.upper);
+    const LockForces& last = state_.locks[static_cast<std::size_t>(lock_rows_[i].lock)];
+    const double force = lock_rows_[i].side == 0 ? last.friction : last.limit;
+    x_[static_cast<std::size_t>(cone.first)] = std::clamp(h * force, cone.lower, cone.upper);
   }
 }
 
@@ -291,12 +269,23 @@ double TimeStepper::velocity_tolerance() const {
 }
 
 void TimeStepper::solve_impulses() {
+  if (has_compression_) {
+    for (std::size_t r = 0; r < x_.size(); ++r) x_[r] -= least_[r];
+  }
+  solve(cones_, x_);
+  if (has_compression_) {
+    for (std::size_t r = 0; r < x_.size(); ++r) x_[r] += least_[r];
+  }
+}
+
+// x <- the impulses in these cones, for the velocities b_.
+void TimeStepper::solve(const std::vector<Cone>& cones, std::vector<double>& x) {
   ConeOptions options;
   options.tolerance = velocity_tolerance();
   options.max_iterations = max_iterations;
-  const ConeProblem problem{*operator_, b_, cones_, true};
+  const ConeProblem problem{*operator_, b_, cones, true};
   if (recorded_ != nullptr) recorded_->emplace_back(problem);
-  const ConeResult result = solver_->solve(problem, options, x_.data());
+  const ConeResult result = solver_->solve(problem, options, x.data());
   solved_.residual = std::max(solved_.residual, result.residual);
   solved_.iterations = std::max(solved_.iterations, result.iterations);
 }
@@ -316,7 +305,8 @@ double TimeStepper::most_corrected(std::size_t cone) const {
   return max_correction * std::min(size(points_[cone].a), size(points_[cone].b));
 }
 
-// Adds to dq the smallest displacement that ends all penetrations that remain at the end of the step.
+// Adds to dq the smallest displacement that ends all penetrations that remain at the end of the step, and all gaps of
+// what has been struck without restitution.
 void TimeStepper::correct_position(double h, double* dq) {
   if (cones_.empty()) return;
   rows_.speeds(v1_.data(), free_speeds_.data());
@@ -330,10 +320,12 @@ void TimeStepper::correct_position(double h, double* dq) {
     if (at.sign == 0) continue;
     const double gap =
         std::max(at.gap + at.sign * h / 2 * free_speeds_[static_cast<std::size_t>(first)], -most_corrected(i));
-    any = any || gap < -touch_tolerance;
+    const bool closes = gap > touch_tolerance && remains_struck(i);
+    any = any || closes || gap < -touch_tolerance;
     correction_b_.push_back(at.sign * gap);
-    correction_cones_.push_back(Cone::within(static_cast<int>(correction_rows_.size()), at.sign < 0 ? -unlimited : 0,
-                                             at.sign > 0 ? unlimited : 0));
+    correction_cones_.push_back(Cone::within(static_cast<int>(correction_rows_.size()),
+                                             at.sign < 0 || closes ? -unlimited : 0,
+                                             at.sign > 0 || closes ? unlimited : 0));
     correction_rows_.push_back(first);
   }
   if (!any) return;

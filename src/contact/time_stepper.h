@@ -82,6 +82,7 @@ class TimeStepper final : public ContactReadings {
     int side = 0;  // of a limit; 0: friction
     double depth = 0;
     bool is_of_speed = false;  // of a one-way clutch, which bounds no position
+    bool slides = false;       // friction in motion
   };
 
   void reserve();
@@ -96,13 +97,25 @@ class TimeStepper final : public ContactReadings {
   void collect(double h);
   void add_contact(const TouchPoint& point);
   void add_locks(double h);
+  bool set_sliding_friction(double h);
   void set_friction();
   Eigen::Vector3d slip(std::size_t point, const std::vector<double>& speeds) const;
-  void set_velocities(double h);
-  void set_lock_velocity(const LockRow& row, std::size_t r, double h);
+  double restitution(std::size_t cone) const;
+  bool is_poisson(std::size_t cone) const;
+  double approach(std::size_t cone) const;
+  void find_strikes(double h);
+  bool remains_struck(std::size_t cone) const;
+  void find_compression();
+  void set_least_impulses(double part);
+  void lose_energy(double h);
+  double gained_energy();
+  void set_belts();
+  void set_velocities(double h, double part);
+  void set_lock_velocities(double h, double part);
   void guess(double h);
   double velocity_tolerance() const;
   void solve_impulses();
+  void solve(const std::vector<Cone>& cones, std::vector<double>& x);
   struct Gap {
     double gap = 0;  // m, rad
     int sign = 0;    // of its rate for a positive speed of the row; 0: the row has no gap
@@ -134,6 +147,11 @@ class TimeStepper final : public ContactReadings {
   std::vector<LockRow> lock_rows_;
   std::vector<Cone> cones_;
   std::vector<double> b_, x_, speeds_, free_speeds_;
+  std::vector<char> strikes_;  // by cone: it takes part in an impact within the step
+  bool strikes_any_ = false, has_compression_ = false;
+  std::vector<double> belts_;                // by row: their velocities
+  std::vector<double> compression_, least_;  // by row: impulses of Poisson's law, where it applies
+  std::vector<double> after_;
   // The problem of positions, in the normal rows alone, and its solution in all rows.
   std::vector<int> correction_rows_;
   std::vector<Cone> correction_cones_;

@@ -22,6 +22,12 @@ struct DirectedLimit {
   double largest() const { return std::max(positive, negative); }
 };
 
+// What friction and a limit of a coordinate do: forces in the user's sign [N m, N], and modes as outputs show them.
+struct LockForces {
+  double friction = 0, limit = 0;
+  int motion = 0, contact = 0;
+};
+
 class Branching {
  public:
   virtual ~Branching() = default;
@@ -55,6 +61,8 @@ class Branching {
   };
   virtual int locks() const = 0;
   virtual Lock lock(int lock) const = 0;
+  // The friction in motion at this speed, in the user's sign; 0 without friction.
+  virtual double sliding_limit(int lock, double speed) const = 0;
   // Friction that depends on loads: its limits are those at the last solve().
   virtual LoadDependence& loads() = 0;
   // Contacts between shapes, which act by impulses.

@@ -91,11 +91,7 @@ class JointModes final : public Branching {
     force_size_ += w.norm() * v.cwiseAbs().maxCoeff();
     loaded_.set_force_size(force_size_);
   }
-  int count() const override {
-    int n = state_.loads.tree.branchings();
-    for (const JointLoads& on : state_.loads.cuts) n += on.branchings();
-    return n;
-  }
+  int count() const override { return static_cast<int>(lock_of_.size()); }
   void sides(int* sides) const override {
     each([&](const auto& force, const double* q, const double* v) { *sides++ = force.side(q, v); });
   }
@@ -109,7 +105,7 @@ class JointModes final : public Branching {
       const int lock = lock_of_[index];
       if constexpr (Sticks<Element>) {
         const double acceleration = vdot == nullptr ? NAN : this->speed(lock, vdot);
-        const DirectedLimit limit = limit_at_rest(force, index);
+        const DirectedLimit limit = loaded_.at_rest(index, force.element, inputs_.data() + force.input);
         const std::array<double, 2> limits{limit.positive + slack(lock), limit.negative + slack(lock)};
         force.element.indicators(side, speed, acceleration, holding[lock], limits, g, gdot);
         if (is_in_contact(lock)) g[0] = g[1] = -1;  // what leaves a contact has overcome friction
@@ -143,13 +139,9 @@ class JointModes final : public Branching {
   int locks() const override { return static_cast<int>(found_.size()); }
   Lock lock(int lock) const override {
     Lock out = found_[lock];
-    visit(out.friction, [&](const auto& force) {
-      if constexpr (Sticks<std::decay_t<decltype(force.element)>>) {
-        const double* u = inputs_.data() + force.input;
-        out.sticking_limit = limit_at_rest(force, out.friction);
-        out.slipping_limit =
-            loaded_.limit(out.friction, force.element.slipping_limit(u), force.element.slipping_load_factor(u));
-      }
+    visit_friction(out.friction, [&](const auto& element, const double* u) {
+      out.sticking_limit = loaded_.at_rest(out.friction, element, u);
+      out.slipping_limit = loaded_.at_first(out.friction, element, u);
     });
     visit(out.limit, [&](const auto& force) {
       if constexpr (Blocks<std::decay_t<decltype(force.element)>>) {
@@ -159,6 +151,13 @@ class JointModes final : public Branching {
       }
     });
     return out;
+  }
+  double sliding_limit(int lock, double speed) const override {
+    DirectedLimit out;
+    visit_friction(found_[lock].friction, [&](const auto& element, const double* u) {
+      out = loaded_.in_motion(found_[lock].friction, element, speed, u);
+    });
+    return out.largest();
   }
   Depth depth(int lock, int side) const override {
     Depth out{-INFINITY, 0};
@@ -267,12 +266,6 @@ class JointModes final : public Branching {
   std::span<double> inputs() override { return inputs_; }
   bool is_redundant() const override { return locks_.rank() < locks_.locked_count(); }
 
-  template <class Force>
-  DirectedLimit limit_at_rest(const Force& force, int index) const {
-    const double* u = inputs_.data() + force.input;
-    return loaded_.limit(index, force.element.sticking_limit(u), force.element.sticking_load_factor(u));
-  }
-
   // Of coordinates at rest that constraint equations hardly permit to move. Where friction depends on loads, such a one
   // would cause loads, and friction, as large as its lever is small: it holds nothing until it is seen to move.
   static constexpr double rank_threshold = 1e-10;
@@ -305,6 +298,14 @@ class JointModes final : public Branching {
       if constexpr (HasBranches<std::decay_t<decltype(list.front().element)>>) {
         if (number++ == at.list) visit(list[at.index]);
       }
+    });
+  }
+
+  // Calls visit(element, u) if this force is friction, with its inputs.
+  template <class Visit>
+  void visit_friction(int force, Visit visit) const {
+    this->visit(force, [&](const auto& at) {
+      if constexpr (Sticks<std::decay_t<decltype(at.element)>>) visit(at.element, inputs_.data() + at.input);
     });
   }
 

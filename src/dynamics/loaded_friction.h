@@ -96,6 +96,21 @@ class LoadedFriction final : public LoadDependence {
     }
     return out;
   }
+  // What it can exert at rest, in a motion that begins, and in motion at this speed. friction: of the element with this
+  // index; u: its inputs.
+  template <class Friction>
+  DirectedLimit at_rest(int force, const Friction& friction, const double* u) const {
+    return limit(force, friction.sticking_limit(u), friction.sticking_load_factor(u));
+  }
+  template <class Friction>
+  DirectedLimit at_first(int force, const Friction& friction, const double* u) const {
+    return limit(force, friction.slipping_limit(u), friction.slipping_load_factor(u));
+  }
+  template <class Friction>
+  DirectedLimit in_motion(int force, const Friction& friction, double speed, const double* u) const {
+    const int side = speed < 0 ? -1 : 1;
+    return limit(force, std::abs(friction.held(side, 0.0, speed, u)), friction.load_factor(side, speed, u));
+  }
   // By force with modes: the friction in motion due to loads, in the user's sign.
   const std::vector<double>& torque() const { return torque_; }
   void freeze(bool on) override { is_frozen_ = on; }

@@ -223,7 +223,8 @@ void Formulation::output_accelerations(double t, const double* y, double* vdot) 
   if (contacts_.are_used()) {
     drives_.go_to_outputs(t);
     const ImpulseSteps::AppliedForces forces(contacts_.steps());
-    return solve_at(t, y, vdot);
+    solve_at(t, y, vdot);
+    return modes_.record_outputs(contacts_.steps().lock_forces());
   }
   if (contacts_.touch() != nullptr) return output_touched_accelerations(t, y, vdot);
   const ModePreview preview(modes_.locks(), t, y);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -53,6 +54,8 @@ class ImpulseSteps {
   void record(std::vector<RecordedProblem>* to) {
     if (are_available()) stepper_->record(to);
   }
+  // Of joints, in the last step.
+  std::span<const LockForces> lock_forces() const { return stepper_->state().locks; }
   // What outputs of contacts show; null: otherwise.
   ContactReadings* readings() const { return stepper_.get(); }
   void serialize(Archive& archive);

@@ -66,6 +66,24 @@ void EventModes::record_outputs() {
                                         recorded_forces_.data());
 }
 
+void EventModes::record_outputs(std::span<const LockForces> locks) {
+  if (locks_.empty()) return;
+  recorded_sides_ = sides_;
+  std::ranges::fill(holding_, 0.0);
+  for (std::size_t i = 0; i < locks.size(); ++i) {
+    const Branching::Lock lock = forces_.lock(static_cast<int>(i));
+    if (lock.friction >= 0) {
+      recorded_sides_[static_cast<std::size_t>(lock.friction)] = locks[i].motion;
+      holding_[static_cast<std::size_t>(lock.friction)] = locks[i].friction;
+    }
+    if (lock.limit < 0) continue;
+    recorded_sides_[static_cast<std::size_t>(lock.limit)] = locks[i].contact;
+    holding_[static_cast<std::size_t>(lock.limit)] = locks[i].limit;
+  }
+  dynamics_.readings().branching_forces(forces_.inputs().data(), sides_.data(), holding_.data(),
+                                        recorded_forces_.data());
+}
+
 void EventModes::remembered_mode(bool* positive) const {
   for (std::size_t i = 0; i < sides_.size(); ++i) {
     if (!locks_.owns(static_cast<int>(i))) continue;

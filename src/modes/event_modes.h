@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cmath>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,8 @@ class ConnectedModes : public EventSource {
   // After indicator_values(): where what is at rest or closed seems to give way, although redundant forces can be
   // distributed so that it does not, corrects the indicators of friction and limits, and its own.
   virtual void redistribute(double t, const double* y, double* locks, double* own) = 0;
+  // Whether the forces of the last accelerations are the only ones that have their effect.
+  virtual bool are_forces_unique() const = 0;
 };
 
 class EventModes final : public EventSource {
@@ -53,7 +56,8 @@ class EventModes final : public EventSource {
   }
   // The same after the accelerations have been solved for: whether what is kept at rest can no longer be.
   void watch_holding_forces(double t) {
-    if (held_ && others_ == nullptr && t > held_from_ && t < mode_exit_time_ && locks_.are_overloaded())
+    if (held_ && t > held_from_ && t < mode_exit_time_ && locks_.are_overloaded() &&
+        (others_ == nullptr || others_->are_forces_unique()))
       mode_exit_time_ = t;
   }
 
@@ -69,6 +73,8 @@ class EventModes final : public EventSource {
   // Records what outputs show, the forces and modes of friction and limits, after the accelerations have been solved
   // for in a ModePreview.
   void record_outputs();
+  // The same of forces that others have determined, by lock.
+  void record_outputs(std::span<const LockForces> locks);
   // Makes constraint forces follow the recorded forces, after another solve() at the same state.
   void apply_recorded_forces() { forces_.holding_forces().redistribute(recorded_holding_); }
   const std::vector<double>& recorded_forces() const { return recorded_forces_; }

@@ -128,9 +128,10 @@ void JointLocks::add(int lock) {
   next_.motions[lock] = JointLoads::released;
 }
 
-void JointLocks::begin_decision(const double* y) {
+void JointLocks::begin_decision(double t, const double* y) {
   problem_.locks.clear();
   if (empty()) return;
+  modes_.equations_.bring_inputs(t);  // on which limits depend
   const double* v = y + modes_.nq_;
   before_ = next_ = state();
   next_.unstoppable = -1;
@@ -202,6 +203,14 @@ LockModes::State JointLocks::answered() {
 void JointLocks::try_answers() {
   set_state(before_);
   set_state(answered());
+}
+
+void JointLocks::read_forces() {
+  const std::vector<double>& forces = forces_.holding_forces().values();
+  for (LockProblem::Lock& at : problem_.locks) {
+    at.holding = forces[static_cast<std::size_t>(at.lock)];
+    at.slack = forces_.slack(at.lock);
+  }
 }
 
 bool JointLocks::end_decision(double t, bool logs) {

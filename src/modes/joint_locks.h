@@ -19,6 +19,8 @@ struct LockProblem {
     double sticking = 0, slipping = 0;  // limits of friction
     int contact = 0;                    // 1, -1: with the upper, the lower bound
     bool triggered = false;             // what keeps it at rest has reached its limit
+    // In the modes of the last accelerate(): the force that keeps it at rest, and what of it may be rounding.
+    double holding = 0, slack = 0;
     // The answer. direction: of the motion that begins, or that friction is at its limit against; 0: inside the limits.
     bool leaves = false;
     int direction = 0;
@@ -67,7 +69,7 @@ class JointLocks {
 
   // --- decisions, at the position of `dynamics` ---
   // The modes in which what moves keeps moving and the rest is undecided; enters them with these released.
-  void begin_decision(const double* y);
+  void begin_decision(double t, const double* y);
   // The same with only what rests in the present modes undecided.
   void begin_check();
   // Makes those undecided that leave a bound so slowly that they would return within the rounding of their positions,
@@ -78,6 +80,8 @@ class JointLocks {
   void decide_alone(const double* vdot);
   // Enters the modes that the answers mean, for a while.
   void try_answers();
+  // The forces in these modes, of the last solve() with the effect of contacts.
+  void read_forces();
   // Returns to the modes before the decision and enters those that follow at t; returns whether they are others.
   bool end_decision(double t, bool logs);
   // Lets go what has given way, where rounding hides it.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "touch/contact_impact.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -19,6 +20,12 @@ constexpr int most_iterations = 500;
 // The energy that an impact may gain by rounding, relative to what it exchanges.
 constexpr double energy_rounding = 1e-12;
 constexpr int most_bisections = 40;
+// Pivots below this fraction of the largest are redundant impulses.
+constexpr double redundant_pivot = 1e-9;
+// What redundant contacts yield relative to how the bodies do: as little as leaves their impulses well determined,
+// since the velocities are solved for to rounding; and the iterations that remove it, of which each gains three digits.
+constexpr double yielding_fraction = 1e-4;
+constexpr int most_proximal_iterations = 20;
 
 }  // namespace
 
@@ -44,6 +51,7 @@ ContactImpact::ContactImpact(TouchEquations& touch, const std::vector<int>& spot
   G_ = rows_.R * Z_;
   G_ = Eigen::MatrixXd((G_ + G_.transpose()) / 2);
   speeds_ = rows_.R * Eigen::Map<const VectorXd>(v, rows_.R.cols()) + rows_.demanded;
+  find_weights();
   x_.setZero(speeds_.size());
   approach_.setZero(n);
   restitution_.setZero(n);
@@ -99,16 +107,58 @@ bool ContactImpact::solve(ConeSolver& solver, double part) {
     }
   }
   b += G_ * least;
-  const double fastest = b.cwiseAbs().maxCoeff();
-  ConeOptions options;
-  options.tolerance = cone_tolerance * fastest;
-  options.max_iterations = most_iterations;
-  const DenseConeOperator G(G_);
-  const std::span<const double> right(b.data(), static_cast<std::size_t>(b.size()));
   x_ -= least;
-  const ConeResult result = solver.solve({G, right, cones_, true}, options, x_.data());
+  const double residual = weights_.size() == 0 ? solve_cones(solver, G_, b) : solve_redundant(solver, b);
   x_ += least;
-  return result.residual <= velocity_tolerance * std::max(fastest, speeds_.cwiseAbs().maxCoeff());
+  const double fastest = std::max(b.cwiseAbs().maxCoeff(), speeds_.cwiseAbs().maxCoeff());
+  return residual <= velocity_tolerance * fastest;
+}
+
+// x_ <- impulses in the cones. Returns the error of the velocities.
+double ContactImpact::solve_cones(ConeSolver& solver, const Eigen::MatrixXd& matrix, const VectorXd& b) {
+  ConeOptions options;
+  options.tolerance = cone_tolerance * b.cwiseAbs().maxCoeff();
+  options.max_iterations = most_iterations;
+  const DenseConeOperator G(matrix);
+  const std::span<const double> right(b.data(), static_cast<std::size_t>(b.size()));
+  return solver.solve({G, right, cones_, true}, options, x_.data()).residual;
+}
+
+// The same where other impulses have the same effect, as at the corners of a box: how they are shared decides on
+// friction, and must not depend on rounding. Contacts that yield a little have unique impulses, nearly those of least
+// norm; what they yield is removed by proximal iterations (Rockafellar 1976).
+double ContactImpact::solve_redundant(ConeSolver& solver, const VectorXd& b) {
+  const double enough = cone_tolerance * b.cwiseAbs().maxCoeff();
+  Eigen::MatrixXd yielding = G_;
+  yielding.diagonal() += weights_;
+  x_.setZero();
+  double residual = 0;
+  for (int k = 0; k < most_proximal_iterations; ++k) {
+    const VectorXd before = x_;
+    residual = solve_cones(solver, yielding, b - weights_.cwiseProduct(before));
+    const double yields = weights_.cwiseProduct(x_ - before).cwiseAbs().maxCoeff();
+    if (yields <= enough) break;
+    residual = std::max(residual, yields);
+  }
+  return residual;
+}
+
+// weights_ <- how much what is struck yields, if impulses are redundant. Equal for what a turn of the axes mixes.
+void ContactImpact::find_weights() {
+  const VectorXd pivots = G_.ldlt().vectorD().cwiseAbs();
+  if (!(pivots.minCoeff() <= redundant_pivot * pivots.maxCoeff())) return;
+  weights_.resize(G_.rows());
+  const double least = redundant_pivot * G_.diagonal().maxCoeff();
+  const auto set = [&](Index first, Index size) {
+    if (size > 0) weights_.segment(first, size).setConstant(std::max(G_.diagonal().segment(first, size).mean(), least));
+  };
+  for (const Cone& cone : cones_) {
+    const Index forces = 1 + cone.tangential;
+    set(cone.first, forces);
+    set(cone.first + forces, cone.spin);
+    set(cone.first + forces + cone.spin, cone.roll);
+  }
+  weights_ *= yielding_fraction;
 }
 
 // That the impulses add.

@@ -42,13 +42,17 @@ class ContactImpact {
  private:
   void add_contact(const TouchEquations& touch, const TouchEquations::Entry& entry, double slow);
   void add_limits(const std::vector<StruckLimit>& limits);
+  void find_weights();
   bool solve(ConeSolver& solver, double part);
+  double solve_cones(ConeSolver& solver, const Eigen::MatrixXd& matrix, const Eigen::VectorXd& b);
+  double solve_redundant(ConeSolver& solver, const Eigen::VectorXd& b);
   double energy() const;
 
   TouchEquations::Rows rows_;
   TouchEquations::RowMatrix Z_;
   Eigen::MatrixXd G_;
   Eigen::VectorXd speeds_, approach_, restitution_, x_;
+  Eigen::VectorXd weights_;      // by row: of redundant impulses; empty: they are unique
   Eigen::VectorXd sign_;         // by number: of the motion away from what is touched
   std::vector<char> poisson_;    // by number
   Eigen::VectorXd compression_;  // impulses without restitution; empty: not needed

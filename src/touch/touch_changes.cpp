@@ -135,7 +135,7 @@ bool TouchModes::decide(double t, const double* y, bool logs) {
   std::vector<SpotMode> next(present.size());
   touch_.set_modes(next);
   dynamics_.set_position(y);
-  locks_.begin_decision(y);
+  locks_.begin_decision(t, y);
   equations_.touched_accelerations(t, y, vdot_.data());
   if (locks_.add_returning(y, vdot_.data())) equations_.touched_accelerations(t, y, vdot_.data());
   go_to(y);

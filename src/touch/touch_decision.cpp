@@ -5,25 +5,22 @@
 #include <cmath>
 #include <limits>
 
+#include "touch/decision_limits.h"
+
 namespace gelenk {
 namespace {
 
 using Eigen::Index;
 using Eigen::VectorXd;
 
-// Of friction that reaches its limit, this fraction counts as slipping, so that what breaks away at the same instant
-// does so together; and what the solution of a cone problem may be short of a limit.
-constexpr double break_away_fraction = 1e-9;
-constexpr double limit_fraction = 1e-10;
 // Relative accelerations of what breaks away at this instant are larger than this fraction of the largest.
 constexpr double least_acceleration = 1e-12;
-// Normal forces below this fraction of the largest are none.
-constexpr double least_force = 1e-9;
-// Errors of accelerations relative to the largest: of a solution of the cone problem, and where one is checked.
+// Error of accelerations of a solution of the cone problem, relative to the largest.
 constexpr double cone_tolerance = 1e-13;
-constexpr double acceleration_tolerance = 1e-8;
 // Repetitions with the friction of what slides, which follows from the normal forces.
 constexpr int most_repetitions = 200;
+// The first of these begin with static friction, since what can hold does.
+constexpr int most_fresh_starts = 20;
 constexpr int most_iterations = 500;
 constexpr double unlimited = std::numeric_limits<double>::infinity();
 
@@ -94,15 +91,6 @@ bool ContactDecision::let_locks_slip() {
   return changed;
 }
 
-bool ContactDecision::locks_obey(const VectorXd& relative) const {
-  for (std::size_t i = 0; i < problem_->locks.size(); ++i) {
-    const LockProblem::Lock& lock = problem_->locks[i];
-    const double along = lock.direction * relative[first_lock_ + static_cast<int>(i)];
-    if (lock.leaves && along < -acceleration_tolerance * scale_) return false;
-  }
-  return true;
-}
-
 // normal: the normal forces from which the friction of what slides follows.
 void ContactDecision::solve_cones(const VectorXd& normal) {
   const VectorXd b = b_ + C_ * normal;
@@ -159,103 +147,6 @@ VectorXd ContactDecision::normal_forces() const {
   VectorXd out(static_cast<Index>(spots_.size()));
   for (std::size_t i = 0; i < spots_.size(); ++i) out[static_cast<Index>(i)] = x_[rows_.entries[i].first];
   return out;
-}
-
-// Whether a spot has a normal force in the cone problem with joints at rest.
-bool ContactDecision::presses(int spot) const {
-  if (problem_->locks.empty()) return false;
-  const auto i = static_cast<std::size_t>(std::ranges::find(spots_, spot) - spots_.begin());
-  return i < spots_.size() && x_[rows_.entries[i].first] > least_force * x_.cwiseAbs().maxCoeff();
-}
-
-// By spot: in the modes of the last check().
-VectorXd ContactDecision::normal_forces_in_modes() {
-  VectorXd out = VectorXd::Zero(static_cast<Index>(spots_.size()));
-  const auto& forces = touch_.forces();
-  for (std::size_t i = 0; i < forces.size(); ++i) {
-    const auto at = std::ranges::find(spots_, touch_.closed()[i]) - spots_.begin();
-    if (at < out.size()) out[at] = forces[i].normal;
-  }
-  return out;
-}
-
-// Whether friction that holds in these modes needs more than its limit.
-bool ContactDecision::exceeds_limits(const std::vector<Trigger>& triggered) {
-  const auto& forces = touch_.forces();
-  double sum = 0;
-  for (const auto& force : forces) sum += std::abs(force.normal);
-  for (std::size_t i = 0; i < forces.size(); ++i) {
-    const TouchEquations::Entry& entry = touch_.rows().entries[i];
-    for (int group = 0; group < contact_groups; ++group) {
-      const auto g = static_cast<std::size_t>(group);
-      if (entry.rows[g] < 0) continue;
-      const double limit = touch_.coefficient(entry.spot, group, false) * forces[i].normal;
-      const bool breaks_away = triggered[static_cast<std::size_t>(entry.spot)].groups[g];
-      if (forces[i].held[g] > limit + (breaks_away ? -break_away_fraction * limit : limit_fraction * sum)) return true;
-    }
-  }
-  return false;
-}
-
-// The closed contact with the most negative normal force; -1: none. Where joints at rest exert redundant forces, which
-// are not those of the cone problem, contacts that press in that do not count.
-int ContactDecision::most_pulling() const {
-  double largest = 0;
-  const auto& forces = touch_.forces();
-  for (const auto& force : forces) largest = std::max(largest, std::abs(force.normal));
-  double least = -acceleration_tolerance * largest;
-  int out = -1;
-  for (std::size_t i = 0; i < forces.size(); ++i) {
-    if (!(forces[i].normal < least) || presses(touch_.closed()[i])) continue;
-    least = forces[i].normal;
-    out = touch_.closed()[i];
-  }
-  return out;
-}
-
-// Whether a spot is accelerated as its mode permits. relative: by row.
-bool ContactDecision::obeys(std::size_t i, const SpotMode& mode, const VectorXd& relative) const {
-  const TouchEquations::Entry& entry = rows_.entries[i];
-  const double tolerance = acceleration_tolerance * scale_;
-  if (!mode.closed) return !(relative[entry.first] < -tolerance);
-  for (int group = 0; group < contact_groups; ++group) {
-    const auto g = static_cast<std::size_t>(group);
-    if (entry.rows[g] < 0 || !mode.groups[g].moves) continue;
-    double along = 0;
-    for (Index k = 0; k < entry.kept(group); ++k)
-      along += relative[entry.rows[g] + k] * entry.axes.col((group == 1 ? 0 : 1) + k).dot(mode.groups[g].direction);
-    if (along < -tolerance) return false;
-  }
-  return true;
-}
-
-// Whether accelerations in these modes obey the laws. pulls: see most_pulling().
-bool ContactDecision::check(const double* vdot, const std::vector<SpotMode>& next, int& pulls) {
-  touch_.set_modes(next);
-  VectorXd a = Eigen::Map<const VectorXd>(vdot, rows_.R.cols());
-  if (problem_->locks.empty()) {
-    touch_.accelerate(a.data());
-  } else {
-    problem_->accelerate(a.data());
-  }
-  pulls = most_pulling();
-  if (pulls >= 0 || !a.allFinite()) return false;
-  const VectorXd relative = rows_.R * a + rows_.rates;
-  for (std::size_t i = 0; i < spots_.size(); ++i) {
-    if (!obeys(i, next[static_cast<std::size_t>(spots_[i])], relative)) return false;
-  }
-  return locks_obey(relative);
-}
-
-// Drops closed contacts that would pull until none does.
-bool ContactDecision::refine(const double* vdot, std::vector<SpotMode>& next) {
-  for (std::size_t k = 0; k <= spots_.size(); ++k) {
-    int pulls = -1;
-    if (check(vdot, next, pulls)) return true;
-    if (pulls < 0) return false;
-    next[static_cast<std::size_t>(pulls)].closed = false;
-  }
-  return false;
 }
 
 // Static friction that does not hold becomes sliding friction, which may be less; returns whether it is.
@@ -320,6 +211,19 @@ void ContactDecision::set_up(const std::vector<SpotMode>& tentative, const std::
   x_.setZero(b_.size());
 }
 
+// Whether a limit is used up, which with other normal forces it might not be.
+bool ContactDecision::uses_any_up() const {
+  const auto slides = [](const auto& groups) { return std::ranges::any_of(groups, [](bool one) { return one; }); };
+  const auto is_used_up = [](const LockProblem::Lock& lock) { return lock.direction != 0; };
+  return std::ranges::any_of(slides_, slides) || std::ranges::any_of(problem_->locks, is_used_up);
+}
+
+// Static friction holds again.
+void ContactDecision::hold_all() {
+  std::ranges::fill(slips_, 0);
+  std::ranges::fill(slides_, std::array<bool, contact_groups>{});
+}
+
 ContactDecision::Outcome ContactDecision::decide(const std::vector<int>& spots, const std::vector<Trigger>& triggered,
                                                  const double* vdot, std::vector<SpotMode>& next,
                                                  LockProblem& problem) {
@@ -339,8 +243,10 @@ ContactDecision::Outcome ContactDecision::decide(const std::vector<int>& spots, 
       const VectorXd found = normal_forces_in_modes();
       const double change = (found - normal).cwiseAbs().maxCoeff();
       const bool same = !rows_.any_moves() || change <= limit_fraction * found.cwiseAbs().maxCoeff();
-      if (same || !exceeds_limits(triggered)) return Outcome::found;
+      if (same || (!uses_any_up() && !exceeds_limits(triggered)))
+        return is_indeterminate(next) ? Outcome::ambiguous : Outcome::found;
       normal = found;
+      if (k < most_fresh_starts) hold_all();
       continue;
     }
     const VectorXd before = normal;

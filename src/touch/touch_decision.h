@@ -48,6 +48,10 @@ class ContactDecision {
   Eigen::VectorXd normal_forces() const;
   Eigen::VectorXd normal_forces_in_modes();
   bool exceeds_limits(const std::vector<Trigger>& triggered);
+  bool locks_exceed_limits() const;
+  bool is_indeterminate(const std::vector<SpotMode>& next) const;
+  bool uses_any_up() const;
+  void hold_all();
   bool presses(int spot) const;
   int most_pulling() const;
   bool obeys(std::size_t i, const SpotMode& mode, const Eigen::VectorXd& relative) const;

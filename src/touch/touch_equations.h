@@ -112,7 +112,9 @@ class TouchEquations {
     Eigen::Vector3d force, moment;              // on the tip, in the root frame
   };
   const std::vector<SpotForce>& forces();
-  // Whether those of the last accelerate() are unique, and a contact would have to pull or to hold more than it can.
+  // Whether those of the last accelerate() are unique; and whether a contact would have to pull or to hold more than it
+  // can, too.
+  bool are_unique() const { return closed_.empty() || least_norm_.was_unique(); }
   bool are_overloaded() const;
   const Rows& rows() const { return rows_; }
   // Displaces q so that closed contacts have no gap; returns whether it was necessary.

@@ -188,6 +188,7 @@ void TouchModes::set_accelerations(double t, const double* y) {
     dynamics_.set_position(y);
     locks_.try_answers();
     equations_.touched_accelerations(t, y, vdot);
+    locks_.read_forces();
   };
 }
 

@@ -42,6 +42,7 @@ class TouchModes final : public ConnectedModes {
   int indicators() const override { return per_spot * touch_.spots().count(); }
   void indicator_values(double t, const double* y, double* g, double* gdot) override;
   void redistribute(double t, const double* y, double* locks, double* own) override;
+  bool are_forces_unique() const override { return touch_.are_unique(); }
   bool recall_mode(double t, double* y) override;
   double touch_within(double t0, const double* y0, double t1, const double* y1) override {
     return hidden_.find(t0, y0, t1, y1);

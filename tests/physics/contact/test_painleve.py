@@ -90,3 +90,20 @@ def test_friction_beyond_the_critical_one_does_not_hold_what_rises() -> None:
     simulation.initialize()
     simulation.step_to(1e-3)
     assert simulation.output("slide.mode") == 0
+
+
+@pytest.mark.parametrize("theta", ANGLES)
+@pytest.mark.parametrize("turns", [1, -1])
+@pytest.mark.parametrize(("part", "lift", "solutions"), [(1.5, 1.2, 2), (1.5, 3.0, 2), (0.9, 1.2, 1)])
+def test_two_solutions_are_counted(
+    theta: float, turns: int, part: float, lift: float, solutions: int
+) -> None:
+    """The end rises without contact, with `lift` times gravity by its centrifugal acceleration; beyond the
+    critical friction contact would draw it to the floor.
+    """
+    rate = turns * (lift * G / sin(theta)) ** 0.5
+    simulation = gelenk.Simulation(rod(theta, part * critical(theta), -1, rate))
+    simulation.initialize()
+    simulation.step_to(1e-4)
+    assert simulation.output("slide.mode") == 0
+    assert simulation.diagnostics["solver.ambiguous"] == solutions - 1
