@@ -139,8 +139,15 @@ VectorXd nearest(const RowSpace& rows, const SparseMatrix& T, const VectorXd& d,
   const MatrixXd& Z = rows.basis();
   if (Z.cols() == 0) return VectorXd::Zero(T.cols());
   const MatrixXd along = T * Z;
-  const MatrixXd along_first = weights.asDiagonal() * along;
-  VectorXd x = -along_first.completeOrthogonalDecomposition().solve(weights.cwiseProduct(d));
+  MatrixXd along_first = weights.asDiagonal() * along;
+  // What the rows hold moves only by rounding, of which no step may be made.
+  const VectorXd sizes = SparseMatrix(T.cwiseProduct(T)) * VectorXd::Ones(T.cols());
+  for (Index r = 0; r < along.rows(); ++r) {
+    if (along.row(r).norm() <= min_pivot_ratio * std::sqrt(sizes[r])) along_first.row(r).setZero();
+  }
+  Eigen::CompleteOrthogonalDecomposition<MatrixXd> factor(along.rows(), along.cols());
+  factor.setThreshold(min_pivot_ratio);
+  VectorXd x = -factor.compute(along_first).solve(weights.cwiseProduct(d));
   const MatrixXd N = nullspace(along_first, Z.cols());
   if (N.cols() > 0) x -= N * MatrixXd(along * N).completeOrthogonalDecomposition().solve(d + along * x);
   return Z * x;
