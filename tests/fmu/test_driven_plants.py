@@ -248,6 +248,6 @@ def test_speeds_by_fmpy_have_accelerations(tmp_path: Path) -> None:
     assert run["A.w"][3:] == pytest.approx(given[3:], abs=SIZE**3 * third)
     assert run["A.w"][1:3] == pytest.approx(given[:2], abs=1e-9)
     turned = np.array([crank(float(t))[0] for t in times]) - crank(0.0)[0]
-    held = SIZE**2 / 2 * 0.5 * 3.0**2 * 0.1  # of two steps, with the acceleration there
-    left = 0.5 * SIZE**3 / 4 * third + held
+    held = SIZE**2 * 0.5 * 3.0**2 * math.sin(3.0 * 2 * SIZE)  # two steps, h^2/2 of the largest acceleration in them
+    left = 0.5 * 0.375 * SIZE**3 * third + held  # each parabola is integrated with an error of 3/8 h^4 w'''
     assert run["A.phi"] - run["A.phi"][0] == pytest.approx(turned, abs=left)
