@@ -234,8 +234,8 @@ def test_parts_that_are_driven_apart_do_not_feel_each_other(tmp_path: Path) -> N
 
 
 def test_speeds_by_fmpy_have_accelerations(tmp_path: Path) -> None:
-    """Values alone are given: the parabola through three of them errs by h^3 times the third derivative at its
-    end. In the first two steps speeds are held.
+    """Values alone are given: the parabola through three of them errs by h^3 times the third derivative at
+    its end. In the first two steps speeds are held, which lacks h^2/2 times the acceleration in each.
     """
     found = gelenk.export_fmu(cranked(), tmp_path / "x.fmu")
     times = SIZE * np.arange(51)
@@ -248,6 +248,6 @@ def test_speeds_by_fmpy_have_accelerations(tmp_path: Path) -> None:
     assert run["A.w"][3:] == pytest.approx(given[3:], abs=SIZE**3 * third)
     assert run["A.w"][1:3] == pytest.approx(given[:2], abs=1e-9)
     turned = np.array([crank(float(t))[0] for t in times]) - crank(0.0)[0]
-    held = SIZE**2 * 0.5 * 3.0**2 * math.sin(3.0 * 2 * SIZE)  # two steps, h^2/2 of the largest acceleration in them
+    held = SIZE**2 * 0.5 * 3.0**2 * math.sin(3.0 * 2 * SIZE)
     left = 0.5 * 0.375 * SIZE**3 * third + held  # each parabola is integrated with an error of 3/8 h^4 w'''
     assert run["A.phi"] - run["A.phi"][0] == pytest.approx(turned, abs=left)
