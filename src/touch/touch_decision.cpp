@@ -211,18 +211,13 @@ void ContactDecision::set_up(const std::vector<SpotMode>& tentative, const std::
   x_.setZero(b_.size());
 }
 
-// Whether a limit is used up, which with other normal forces it might not be.
+// Whether a joint has used up its limit, which with other normal forces it might not.
 bool ContactDecision::uses_any_up() const {
-  const auto slides = [](const auto& groups) { return std::ranges::any_of(groups, [](bool one) { return one; }); };
-  const auto is_used_up = [](const LockProblem::Lock& lock) { return lock.direction != 0; };
-  return std::ranges::any_of(slides_, slides) || std::ranges::any_of(problem_->locks, is_used_up);
+  return std::ranges::any_of(problem_->locks, [](const LockProblem::Lock& lock) { return lock.direction != 0; });
 }
 
-// Static friction holds again.
-void ContactDecision::hold_all() {
-  std::ranges::fill(slips_, 0);
-  std::ranges::fill(slides_, std::array<bool, contact_groups>{});
-}
+// Static friction of joints holds again.
+void ContactDecision::hold_all() { std::ranges::fill(slips_, 0); }
 
 ContactDecision::Outcome ContactDecision::decide(const std::vector<int>& spots, const std::vector<Trigger>& triggered,
                                                  const double* vdot, std::vector<SpotMode>& next,
@@ -233,6 +228,9 @@ ContactDecision::Outcome ContactDecision::decide(const std::vector<int>& spots, 
   set_up(tentative, triggered, vdot);
   VectorXd normal = VectorXd::Zero(static_cast<Index>(spots.size()));
   Outcome outcome = Outcome::none;
+  // Modes that obey the laws although something might hold with the normal forces in them.
+  std::vector<SpotMode> possible;
+  std::vector<LockProblem::Lock> possible_locks;
   for (int k = 0; k < most_repetitions; ++k) {
     set_cones(triggered);
     solve_cones(normal);
@@ -243,8 +241,12 @@ ContactDecision::Outcome ContactDecision::decide(const std::vector<int>& spots, 
       const VectorXd found = normal_forces_in_modes();
       const double change = (found - normal).cwiseAbs().maxCoeff();
       const bool same = !rows_.any_moves() || change <= limit_fraction * found.cwiseAbs().maxCoeff();
-      if (same || (!uses_any_up() && !exceeds_limits(triggered)))
-        return is_indeterminate(next) ? Outcome::ambiguous : Outcome::found;
+      const bool obeys_all = same || !exceeds_limits(triggered);
+      if (same || (obeys_all && !uses_any_up())) return is_indeterminate(next) ? Outcome::ambiguous : Outcome::found;
+      if (obeys_all && possible.empty()) {
+        possible = next;
+        possible_locks = problem.locks;
+      }
       normal = found;
       if (k < most_fresh_starts) hold_all();
       continue;
@@ -256,7 +258,10 @@ ContactDecision::Outcome ContactDecision::decide(const std::vector<int>& spots, 
     outcome = Outcome::ambiguous;
     break;
   }
-  return outcome;
+  if (possible.empty()) return outcome;
+  next = possible;
+  problem.locks = possible_locks;
+  return Outcome::found;
 }
 
 }  // namespace gelenk
