@@ -79,7 +79,7 @@ void EventLog::forget_beyond(const Counts& counts) {
 
 void EventLog::serialize(Archive& archive) {
   archive.serialize(before_.all, before_.contacts, in_step_.all, in_step_.contacts, start_);
-  if (in_step_.all > 0) {  // the step may go on
+  if (in_step_.all > 0) {  // the step may continue
     archive.serialize(repeated_, last_.time, last_.positive);
     archive.serialize_in_range(last_.indicator, Event::singular_position, static_cast<int>(texts_.size()) - 1);
   }

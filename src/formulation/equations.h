@@ -70,8 +70,6 @@ class Equations {
   virtual bool jacobian(double t, const double* y, double* J) = 0;
   // Whether the derivatives at the start of the present step are far from those of the last jacobian().
   virtual bool jacobian_is_outdated() { return false; }
-  // Call where a method begins that has none.
-  virtual void discard_jacobian() {}
   // Projects y onto the constraints by the smallest change in the mass metric. Returns false if that fails. For a DAE,
   // which satisfies them itself, only normalizes quaternions.
   virtual bool project(double t, double* y) = 0;

@@ -141,10 +141,6 @@ bool Formulation::jacobian(double t, const double* y, double* J) {
   return out.allFinite();
 }
 
-void Formulation::discard_jacobian() {
-  if (contacts_.touch() != nullptr) contacts_.touch()->equations().forget_differences();
-}
-
 bool Formulation::jacobian_is_outdated() {
   return contacts_.touch() != nullptr && contacts_.touch()->equations().slides_otherwise();
 }

@@ -118,7 +118,6 @@ class Formulation : public Equations, private ModeEquations, private TouchedEqua
 
  private:
   bool jacobian_is_outdated() final;
-  void discard_jacobian() final;
   void displace(double* q, const double* dv) const final { dynamics_.displace(q, dv); }
   std::string describe_dead_center();
   void mode_changed() override {}

@@ -37,7 +37,6 @@ class Inputs {
 
   std::size_t count() const { return now_.size(); }
   bool moving() const { return moving_; }  // some derivative is not zero
-  bool moved() const { return changed_; }  // some was not in the last step
   // u0, or d^order u / dt^order at t0.
   double value(int i) const { return at(i, 0); }
   // The value as it was set, or that to which derivatives that were set have led.

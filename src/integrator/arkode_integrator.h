@@ -34,8 +34,6 @@ class ArkodeIntegrator : public SundialsIntegrator {
   virtual void reinitialize(void* memory) = 0;
   // s: the step that a stepper will try after it has reached its stop time.
   virtual double step_after_stop(std::size_t stepper) const;
-  // Whether the last stage of a step of the stepper in use is the first one of the next step.
-  virtual bool keeps_derivative() const { return false; }
   // Called before the steps to `end`; t_ is their start.
   virtual void choose_stepper(double /*end*/) {}
   // Called before each of these steps.
@@ -49,6 +47,8 @@ class ArkodeIntegrator : public SundialsIntegrator {
   double step_at_end_ = 0;  // s: current_step() at the end of the last advance
 
  private:
+  // Whether the last stage of a step of the stepper in use is the first one of the next step.
+  virtual bool keeps_derivative() const { return false; }
   void prepare(double end) final;
   void begin(double end) final;
   static double current_step(void* memory);

@@ -45,7 +45,6 @@ class EvaluationCounter final : public Equations {
     return counter_.jacobian(t, y, J);
   }
   bool jacobian_is_outdated() override { return counter_.jacobian_is_outdated(); }
-  void discard_jacobian() override { counter_.discard_jacobian(); }
   bool project(double t, double* y) override { return counter_.project(t, y); }
   void polish(bool on) override { counter_.polish(on); }
   void displace(double* q, const double* dv) const override { counter_.displace(q, dv); }

@@ -42,13 +42,14 @@ class Cvode : public SundialsIntegrator {
   virtual bool finish(double) { return true; }
 
   void* memory_ = nullptr;
+  bool has_jacobian_ = false;  // since the last restart
 
  private:
   void prepare(double end) final {
     if (fresh_ || (jumped_ && restarts_at_jumps())) {
       keep_counts();
       CVodeReInit(memory_, t_, y_.get());
-      system_.discard_jacobian();
+      has_jacobian_ = false;
       fresh_ = false;
     }
     CVodeSetStopTime(memory_, end);
@@ -89,7 +90,7 @@ class Bdf final : public Cvode {
         linear_(y_.get(), context_),
         projected_(sundials::new_vector(system, context_)) {
     CVodeSetLinearSolver(memory_, linear_.solver.get(), linear_.matrix.get());
-    CVodeSetJacFn(memory_, sundials::jacobian);
+    CVodeSetJacFn(memory_, jacobian);
     newton_ = sundials::NonlinearSolver(sundials::made(SUNNonlinSol_Newton(y_.get(), context_)));
     newton_solve_ = newton_->ops->solve;
     newton_->ops->solve = solve_and_project;
@@ -104,9 +105,15 @@ class Bdf final : public Cvode {
   // CVODE reuses a Jacobian for up to 51 steps. If it is too stiff in one direction, corrections there are too small,
   // but look as if Newton's method converged.
   void before_step() override {
-    const long frequency = system_.jacobian_is_outdated() ? 1 : 0;  // 0: the default
+    const long frequency = has_jacobian_ && system_.jacobian_is_outdated() ? 1 : 0;  // 0: the default
     CVodeSetJacEvalFrequency(memory_, frequency);
     CVodeSetLSetupFrequency(memory_, frequency);
+  }
+
+  static int jacobian(sunrealtype t, N_Vector y, N_Vector ydot, SUNMatrix J, void* self, N_Vector a, N_Vector b,
+                      N_Vector c) {
+    static_cast<Bdf&>(*static_cast<SundialsIntegrator*>(self)).has_jacobian_ = true;
+    return sundials::jacobian(t, y, ydot, J, self, a, b, c);
   }
 
   // As with IDA (ida.cpp), the difference of the projected state from the prediction is returned as the correction of

@@ -87,7 +87,7 @@ class Dirk final : public ArkodeIntegrator {
     ARKodeSetDeduceImplicitRhs(memory_, 1);
   }
 
-  void inputs_touched() override {}  // its history goes on
+  void inputs_touched() override {}  // its history continues
   // The Newton matrix is reused over many steps.
   bool will_have_history() const override { return true; }
   bool has_history() const override { return !fresh_; }

@@ -37,7 +37,7 @@ class Integrator {
 
   // Starts or restarts at (t, y).
   virtual void restart(double t, const double* y) = 0;
-  // Call at the start of each communication step, though not where it goes on after having been cut short.
+  // Call at the start of each communication step, though not where it continues after having been cut short.
   virtual void begin() {}
   // Call if inputs have changed discontinuously since the last advance.
   virtual void inputs_changed() {}

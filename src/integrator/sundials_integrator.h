@@ -45,8 +45,6 @@ class SundialsIntegrator : public Integrator, private Stepping {
   virtual Step make_step(double end) = 0;
   // Time reached by the step that failed [s].
   virtual double reached() const = 0;
-  // Continues from (t_, y_) if fresh_, with the stop time `end`.
-  virtual void begin(double end) { prepare(end); }
   // Accepted and rejected steps: all, or since keep_counts() for methods that reset them on restart.
   struct Counts {
     long steps = 0, rejected = 0;
@@ -68,6 +66,8 @@ class SundialsIntegrator : public Integrator, private Stepping {
   bool resumed_ = false;
 
  private:
+  // Continues from (t_, y_) if fresh_, with the stop time `end`.
+  virtual void begin(double end) { prepare(end); }
   // Called at the start of each step, and of each repetition.
   virtual void before_step() {}
   double time() const final { return t_; }

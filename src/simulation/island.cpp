@@ -131,7 +131,7 @@ double Island::advance(double end, long max_evaluations, bool continues) {
     if (inputs_jumped_) {
       equations_->inputs_changed(time_, y_.data());
       integrator_->inputs_changed();
-    } else if (inputs_touched_ || (follows_ && equations_->drives().inputs().moved())) {
+    } else if (inputs_touched_ || follows_) {
       integrator_->inputs_touched();
     }
     inputs_touched_ = false;

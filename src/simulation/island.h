@@ -55,10 +55,6 @@ class Island {
     realized_ = Stage::position;
     shown_ = false;
   }
-  // Their time derivatives act where they prescribe motions.
-  void input_derivatives_changed() {
-    if (follows_) inputs_changed(false);
-  }
   // Exchanges the loads for those of the same scene with other numbers.
   void swap_loads(Loads& loads) {
     std::swap(loads_, loads);

@@ -156,7 +156,7 @@ void Simulation::set_input_derivative(int index, int order, double value) {
   const int known = s.checked_input(index);
   s.u.set_derivative(known, order, value / s.input_size[known]);
   if (!s.initialized) return;
-  if (const int island = s.island_of_input[known]; island >= 0) s.islands[island]->input_derivatives_changed();
+  if (const int island = s.island_of_input[known]; island >= 0) s.islands[island]->inputs_changed(false);
 }
 
 double Simulation::input(int index) const {

@@ -61,7 +61,8 @@ double HiddenTouches::gap(int pair) const {
   const Spots::Range range = spots.range(pair);
   if (range.first == range.last) return unlimited;
   const auto mode = [&](int spot) -> const SpotMode& { return touch_.modes()[static_cast<std::size_t>(spot)]; };
-  if (!spots.is_close(range.first)) return spots.distance(range.first);
+  double rate = 0;  // not used
+  if (!spots.is_close(range.first)) return spots.distance(range.first, rate);
   double out = unlimited;
   if (pairs_[static_cast<std::size_t>(pair)].is_sharp) {
     for (int i = range.first; i < range.last; ++i) {
@@ -69,9 +70,10 @@ double HiddenTouches::gap(int pair) const {
     }
     const Spot& spot = spots[range.first];
     std::array<ContactPoint, max_contact_points> points;
-    const int count = find_contacts(mechanism_.shapes[static_cast<std::size_t>(spot.core)].is, spots.core_pose(spot),
-                                    mechanism_.shapes[static_cast<std::size_t>(spot.tip)].is, spots.tip_pose(spot),
-                                    unlimited, points.data());
+    const int count =
+        find_contacts(mechanism_.shapes[static_cast<std::size_t>(spot.core)].is, spots.pose(spot.core_link) * spot.X_LS,
+                      mechanism_.shapes[static_cast<std::size_t>(spot.tip)].is, spots.pose(spot.tip_link) * spot.X_tip,
+                      unlimited, points.data());
     for (int k = 0; k < count; ++k) out = std::min(out, points[static_cast<std::size_t>(k)].gap);
     return out;
   }

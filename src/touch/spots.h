@@ -72,7 +72,6 @@ class Spots {
   bool is_close(int spot) const { return pair_of(spot).is_close; }
   bool shows_distance(int spot) const { return pair_of(spot).first == spot; }
   double distance(int spot, double& rate) const;
-  double distance(int spot) const { return between(pair_of(spot)).norm() - pair_of(spot).reach; }
 
   // Pairs of shapes, and their spots.
   int pairs() const { return static_cast<int>(pairs_.size()); }
@@ -89,9 +88,8 @@ class Spots {
     double arm = 0;                               // m: the largest distance of its points from that origin
   };
   Approach approach(int pair) const;
-  // After read_position(): of the shapes of a spot, in the root frame.
-  Pose3 core_pose(const Spot& spot) const { return pose(spot.core_link) * spot.X_LS; }
-  Pose3 tip_pose(const Spot& spot) const { return pose(spot.tip_link) * spot.X_tip; }
+  // After read_position(): of a link, in the root frame.
+  const Pose3& pose(int link) const { return poses_[static_cast<std::size_t>(link)]; }
   // After read_position(). Of a feature beyond its ends, as if it were longer.
   double gap(int spot) const;
   // How far the point of contact is from the ends of a feature, negative beyond them; positive for what has none.
@@ -139,7 +137,6 @@ class Spots {
   Lowest lowest(const Spot& spot) const;
   SpotState state_of_rim(const Spot& spot) const;
   const Spatial::Motion& velocity(int link) const { return V_[static_cast<std::size_t>(link)]; }
-  const Pose3& pose(int link) const { return poses_[static_cast<std::size_t>(link)]; }
 
   std::vector<Spot> spots_;
   std::vector<Pair> pairs_;

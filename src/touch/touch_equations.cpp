@@ -45,6 +45,7 @@ double TouchEquations::coefficient(int spot, int group, bool moves) const {
 
 void TouchEquations::set_modes(const std::vector<SpotMode>& modes) {
   if (&modes != &modes_) modes_ = modes;
+  keeps_directions_ = false;  // also where derivatives by differences have been given up
   closed_.clear();
   for (int i = 0; i < spots_.count(); ++i) {
     if (modes_[static_cast<std::size_t>(i)].closed) closed_.push_back(i);

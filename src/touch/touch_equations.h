@@ -94,11 +94,6 @@ class TouchEquations {
   void begin_differences(int components);
   void record_difference(int k, double dy);
   void end_differences(Eigen::Ref<Eigen::MatrixXd> vdot_y);
-  // Without them, as before the first: a method that begins anew has no matrix of them. Also where they were not ended.
-  void forget_differences() {
-    keeps_directions_ = false;
-    differenced_slips_.clear();
-  }
   // Whether something slid at quite another speed, or in another direction, at the last accelerate() than at the last
   // begin_differences().
   bool slides_otherwise() const;

@@ -354,7 +354,6 @@ void TouchModes::serialize(Archive& archive) {
   for (Guard& guard : guards_) archive.serialize(guard.allowed, guard.least);
   if (!archive.reading()) return;
   touch_.set_modes(modes);
-  touch_.forget_differences();
   std::ranges::fill(triggered_, Trigger{});
   refusal_.clear();
 }
