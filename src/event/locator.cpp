@@ -5,8 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include "math/bracket.h"
-
 namespace gelenk {
 namespace {
 
@@ -15,6 +13,11 @@ namespace {
 constexpr double resolution_fraction = 1e-13;
 // Resolution of times near t [s].
 double rounding(double t) { return 4 * std::numeric_limits<double>::epsilon() * std::abs(t); }
+// An indicator this close to zero is zero: the rounding of coordinates and velocities of order 1 [natural units]. What
+// crosses zero slowly passes it so soon that its sign would be that of rounding.
+constexpr double indicator_rounding = 4 * std::numeric_limits<double>::epsilon();
+// A step by the rate of an indicator is trusted where the one before has left this part of its value.
+constexpr double newton_progress = 0.1;
 // Limit on repeated steps; bisection alone needs 44.
 constexpr int max_trials = 60;
 // Limit on steps shortened because loops did not close at their end.
@@ -172,12 +175,21 @@ Step Locator::repeat_step(Stepping& method, double end) {
   return step;
 }
 
+// The end to try next: beyond the zero by rounding, as the rate of the indicator at the end of the last trial says, if
+// it is known and that trial has come closer (converges); otherwise by the values alone.
+double Locator::next_trial(std::size_t i, const Bracket& bracket, bool converges, double resolution) const {
+  const double zero = course_.end() - course_.at_end(i) / course_.rate_at_end(i) + resolution / 2;
+  const bool is_inside = zero > bracket.low() && zero < bracket.high();
+  return converges && is_inside ? bracket.clamped(zero, resolution) : bracket.next(resolution);
+}
+
 // After a step beyond a zero of indicator i: finds the earliest end beyond the zero, within rounding, and leaves it in
 // high_y_; or leaves the method at an earlier end without a sign change if the error test has cut the step short.
 Step Locator::search(std::size_t i, Stepping& method) {
   Bracket bracket(course_.start(), course_.at_start(i), high_t_, course_.at_end(i));
   const double resolution = std::max(resolution_fraction * (high_t_ - course_.start()), rounding(high_t_));
   double next = bracket.clamped(course_.zero(i), resolution);
+  double least = INFINITY;  // of the indicator's values
   for (int k = 0; k < max_trials && bracket.width() > 2 * resolution; ++k) {
     if (const Step step = repeat_step(method, next); step != Step::made) return step;
     const double t = method.time();
@@ -187,8 +199,13 @@ Step Locator::search(std::size_t i, Stepping& method) {
       return Step::made;
     }
     if (course_.changed(i)) save_high(method);
-    bracket.update(t, course_.at_end(i));
-    next = bracket.next(resolution);
+    const double g = course_.at_end(i);
+    bracket.update(t, g);
+    if (course_.changed(i) &&
+        std::abs(g) <= std::max(resolution * std::abs(course_.rate_at_end(i)), indicator_rounding))
+      break;
+    next = next_trial(i, bracket, std::abs(g) <= newton_progress * least, resolution);
+    least = std::min(least, std::abs(g));
   }
   course_.end(high_t_, high_y_.data());
   return Step::made;

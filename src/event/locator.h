@@ -8,6 +8,7 @@
 
 #include "event/event_source.h"
 #include "event/step_course.h"
+#include "math/bracket.h"
 #include "util/archive.h"
 
 namespace gelenk {
@@ -64,6 +65,7 @@ class Locator {
   double touch_within(double end, const double* y) const;
   Step search_all(Stepping& method);
   Step search(std::size_t i, Stepping& method);
+  double next_trial(std::size_t i, const Bracket& bracket, bool converges, double resolution) const;
   Step repeat_step(Stepping& method, double end);
   bool has_left_mode(double end) const;
   void save_start(Stepping& method, double end);

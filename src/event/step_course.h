@@ -21,10 +21,12 @@ class StepCourse {
   void end(double t, const double* y);
 
   double start() const { return start_t_; }           // s
+  double end() const { return t_; }                   // s
   const bool* mode() const { return before_.get(); }  // flags of the indicators that are positive at its start
   double at_start(std::size_t i) const { return start_g_[i]; }
   // With the sign of positive(i), also where the indicator is exactly zero.
   double at_end(std::size_t i) const;
+  double rate_at_end(std::size_t i) const { return gdot_[i]; }
   bool positive(std::size_t i) const { return after_[i]; }  // at its end
   bool changed(std::size_t i) const { return after_[i] != before_[i]; }
   bool any_changed() const;

@@ -63,17 +63,20 @@ std::size_t JointLocks::find_yielding(double* g, std::vector<double*>& out) cons
   return resting;
 }
 
-std::vector<JointLocks::Struck> JointLocks::struck(const double* y) const {
+std::vector<JointLocks::Struck> JointLocks::struck(const double* y, const std::vector<int>& returning,
+                                                   const LockModes::State& before) const {
   const double* v = y + modes_.nq_;
   std::vector<Struck> out;
   for (int i = 0; i < modes_.count(); ++i) {
     const Branching::Lock lock = forces_.lock(i);
     const int side = lock.limit < 0 ? 0 : modes_.touched_side(i);
-    if (side == 0) continue;
+    const bool returns = std::ranges::find(returning, i) != returning.end();
+    if (side == 0 && !returns) continue;
     const double speed = forces_.speed(i, v);
+    const bool approaches = side * speed > 0 && !modes_.is_slow(i, v);
     out.push_back({i,
-                   {side, speed, lock.restitution, lock.poisson, false},
-                   side * speed > 0 && !modes_.is_slow(i, v),
+                   {side, speed, returns ? 0 : lock.restitution, lock.poisson, returns},
+                   approaches || (returns && side != 0 && before.contacts[i] == 0),
                    rows_[static_cast<std::size_t>(i)]});
   }
   return out;
@@ -103,6 +106,7 @@ void JointLocks::finish_impact(double t, const double* y, const std::vector<Stru
   for (int k = 0; k < modes_.nv_; ++k) fastest = std::max(fastest, std::abs(v[k]));
   for (std::size_t i = 0; i < struck.size(); ++i) {
     const Struck& at = struck[i];
+    if (at.is.side == 0) continue;
     const int indicator = modes_.limit_indicator(at.lock, at.is.side);
     if (at.approaches) {
       ++modes_.counts_.impacts;
@@ -167,7 +171,7 @@ bool JointLocks::add_returning(const double* y, const double* vdot) {
   if (empty()) return false;
   const LockModes::State open = state();
   const std::size_t before = problem_.locks.size();
-  for (const Struck& at : struck(y)) {
+  for (const Struck& at : struck(y, {}, before_)) {
     const double leaving = -at.is.side * at.is.speed;
     const double back = at.is.side * forces_.speed(at.lock, vdot);
     if (next_.contacts[at.lock] != 0 || !(leaving > 0) || !is_lost(at, leaving, back)) continue;
@@ -213,13 +217,13 @@ void JointLocks::read_forces() {
   }
 }
 
-bool JointLocks::end_decision(double t, bool logs) {
+bool JointLocks::end_decision(double t, Recording records) {
   if (empty()) return false;
   set_state(before_);
   const LockModes::State after = answered();
-  modes_.record_doubtful(t, logs);
+  modes_.record_doubtful(t, records != Recording::nothing);
   const bool changed = after != before_;
-  modes_.enter(t, after, logs);
+  modes_.enter(t, after, records);
   return changed;
 }
 

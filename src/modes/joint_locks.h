@@ -56,8 +56,9 @@ class JointLocks {
     bool approaches = false;
     Eigen::VectorXd row;  // of the speed of its coordinate, by velocity
   };
-  // The limits that are touched; y: before the impact.
-  std::vector<Struck> struck(const double* y) const;
+  // The limits that are touched, and what stops as well (find_returning); y: before the impact; before: the modes
+  // before all that happens at this instant.
+  std::vector<Struck> struck(const double* y, const std::vector<int>& returning, const LockModes::State& before) const;
   // Releases what is at rest, for the equations of an impact.
   void let_go();
   // Whether a rebound at this speed is lost in the rounding of the position, for this acceleration back.
@@ -83,11 +84,18 @@ class JointLocks {
   // The forces in these modes, of the last solve() with the effect of contacts.
   void read_forces();
   // Returns to the modes before the decision and enters those that follow at t; returns whether they are others.
-  bool end_decision(double t, bool logs);
+  bool end_decision(double t, Recording records);
   // Lets go what has given way, where rounding hides it.
   void force_away(double t) { modes_.force_away(t); }
   // Stops what rests, and what begins to move from there.
   void finish(double* y) { modes_.finish_change(y); }
+  // What has been set in motion at this instant and comes to rest before that matters (LockModes).
+  static constexpr int most_returns = LockModes::most_returns;
+  std::vector<int> find_returning(double t, const double* y, const LockModes::State& before,
+                                  std::vector<int>& stopped) {
+    return modes_.find_returning(t, y, before, stopped);
+  }
+  void record_changes(double t, const LockModes::State& before) { modes_.record_changes(t, before); }
 
  private:
   void add(int lock);

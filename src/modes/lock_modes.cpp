@@ -25,6 +25,8 @@ constexpr double leaving_fraction = 0.1;
 // Limits that depend on loads depend on how the holding forces are distributed, which depends on the limits.
 constexpr int most_distributions = 60;
 constexpr double distribution_tolerance = 1e-13;  // change of the forces, relative to the largest
+// Part of the tolerance of the integration that a motion may take that is left out.
+constexpr double resolved_fraction = 1e-3;
 
 }  // namespace
 
@@ -53,6 +55,8 @@ LockModes::LockModes(ModeEquations& equations, Dynamics& dynamics, int nq, int n
   }
   if (!empty()) release();
 }
+
+void LockModes::set_tolerance(double tolerance) { resolution_ = resolved_fraction * tolerance; }
 
 bool LockModes::is_slow(int lock, const double* v) const {
   double fastest = 1;
@@ -135,7 +139,7 @@ bool LockModes::recall(double t, double* y) {
   if (empty()) return false;
   find_events_at_start(t, y);
   bool changed = change_any(t, y);
-  const bool settled = update(t, y, jumped_, true) || started_;
+  const bool settled = update(t, y, jumped_, Recording::all) || started_;
   jumped_ = started_ = false;
   if (!settled || !any_wrong_speed(y + nq_)) return changed;
   equations_.accelerations_at(t, y, vdot_.data());  // with factors of this position
@@ -189,7 +193,7 @@ void LockModes::find_reached_bounds(int lock, const double* v) {
   if (away) modes_.leaves_from[lock] = 0;
 }
 
-void LockModes::preview(double t, const double* y) { update(t, y, true, false); }
+void LockModes::preview(double t, const double* y) { update(t, y, true, Recording::nothing); }
 
 // Whether the modes have to be determined again. jumped: inputs may have jumped since they were.
 bool LockModes::is_doubtful(double t, const double* y, bool jumped) {
@@ -207,10 +211,10 @@ bool LockModes::is_doubtful(double t, const double* y, bool jumped) {
 }
 
 // Returns whether the modes have changed.
-bool LockModes::update(double t, const double* y, bool jumped, bool logs) {
+bool LockModes::update(double t, const double* y, bool jumped, Recording records) {
   if (!is_doubtful(t, y, jumped)) return false;
   modes_.unstoppable = -1;
-  return settle(t, y, false, logs);
+  return settle(t, y, false, records);
 }
 
 // Writes the modes where the equations read them.
@@ -263,10 +267,12 @@ bool LockModes::change_any(double t, double* y) {
   }
   if (!any) return false;
   modes_.unstoppable = -1;
-  strike(t, y, {});
-  if (!settle(t, y, breaks_away, true) && breaks_away) force_away(t);
+  const State before = state();
+  strike(t, y, {}, before);
+  if (!settle(t, y, breaks_away, Recording::doubts) && breaks_away) force_away(t);
   finish_change(y);
-  close_returning(t, y);
+  close_returning(t, y, before);
+  record_changes(t, before);
   return true;
 }
 
@@ -313,7 +319,7 @@ void LockModes::start(double t, const double* y) {
   jumped_ = false;
   started_ = true;
   modes_.unstoppable = -1;
-  settle(t, y, false, false);
+  settle(t, y, false, Recording::nothing);
   equations_.mode_changed();
 }
 
@@ -356,26 +362,15 @@ int LockModes::on_boundary(double t, const double* y) {
   return -1;
 }
 
-void LockModes::enter(double t, State next, bool logs) {
-  const bool changed = next != state();
-  for (int i = 0; i < count() && logs; ++i) {
-    const Branching::Lock lock = forces_.lock(i);
-    const int motion = next.motions[i];
-    if (lock.friction >= 0 && motion != modes_.motions[i]) {
-      const int direction = motion != 0 ? motion : modes_.motions[i];
-      log_.add({t, 2 * lock.friction + (direction < 0 ? 1 : 0), motion != 0});
-    }
-    if (modes_.contacts[i] != 0 && next.contacts[i] == 0) {
-      log_.add({t, limit_indicator(i, modes_.contacts[i]), false});
-    }
-    if (lock.one_way && modes_.contacts[i] == 0 && next.contacts[i] != 0)
-      log_.add({t, limit_indicator(i, next.contacts[i]), true});
-  }
+void LockModes::enter(double t, State next, Recording records) {
+  const State before = state();
+  const bool changed = next != before;
   for (int i = 0; i < count(); ++i) {
     if (next.contacts[i] != 0) next.leaves_from[i] = 0;
   }
   set_state(next);
-  if (changed && logs) equations_.mode_changed();
+  if (records == Recording::all) record_changes(t, before);
+  if (changed && records != Recording::nothing) equations_.mode_changed();
 }
 
 void LockModes::serialize(Archive& archive) {

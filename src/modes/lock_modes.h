@@ -34,6 +34,9 @@ class ModeEquations {
 // at rest moves against a constant friction; nothing.
 enum class FrictionTreatment { present, locked, sliding, off };
 
+// What a decision on modes records: a preview, nothing; one of several at the same instant, what is doubtful.
+enum class Recording : char { nothing, doubts, all };
+
 class LockModes {
  public:
   // sides: the held modes of all forces with modes; those of friction and limits are written here.
@@ -62,6 +65,8 @@ class LockModes {
     return any_at_rest_ && !forces_.is_redundant() && exceed(forces_.holding_forces().values());
   }
 
+  // Sets the tolerance of the integration, below which displacements do not matter (natural units).
+  void set_tolerance(double tolerance);
   // Determines the modes from the state alone.
   void start(double t, const double* y);
   // Call when inputs have jumped.
@@ -103,6 +108,8 @@ class LockModes {
 
  private:
   friend class JointLocks;  // decides together with contacts of shapes
+  // Of what is let go and comes to rest again at the same instant.
+  static constexpr int most_returns = 20;
   enum Trigger : char { nothing, by_friction, by_limit };
 
   int count() const { return static_cast<int>(modes_.motions.size()); }
@@ -120,8 +127,8 @@ class LockModes {
   void hold();
   bool is_doubtful(double t, const double* y, bool jumped);
   void record_doubtful(double t, bool logs);
-  bool update(double t, const double* y, bool jumped, bool logs);
-  bool settle(double t, const double* y, bool breaks_away, bool logs);
+  bool update(double t, const double* y, bool jumped, Recording records);
+  bool settle(double t, const double* y, bool breaks_away, Recording records);
   void decide_at(State& next, const std::vector<int>& undecided, bool breaks_away, double t, const double* y);
   void decide_with_loads(State& next, const std::vector<int>& undecided, bool breaks_away, double t, const double* y);
   void decide(State& next, const std::vector<int>& undecided, bool breaks_away);
@@ -130,18 +137,20 @@ class LockModes {
   bool has_wrong_speed(int lock, const double* v) const;
   bool any_wrong_speed(const double* v) const;
   void stop(double* v);
-  void enter(double t, State next, bool logs);
+  void enter(double t, State next, Recording records);
+  void record_changes(double t, const State& before);
   void take_up(State& next, int lock, bool leaves, int direction);
   void finish_change(double* y);
-  void strike(double t, double* y, const std::vector<int>& returning);
+  void strike(double t, double* y, const std::vector<int>& returning, const State& before);
   void record_impact(double t, int lock, int side, const Impact& impact);
-  std::vector<int> returning(double t, const double* y);
-  void close_returning(double t, double* y);
-  Impact solve_impact_without_series(const Eigen::MatrixXd& W, const std::vector<int>& struck,
+  bool returns(int lock, const State& before, const double* v) const;
+  std::vector<int> find_returning(double t, const double* y, const State& before, std::vector<int>& stopped);
+  void close_returning(double t, double* y, const State& before);
+  Impact solve_impact_without_series(const Eigen::MatrixXd& W, const double* v, const std::vector<int>& struck,
                                      std::vector<StruckContact>& contacts);
   int unstoppable_among(const std::vector<int>& locks, const BoxSolution& found, const HoldingBounds& bounds,
                         const Eigen::VectorXd& scale) const;
-  bool ends_series(int lock, int side, double speed, double mobility) const;
+  bool ends_series(int lock, int side, double speed, double mobility, double resolution) const;
 
   ModeEquations& equations_;
   Dynamics& dynamics_;
@@ -153,6 +162,7 @@ class LockModes {
   State modes_;
   std::vector<Trigger> triggered_;  // by lock: which indicator has changed its sign
   std::vector<double> holding_, vdot_;
+  double resolution_ = 0;  // of displacements that do not matter
   bool any_friction_ = false;
   bool any_at_rest_ = false;
   bool jumped_ = false, started_ = false;  // since the last recall()

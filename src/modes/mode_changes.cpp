@@ -2,6 +2,7 @@
 // What follows when coordinates come to rest, strike a bound, or are let go: the part of LockModes that decides.
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "linear/box_complementarity.h"
@@ -21,13 +22,31 @@ constexpr double acceleration_tolerance = 1e-11;
 // A series of impacts ends in contact when its rebounds are lower than this times what counts as contact: lower ones
 // are lost in the rounding of the position. Their impulses would add up to that of the contact force.
 constexpr double lowest_rebound = 2;
+// Slip that an impact causes and friction stops within this is none [natural units]: the rounding of positions, as of
+// rebounds.
+constexpr double shortest_slip = 2e-12;
 // Decisions where limits depend on loads, and the relative change of limits at which they are repeated no more.
 constexpr int most_decisions = 60;
 constexpr double load_tolerance = 1e-13;
-// Of contacts that are let go and closed again at the same instant.
-constexpr int most_returns = 20;
 
 }  // namespace
+
+// Records how the modes differ from those before.
+void LockModes::record_changes(double t, const State& before) {
+  for (int i = 0; i < count(); ++i) {
+    const Branching::Lock lock = forces_.lock(i);
+    const int motion = modes_.motions[i];
+    if (lock.friction >= 0 && motion != before.motions[i]) {
+      const int direction = motion != 0 ? motion : before.motions[i];
+      log_.add({t, 2 * lock.friction + (direction < 0 ? 1 : 0), motion != 0});
+    }
+    if (before.contacts[i] != 0 && modes_.contacts[i] == 0) {
+      log_.add({t, limit_indicator(i, before.contacts[i]), false});
+    }
+    if (lock.one_way && before.contacts[i] == 0 && modes_.contacts[i] != 0)
+      log_.add({t, limit_indicator(i, modes_.contacts[i]), true});
+  }
+}
 
 // Lets go what is no longer held, where rounding hides it.
 void LockModes::force_away(double t) {
@@ -39,11 +58,12 @@ void LockModes::force_away(double t) {
     next.leaves_from[i] = leaving_depth(i);
     if (!has_friction(i)) next.motions[i] = JointLoads::released;
   }
-  enter(t, next, true);
+  enter(t, next, Recording::doubts);
 }
 
-// Impacts: the impulses of all contacts together. returning: locks that stop as well.
-void LockModes::strike(double t, double* y, const std::vector<int>& returning) {
+// Impacts: the impulses of all contacts together. returning: locks that stop as well. before: the modes before all that
+// happens at this instant.
+void LockModes::strike(double t, double* y, const std::vector<int>& returning, const State& before) {
   double* v = y + nq_;
   dynamics_.set_position(y);
   std::vector<int> struck;
@@ -51,28 +71,25 @@ void LockModes::strike(double t, double* y, const std::vector<int>& returning) {
   for (int i = 0; i < count(); ++i) {
     const Branching::Lock lock = forces_.lock(i);
     const int side = lock.limit < 0 ? 0 : touched_side(i);
-    if (side == 0) continue;
-    struck.push_back(i);
     const bool returns = std::ranges::find(returning, i) != returning.end();
+    if (side == 0 && !returns) continue;
+    struck.push_back(i);
     contacts.push_back({side, forces_.speed(i, v), returns ? 0 : lock.restitution, lock.poisson, returns});
   }
-  const auto n = static_cast<Index>(struck.size());
-  std::vector<char> meets(struck.size());
+  std::vector<int> met;
   for (std::size_t i = 0; i < struck.size(); ++i) {
-    const bool approaches = contacts[i].side * contacts[i].speed > 0 && !is_slow(struck[i], v);
-    meets[i] = approaches || contacts[i].held ? 1 : 0;
+    const StruckContact& at = contacts[i];
+    const bool approaches = at.side * at.speed > 0 && !is_slow(struck[i], v);
+    if (approaches || (at.held && at.side != 0 && before.contacts[struck[i]] == 0)) met.push_back(static_cast<int>(i));
   }
-  if (std::ranges::count(meets, 1) == 0) return;
+  if (met.empty() && returning.empty()) return;
   equations_.accelerations_at(t, y, vdot_.data());
   Eigen::MatrixXd W;
   VectorXd scale;
   forces_.compliance(struck, W, scale);
-  const Impact impact = solve_impact_without_series(W, struck, contacts);
+  const Impact impact = solve_impact_without_series(W, v, struck, contacts);
   if (!impact.found) ++counts_.ambiguous;
-  for (Index i = 0; i < n; ++i) {
-    if (meets[i] == 0) continue;
-    record_impact(t, struck[i], contacts[i].side, impact);
-  }
+  for (const int i : met) record_impact(t, struck[i], contacts[i].side, impact);
   forces_.strike(struck, impact.impulses, v);
   for (int i = 0; i < count(); ++i) {
     if (!is_slow(i, v)) triggered_[i] = nothing;
@@ -90,7 +107,7 @@ void LockModes::record_impact(double t, int lock, int side, const Impact& impact
 
 // Contacts of which the rebound would be lost in rounding have no restitution, and what others throw off so slowly
 // stays in contact: it would return, throw them off, and so on.
-Impact LockModes::solve_impact_without_series(const Eigen::MatrixXd& W, const std::vector<int>& struck,
+Impact LockModes::solve_impact_without_series(const Eigen::MatrixXd& W, const double* v, const std::vector<int>& struck,
                                               std::vector<StruckContact>& contacts) {
   Impact impact;
   for (bool closed = true; closed;) {
@@ -101,58 +118,88 @@ Impact LockModes::solve_impact_without_series(const Eigen::MatrixXd& W, const st
       StruckContact& contact = contacts[i];
       const auto at = static_cast<Index>(i);
       const double rebound = -contact.side * (contact.speed + changes[at]);
-      if (contact.held || !(rebound > 0) || !ends_series(struck[i], contact.side, rebound, W(at, at))) continue;
+      if (contact.held || !(rebound > 0) || !ends_series(struck[i], contact.side, rebound, W(at, at), 0)) continue;
       contact.held = contact.restitution == 0;
       contact.restitution = 0;
       closed = true;
-      if (contact.side * contact.speed > 0) ++counts_.closed_series;
+      if (contact.side * contact.speed > 0 && !is_slow(struck[i], v)) ++counts_.closed_series;
     }
   }
   return impact;
 }
 
-// The locks that have left a bound, touch it still, and are accelerated back to it by forces that have changed since:
-// they would return before they have left the rounding of their position.
-std::vector<int> LockModes::returning(double t, const double* y) {
+// Whether a coordinate that something has set in motion at this instant comes to rest again before the motion matters,
+// with the accelerations vdot_: one that has left a bound that it touches still, and returns to it; one that friction
+// stops. Of what rebounds by its own restitution, only rounding does not matter, so that the end of a series of impacts
+// does not depend on tolerances.
+bool LockModes::returns(int lock, const State& before, const double* v) const {
+  if (is_slow(lock, v)) return false;
+  const double speed = forces_.speed(lock, v);
+  const Branching::Lock of = forces_.lock(lock);
+  const int side = modes_.contacts[lock] == 0 && modes_.leaves_from[lock] != 0 ? touched_side(lock) : 0;
+  if (side != 0) {
+    const bool rebounds = of.restitution > 0 && before.contacts[lock] == 0;
+    if (ends_series(lock, side, speed, 0, rebounds ? 0 : resolution_)) return true;
+  }
+  const bool rested = before.motions[lock] == 0 || before.contacts[lock] != 0;
+  if (of.friction < 0 || !rested || rests(lock)) return false;
+  const double deceleration = (speed > 0 ? -1 : 1) * forces_.speed(lock, vdot_.data());
+  return deceleration > 0 && speed * speed <= 2 * deceleration * std::max(resolution_, shortest_slip);
+}
+
+// What is returning. stopped: what friction has stopped in the same way at this instant, which stays at rest; brought
+// up to date.
+std::vector<int> LockModes::find_returning(double t, const double* y, const State& before, std::vector<int>& stopped) {
   const double* v = y + nq_;
   std::vector<int> out;
   dynamics_.set_position(y);
   for (int i = 0; i < count(); ++i) {
-    if (modes_.leaves_from[i] != 0 && modes_.contacts[i] == 0 && touched_side(i) != 0) out.push_back(i);
+    const bool left = modes_.leaves_from[i] != 0 && modes_.contacts[i] == 0 && touched_side(i) != 0;
+    const bool slips = has_friction(i) && !rests(i) && (before.motions[i] == 0 || before.contacts[i] != 0);
+    if (left || slips) out.push_back(i);
   }
   if (out.empty()) return out;
   equations_.accelerations_at(t, y, vdot_.data());
-  std::erase_if(out, [&](int i) { return is_slow(i, v) || !ends_series(i, touched_side(i), forces_.speed(i, v), 0); });
+  std::erase_if(out, [&](int i) { return !returns(i, before, v); });
+  if (out.empty()) return out;
+  for (const int lock : out) {
+    if (touched_side(lock) != 0) triggered_[lock] = by_limit;
+  }
+  std::erase_if(stopped, [&](int lock) { return !rests(lock); });
+  out.insert(out.end(), stopped.begin(), stopped.end());
+  std::ranges::sort(out);
+  stopped.clear();
+  std::ranges::copy_if(out, std::back_inserter(stopped), [&](int lock) { return has_friction(lock); });
   return out;
 }
 
-// Brings what is returning to rest in contact. Its impulses may let go what has come to rest before.
-void LockModes::close_returning(double t, double* y) {
+// Brings what is returning to rest. Its impulses may let go what has come to rest before.
+void LockModes::close_returning(double t, double* y, const State& before) {
+  std::vector<int> stopped;
   for (int attempt = 0; attempt < most_returns; ++attempt) {
-    const std::vector<int> locks = returning(t, y);
+    const std::vector<int> locks = find_returning(t, y, before, stopped);
     if (locks.empty()) return;
-    for (const int lock : locks) triggered_[lock] = by_limit;
-    strike(t, y, locks);
-    settle(t, y, false, true);
+    strike(t, y, locks, before);
+    settle(t, y, false, Recording::doubts);
     finish_change(y);
   }
 }
 
-// Whether a rebound with this speed would be lost in rounding, and more would follow. `dynamics` and vdot_ are those at
-// the impact; mobility: the acceleration per force.
-bool LockModes::ends_series(int lock, int side, double speed, double mobility) const {
+// Whether a rebound with this speed would be lost in rounding, or not be higher than the resolution, and more would
+// follow. `dynamics` and vdot_ are those at the impact; mobility: the acceleration per force.
+bool LockModes::ends_series(int lock, int side, double speed, double mobility, double resolution) const {
   if (forces_.lock(lock).one_way) return false;
   const double holding = forces_.holding_forces().values()[static_cast<std::size_t>(lock)];
   const double acceleration =
       modes_.contacts[lock] != 0 ? -side * holding * mobility : side * forces_.speed(lock, vdot_.data());
   const Branching::Depth at = forces_.depth(lock, side);
-  return acceleration > 0 && speed * speed / (2 * acceleration) <= lowest_rebound * at.tolerance;
+  return acceleration > 0 && speed * speed / (2 * acceleration) <= std::max(resolution, lowest_rebound * at.tolerance);
 }
 
 // Determines the modes at (t, y). What moves keeps moving; of what rests, friction and contact hold what they can, and
 // the accelerations decide on the others. breaks_away: a force has reached its bound. Returns whether a mode has
 // changed.
-bool LockModes::settle(double t, const double* y, bool breaks_away, bool logs) {
+bool LockModes::settle(double t, const double* y, bool breaks_away, Recording records) {
   const State before = state();
   const double* v = y + nq_;
   State next = before;
@@ -172,8 +219,8 @@ bool LockModes::settle(double t, const double* y, bool breaks_away, bool logs) {
       decide_at(next, undecided, breaks_away, t, y);
     }
   }
-  record_doubtful(t, logs);
-  enter(t, next, logs);
+  record_doubtful(t, records != Recording::nothing);
+  enter(t, next, records);
   return state() != before;
 }
 

@@ -83,11 +83,13 @@ void ContactImpact::add_limits(const std::vector<StruckLimit>& limits) {
   rows_.demanded.conservativeResize(all);
   for (std::size_t i = 0; i < limits.size(); ++i) {
     const Index row = contacts + static_cast<Index>(i);
-    const bool upper = limits[i].is.side > 0;
+    const int side = limits[i].is.side;
+    const bool held = limits[i].is.held;
     rows_.R.row(row) = limits[i].row;
     rows_.rates[row] = rows_.demanded[row] = 0;
-    sign_[static_cast<Index>(cones_.size())] = -limits[i].is.side;
-    cones_.push_back(Cone::within(static_cast<int>(row), upper ? -unlimited : 0, upper ? 0 : unlimited));
+    sign_[static_cast<Index>(cones_.size())] = side > 0 ? -1 : 1;
+    cones_.push_back(
+        Cone::within(static_cast<int>(row), side > 0 || held ? -unlimited : 0, side < 0 || held ? unlimited : 0));
     poisson_.push_back(limits[i].is.poisson ? 1 : 0);
   }
 }

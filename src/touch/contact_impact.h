@@ -17,7 +17,7 @@ class ContactImpact {
  public:
   struct StruckLimit {
     Eigen::VectorXd row;  // of the speed of its coordinate, by velocity
-    StruckContact is;
+    StruckContact is;     // held: it stops; then its side may be 0
   };
 
   // At the state of the last solve() of `dynamics`, of which v are the velocities, with nothing kept at rest.

@@ -37,8 +37,9 @@ double leaving_depth(double gap) { return std::max(0.0, -gap) + leaving_fraction
 
 }  // namespace
 
-// The impulses of everything that is struck.
-void TouchModes::strike(double t, double* y) {
+// The impulses of everything that is struck. returning: joints that stop as well. before: their modes before all that
+// happens at this instant.
+void TouchModes::strike(double t, double* y, const std::vector<int>& returning, const LockModes::State& before) {
   double* const v = y + mechanism_.nq;
   const double rest = slow(v);
   go_to(y);
@@ -50,9 +51,11 @@ void TouchModes::strike(double t, double* y) {
     struck.push_back(i);
     any = any || (at.rate < -rest && !mode_of(i).closed);
   }
-  const std::vector<JointLocks::Struck> limits = locks_.struck(y);
-  any = any || std::ranges::any_of(limits, &JointLocks::Struck::approaches);
+  const std::vector<JointLocks::Struck> limits = locks_.struck(y, returning, before);
+  any = any || !returning.empty() || std::ranges::any_of(limits, &JointLocks::Struck::approaches);
   if (!any) return;
+  equations_.touched_accelerations(t, y, vdot_.data());
+  const std::vector<double> at_rest = vdot_;  // with what is kept at rest
   const std::vector<SpotMode> present = touch_.modes();
   const LockModes::State present_locks = locks_.state();
   touch_.set_modes(std::vector<SpotMode>(present.size()));
@@ -62,7 +65,7 @@ void TouchModes::strike(double t, double* y) {
   for (const JointLocks::Struck& limit : limits) rows.push_back({limit.row, limit.is});
   ContactImpact impact(touch_, struck, rows, v, rest);
   const bool found = impact.solve(decision_.solver());
-  const int closed_series = end_series(limits, impact);
+  const int closed_series = end_series(limits, at_rest.data(), impact);
   touch_.set_modes(present);
   locks_.set_state(present_locks);
   impact.apply(v);
@@ -82,15 +85,15 @@ void TouchModes::record_impacts(double t, const double* y, const std::vector<int
   }
 }
 
-// What would rebound so little that it is lost in rounding has no restitution. Returns the number of limits of which a
-// series of impacts has ended.
-int TouchModes::end_series(const std::vector<JointLocks::Struck>& limits, ContactImpact& impact) {
+// What would rebound so little that it is lost in rounding, with the accelerations vdot, has no restitution. Returns
+// the number of limits of which a series of impacts has ended.
+int TouchModes::end_series(const std::vector<JointLocks::Struck>& limits, const double* vdot, ContactImpact& impact) {
   long limits_ended = 0;
   const std::size_t contacts = impact.count() - limits.size();
   for (bool closed = true; closed;) {
     closed = false;
     const VectorXd rebounds = impact.rebounds();
-    const VectorXd falls = impact.accelerations(vdot_.data());
+    const VectorXd falls = impact.accelerations(vdot);
     for (std::size_t i = 0; i < impact.count(); ++i) {
       const auto at = static_cast<Index>(i);
       if (impact.restitution(i) == 0 || !(rebounds[at] > 0)) continue;
@@ -130,7 +133,7 @@ std::vector<int> TouchModes::lasting(double rest) {
 
 // The modes that follow at (t, y). What moves keeps moving; on what is at rest accelerations decide. Returns whether
 // they are others.
-bool TouchModes::decide(double t, const double* y, bool logs) {
+bool TouchModes::decide(double t, const double* y, Recording records) {
   const std::vector<SpotMode> present = touch_.modes();
   std::vector<SpotMode> next(present.size());
   touch_.set_modes(next);
@@ -142,11 +145,11 @@ bool TouchModes::decide(double t, const double* y, bool logs) {
   for (int i = 0; i < touch_.spots().count(); ++i) {
     if (may_touch(i)) next[static_cast<std::size_t>(i)].leaves_from = leaving_depth(touch_.spots().gap(i));
   }
-  find_modes(y, logs, t, next);
+  find_modes(y, records != Recording::nothing, t, next);
   touch_.set_modes(present);
   dynamics_.set_position(y);
-  const bool changed = locks_.end_decision(t, logs) || differ(present, next);
-  enter(t, std::move(next), logs);
+  const bool changed = locks_.end_decision(t, records) || differ(present, next);
+  enter(std::move(next), records);
   return changed;
 }
 
@@ -179,13 +182,21 @@ void TouchModes::find_modes(const double* y, bool logs, double t, std::vector<Sp
              ", and no contact forces were found that agree with Coulomb's law (as in Painlev\u00e9's paradox)";
 }
 
-void TouchModes::enter(double t, std::vector<SpotMode> next, bool logs) {
-  for (std::size_t i = 0; i < next.size(); ++i) {
-    const SpotMode& before = touch_.modes()[i];
-    SpotMode& after = next[i];
+void TouchModes::enter(std::vector<SpotMode> next, Recording records) {
+  for (SpotMode& after : next) {
     if (after.closed) after.leaves_from = 0;
     if (!after.closed) after.groups = {};
-    if (!logs) continue;
+  }
+  const bool changed = next != touch_.modes();
+  touch_.set_modes(next);
+  if (changed && records != Recording::nothing) equations_.touch_changed();
+}
+
+// Records how the modes differ from those before.
+void TouchModes::record_changes(double t, const std::vector<SpotMode>& modes_before) {
+  for (std::size_t i = 0; i < modes_before.size(); ++i) {
+    const SpotMode& before = modes_before[i];
+    const SpotMode& after = touch_.modes()[i];
     const int first = first_indicator_ + per_spot * static_cast<int>(i);
     if (before.closed && !after.closed) log_.add({t, first, false});
     if (!before.closed || !after.closed) continue;
@@ -197,9 +208,6 @@ void TouchModes::enter(double t, std::vector<SpotMode> next, bool logs) {
         log_.add({t, first + 1 + k, after.groups[group].moves});
     }
   }
-  const bool changed = next != touch_.modes();
-  touch_.set_modes(next);
-  if (changed && logs) equations_.touch_changed();
 }
 
 // What is closed does not approach, and what is at rest, or begins to move from there, does not move.

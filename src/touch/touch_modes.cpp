@@ -235,10 +235,23 @@ void TouchModes::change_mode(double t, double* y) {
 
 // Impulses, and the modes that follow.
 void TouchModes::determine(double t, double* y) {
-  strike(t, y);
-  if (!decide(t, y, true) && locks_.is_triggered()) locks_.force_away(t);
+  const std::vector<SpotMode> before = touch_.modes();
+  const LockModes::State locks_before = locks_.state();
+  strike(t, y, {}, locks_before);
+  if (!decide(t, y, Recording::doubts) && locks_.is_triggered()) locks_.force_away(t);
   refuse_ends(t);
   finish(y);
+  // Of joints; what contacts throw off so slowly is decided on with the accelerations (lasting).
+  std::vector<int> stopped;
+  for (int attempt = 0; attempt < JointLocks::most_returns && !locks_.empty(); ++attempt) {
+    const std::vector<int> returning = locks_.find_returning(t, y, locks_before, stopped);
+    if (returning.empty()) break;
+    strike(t, y, returning, locks_before);
+    decide(t, y, Recording::doubts);
+    finish(y);
+  }
+  if (!locks_.empty()) locks_.record_changes(t, locks_before);
+  record_changes(t, before);
 }
 
 // Cylinders on their flat ends have no points of contact that remain when they tilt.
@@ -339,7 +352,7 @@ bool TouchModes::recall_mode(double t, double* y) {
 void TouchModes::preview(double t, const double* y) {
   const bool settled = !started_ && (!jumped_ || (is_consistent(t, y) && !locks_.are_doubtful(t, y)));
   if (settled) return;
-  decide(t, y, false);
+  decide(t, y, Recording::nothing);
 }
 
 void TouchModes::serialize(Archive& archive) {

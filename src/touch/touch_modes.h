@@ -94,14 +94,15 @@ class TouchModes final : public ConnectedModes {
   void refuse_ends(double t);
   bool is_consistent(double t, const double* y);
   void determine(double t, double* y);
-  void strike(double t, double* y);
-  int end_series(const std::vector<JointLocks::Struck>& limits, ContactImpact& impact);
+  void strike(double t, double* y, const std::vector<int>& returning, const LockModes::State& before);
+  int end_series(const std::vector<JointLocks::Struck>& limits, const double* vdot, ContactImpact& impact);
   void record_impacts(double t, const double* y, const std::vector<int>& struck, const ContactImpact& impact,
                       bool found);
   std::vector<int> lasting(double rest);
-  bool decide(double t, const double* y, bool logs);
+  bool decide(double t, const double* y, Recording records);
   void find_modes(const double* y, bool logs, double t, std::vector<SpotMode>& next);
-  void enter(double t, std::vector<SpotMode> next, bool logs);
+  void enter(std::vector<SpotMode> next, Recording records);
+  void record_changes(double t, const std::vector<SpotMode>& before);
   void finish(double* y);
 
   const Mechanism& mechanism_;
