@@ -8,7 +8,8 @@ simulated without control in a process of its own, which is ended after LIMIT. W
 counted; what does not get to the end, or needs more than GOAL of processor time, is listed, the worst
 first. With --all everything is listed; with --floating the root link falls, too.
 
-The robots looked at are those of these packages from PyPI (`pip install --no-deps --target DIRECTORY NAME`):
+Packages on PyPI that ship such files (`pip install --no-deps --target DIRECTORY NAME`); the first is there
+for the tests anyway:
 
     example-robot-data 6.0.0, rtb-data 2.0.0, icub-models 3.2.0, armar 1.1.0, dexmate-urdf 0.8.4,
     fourier-robot-descriptions 0.2.7, hello-robot-stretch-urdf 0.1.2, airo-models 0.0.12,
