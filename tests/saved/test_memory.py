@@ -92,10 +92,10 @@ def test_restored_at_each_step_while_the_input_stays(kind: str, integrator: str)
         state = restored.save()
 
 
-@pytest.mark.parametrize("integrator", ["erk", "auto", "cvode", "dirk", "ida"])
+@pytest.mark.parametrize("integrator", ["erk", "auto"])
 def test_restores_are_not_counted(integrator: str) -> None:
-    """A step of many integrator steps, restored and made again until there are more of these in all than may
-    fail to advance the time (20,000).
+    """A step of many integrator steps, restored and made again until there are more of these in all than twice
+    the number that may fail to advance the time (20,000).
     """
     plant = plant_of("smooth", integrator, tolerance=1e-10)
     start = plant.save()
@@ -103,7 +103,7 @@ def test_restores_are_not_counted(integrator: str) -> None:
     plant.step_to(30.0)
     expected = plant.values().tolist()
     steps = plant.diagnostics["solver.steps"]
-    for _ in range(math.ceil(21_000 / steps)):
+    for _ in range(math.ceil(45_000 / steps)):
         plant.restore(start)
         drive(plant, 5, moving=False)
         plant.step_to(30.0)
