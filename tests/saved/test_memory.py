@@ -7,7 +7,7 @@ from itertools import product
 from pathlib import Path
 
 import pytest
-from models.remembering import ADAPTIVE, DRIVE, INTEGRATORS, SCENES, STEP, drive, plant_of, rows
+from models.remembering import ADAPTIVE, DRIVE, INTEGRATORS, SCENES, STEP, plant_of, rows
 
 import gelenk
 
