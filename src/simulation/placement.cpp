@@ -22,7 +22,7 @@ constexpr double longest_part = 0.1;
 constexpr double accuracy = 1e-11;
 // An iteration that begins this close ends at rounding errors, since convergence is quadratic.
 constexpr double last_iteration = 1e-9;
-constexpr int max_iterations = 10'000;
+constexpr int most_iterations = 10'000;
 
 bool has_contacts(const Island& island) {
   const ContactMotion& contacts = island.formulation().contacts();
@@ -135,7 +135,7 @@ void Placement::approach(std::span<const double> x, double time, bool closed) {
   try {
     const bool loops = has_loops();
     double last = INFINITY;
-    for (int k = 0; k < max_iterations; ++k) {
+    for (int k = 0; k < most_iterations; ++k) {
       const VectorXd dx = remaining(x);
       const double size = dx.size() == 0 ? 0 : dx.cwiseAbs().maxCoeff();
       double scale = 1;
