@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from .drawn import COORDINATES, STEP, Trial
+from .elements import COORDINATES, STEP, Trial
 from .ways import Run, motion_names
 
 # Relative to the forces in the scene, and absolute: of events, which are located; of means over time steps.

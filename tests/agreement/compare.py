@@ -16,7 +16,8 @@ from typing import Any
 import numpy as np
 
 from .audit import laws_broken, outputs_of_laws
-from .drawn import STEP, Trial, drawn
+from .drawn import drawn
+from .elements import STEP, Trial
 from .ways import (
     FEW_EVALUATIONS,
     Array,

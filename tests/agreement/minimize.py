@@ -7,7 +7,7 @@ import copy
 from collections.abc import Iterator
 
 from .compare import Comparison, Finding
-from .drawn import Course, Trial
+from .elements import Course, Trial
 
 SETTINGS = ("friction", "limit", "one_way", "stop", "stiffness", "spring_reference", "damping")
 DETAILS = ("static", "stribeck", "exponent", "input", "restitution", "lower", "upper", "rolling")

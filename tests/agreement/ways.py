@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 import gelenk
 
-from .drawn import COORDINATES, STEP, SceneData, Trial
+from .elements import COORDINATES, STEP, SceneData, Trial
 
 Array = NDArray[np.float64]
 BELOW = 1000.0  # m; the distance of a floor that nothing reaches
