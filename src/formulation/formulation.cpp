@@ -255,15 +255,11 @@ void Formulation::output_touched_accelerations(double t, const double* y, double
 }
 
 bool Formulation::holds_by_modes() const {
-  if (contacts_.are_used()) return false;
-  return modes_.locks().any_at_rest() ||
-         (contacts_.touch() != nullptr && !contacts_.touch()->equations().closed().empty());
+  if (contacts_.are_used() || !modes_.locks().any_at_rest() || !dynamics_.branching().loads().empty()) return false;
+  return contacts_.touch() == nullptr || contacts_.touch()->equations().closed().empty();
 }
 
 std::optional<BrokenLaw> Formulation::broken_law(const double* y) {
-  if (contacts_.touch() != nullptr && contacts_.touch()->outputs().broken_law())
-    return contacts_.touch()->outputs().broken_law();
-  if (modes_.locks().empty()) return {};
   dynamics_.set_position(y);
   return audit_locks(dynamics_.branching(), modes_.recorded_forces(), y + mechanism_.nq, mechanism_.nv);
 }

@@ -24,8 +24,8 @@
 #include "formulation/revolution_counter.h"
 #include "formulation/row_domain.h"
 #include "modes/event_modes.h"
+#include "modes/law_audit.h"
 #include "modes/run_counts.h"
-#include "touch/law_audit.h"
 #include "touch/touched_equations.h"
 #include "util/archive.h"
 
@@ -80,8 +80,9 @@ class Formulation : public Equations, private ModeEquations, private TouchedEqua
   bool project_onto_constraints(double t, double* y);
   // vdot (nv) for outputs, at a state accepted at t; `dynamics` is left there, including velocities and accelerations.
   void output_accelerations(double t, const double* y, double* vdot);
-  // Whether friction, limits or contacts of shapes hold something in the present modes, so that their laws bound forces
-  // that the equations of motion determine.
+  // Whether friction or limits of joints hold something in the present modes, so that their laws bound forces that the
+  // equations of motion determine alone: beside closed contacts, or with friction that depends on loads, forces may be
+  // redundant, and those that are output are one choice of many.
   bool holds_by_modes() const;
   // What the forces of the last output_accelerations() break of their laws; y: the same state.
   std::optional<BrokenLaw> broken_law(const double* y);

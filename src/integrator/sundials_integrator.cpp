@@ -33,6 +33,7 @@ void SundialsIntegrator::restart(double t, const double* y) {
   std::copy(y, y + system_.size(), sundials::data(y_.get()));
   fresh_ = true;
   resumed_ = false;
+  failed_ = Step::made;
   stall_.clear();
   locator_.restart();
 }
@@ -67,6 +68,7 @@ double SundialsIntegrator::advance_some(double end, double* y, long max_steps) {
     if (!locates) return make_step(end);
     return across ? locator_.step_across(*this, end) : locator_.step(*this, end);
   };
+  if (failed_ != Step::made) fail(failed_, start);
   if (!stall_.empty()) refuse(system_, t_, sundials::data(y_.get()), stall_);
   prepare(end);
   for (; t_ < end && max_steps > 0; --max_steps) {
@@ -80,8 +82,9 @@ double SundialsIntegrator::advance_some(double end, double* y, long max_steps) {
     jumped_ = false;
     // Modes have changed at events on the way, so that another method cannot begin again at the start: what has been
     // reached is kept, and the next call fails here.
-    if (step != Step::made && t_ > start) break;
-    if (step != Step::made) fail(step, start);
+    if (step != Step::made && t_ == start) fail(step, start);
+    failed_ = step;
+    if (step != Step::made) break;
     system_.accepted(t_, sundials::data(y_.get()));
     stall_ = stalls_->step_to(t_);
     if (!stall_.empty() || system_.budget_exhausted()) break;

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <memory>
-#include <string>
 #include <optional>
 #include <string>
 #include <vector>
@@ -84,7 +83,9 @@ class SundialsIntegrator : public Integrator, private Stepping {
   bool takes_differences_;
   bool passes_events_ = false;
   std::optional<StallDetector> stalls_;  // of the communication step
-  std::string stall_;  // why the steps up to t_ have been too short; the next call fails
+  // Why the steps cannot be continued from t_, where they have come since the start of a call: the next call fails.
+  Step failed_ = Step::made;
+  std::string stall_;
   Counts base_counts_;
 };
 

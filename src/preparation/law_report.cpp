@@ -35,20 +35,10 @@ std::string of_joint(const Scene& scene, const Loads& loads, const BrokenLaw& br
   }
 }
 
-std::string of_contact(const Scene& scene, const BrokenLaw& broken) {
-  const std::string law = "contacts." + scene.contacts[static_cast<std::size_t>(broken.index)].name;
-  const std::string force = shown(scene, broken.found, "N");
-  if (broken.kind == BrokenLaw::Kind::contact_pulls) return law + ": the normal force at a point would be " + force;
-  return law + ": the friction at a point would be " + force + ", but can be at most " +
-         shown(scene, broken.bound, "N");
-}
-
 }  // namespace
 
 std::string describe_broken_law(const Scene& scene, const Loads& loads, const BrokenLaw& broken) {
-  const bool is_contact =
-      broken.kind == BrokenLaw::Kind::contact_pulls || broken.kind == BrokenLaw::Kind::contact_friction_exceeded;
-  return (is_contact ? of_contact(scene, broken) : of_joint(scene, loads, broken)) +
+  return of_joint(scene, loads, broken) +
          "; no result outside the laws is returned: try a smaller communication step or tolerance, or another "
          "integrator";
 }

@@ -5,8 +5,8 @@
 #include <string>
 
 #include "kinematics/model.h"
+#include "modes/law_audit.h"
 #include "scene/scene.h"
-#include "touch/law_audit.h"
 
 namespace gelenk {
 

@@ -144,6 +144,7 @@ double Island::advance(double end, long max_evaluations, bool continues) {
     inputs_jumped_ = loads_changed_ = false;
     if (follows_) equations_->drives().targets_at(time_, followed_);
     leg.evaluations = dynamics_->evaluations() - leg.evaluations;
+    audit();
     remember(leg, continues, time_ == end);
   } else {
     time_ = end;
@@ -206,7 +207,7 @@ void Island::enforce_given_motions() {
 // Only where something is held: what moves freely has no force that modes decide on. Outputs of this state use the same
 // evaluation.
 void Island::audit() {
-  if (!integrator_ || !equations_->holds_by_modes()) return;
+  if (!equations_->holds_by_modes()) return;
   realize(Stage::acceleration);
   const std::optional<BrokenLaw> broken = equations_->broken_law(y_.data());
   if (broken) throw IntegrationError(at_time(time_) + describe_broken_law(scene_, loads_, *broken));

@@ -30,8 +30,6 @@ class Island {
   // the time reached. continues: resumes an advance that ended early, without resetting anything. Throws
   // IntegrationError and SingularMass; the caller must then call roll_back().
   double advance(double end, long max_evaluations, bool continues = false);
-  // Throws IntegrationError if the forces at the end of an advance break the laws of friction, limits or contacts.
-  void audit();
   // Returns to the state before the last advance(), with all memory, as if that had not been made. For a method with a
   // history, to the state at its last restart: the caller then calls replay() for each leg of the path returned, with
   // the inputs of that step, and finish_replay().
@@ -104,6 +102,8 @@ class Island {
   void warm_up(double step);
   void reserve(std::size_t words);
   void keep_start();
+  // Throws IntegrationError if the forces at the end of an advance break the laws of friction, limits or contacts.
+  void audit();
   void discard_history();
   void make_reading();
   void remember(const ReplayStep& leg, bool continues, bool whole);

@@ -62,7 +62,6 @@ void Simulation::Impl::advance(double end) {
   if (logged) log.add(u);
   try {
     const double reached = advance_islands(end, continues, logged, moved);
-    for (const auto& island : islands) island->audit();
     time = reached;
     cut_short = reached < end;
     if (reached == end) return u.finish(end);

@@ -20,7 +20,6 @@ void TouchOutputs::record() {
   std::ranges::fill(sums_, ContactSum{});
   std::ranges::fill(wrenches_, Spatial::Force{});
   const auto& forces = touch_.forces();
-  broken_law_ = audit_contacts(touch_, forces);
   for (std::size_t i = 0; i < forces.size(); ++i) {
     const TouchEquations::Entry& entry = touch_.rows().entries[i];
     const Spot& spot = touch_.spots()[entry.spot];

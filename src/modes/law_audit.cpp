@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "touch/law_audit.h"
+#include "modes/law_audit.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,8 +13,10 @@ constexpr double force_fraction = 1e-6;
 constexpr double slacks = 1e4;
 // Speeds up to this, relative to the largest or 1, may have either sign by rounding.
 constexpr double rest_fraction = 1e-8;
-// A limit acts, and holds, within this multiple of what counts as contact with it.
+// A limit acts within this multiple of what counts as contact with it (some 1e-12); and may be passed by this one,
+// which is as small as errors of positions at common tolerances, by which loops and prescribed motions move it.
 constexpr double distances = 1e4;
+constexpr double passed_distances = 1e6;
 
 }  // namespace
 
@@ -50,26 +52,8 @@ std::optional<BrokenLaw> audit_locks(const Branching& branching, std::span<const
     if (lock.one_way) continue;
     for (const int of : {1, -1}) {
       const Branching::Depth passed = branching.depth(i, of);
-      if (passed.depth > distances * passed.tolerance) return BrokenLaw{limit_passed, lock.limit, 0, passed.depth};
-    }
-  }
-  return {};
-}
-
-std::optional<BrokenLaw> audit_contacts(const TouchEquations& touch,
-                                        std::span<const TouchEquations::SpotForce> forces) {
-  using enum BrokenLaw::Kind;
-  double sum = 0;
-  for (const auto& force : forces) sum += std::abs(force.normal);
-  for (std::size_t i = 0; i < forces.size(); ++i) {
-    const TouchEquations::Entry& entry = touch.rows().entries[i];
-    const int contact = touch.spots()[entry.spot].contact;
-    if (forces[i].normal < -force_fraction * sum) return BrokenLaw{contact_pulls, contact, forces[i].normal};
-    for (int group = 0; group < contact_groups; ++group) {
-      const auto g = static_cast<std::size_t>(group);
-      const double permitted = touch.coefficient(entry.spot, group, false) * forces[i].normal;
-      if (entry.rows[g] >= 0 && forces[i].held[g] > permitted + force_fraction * sum)
-        return BrokenLaw{contact_friction_exceeded, contact, forces[i].held[g], permitted};
+      if (passed.depth > passed_distances * passed.tolerance)
+        return BrokenLaw{limit_passed, lock.limit, 0, passed.depth};
     }
   }
   return {};
