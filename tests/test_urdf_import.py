@@ -284,7 +284,9 @@ def test_limits_stop_a_joint(kind: str, tmp_path: Path) -> None:
         if push > 0:
             plant.initialize()
         plant.step_to(plant.time + 5.0)
-        assert plant.output(f"j.{q}") == pytest.approx(bound, abs=1e-11)  # what counts as contact
+        assert plant.output(f"j.{q}") == pytest.approx(
+            bound, abs=5e-11
+        )  # located within rounding of a step of 5 s
         assert plant.output(f"j.limit.{effort}") == pytest.approx(-push, rel=1e-12)
 
 

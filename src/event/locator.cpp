@@ -10,7 +10,7 @@ namespace {
 
 // Resolution of event times relative to the step. A discontinuous force acts too long or too short by this time, with
 // an effect far below any tolerance.
-constexpr double resolution_fraction = 1e-13;
+constexpr double resolution_fraction = 5e-14;
 // Resolution of times near t [s].
 double rounding(double t) { return 4 * std::numeric_limits<double>::epsilon() * std::abs(t); }
 // An indicator this close to zero is zero: the rounding of coordinates and velocities of order 1 [natural units]. What
@@ -201,9 +201,7 @@ Step Locator::search(std::size_t i, Stepping& method) {
     if (course_.changed(i)) save_high(method);
     const double g = course_.at_end(i);
     bracket.update(t, g);
-    if (course_.changed(i) &&
-        std::abs(g) <= std::max(resolution * std::abs(course_.rate_at_end(i)), indicator_rounding))
-      break;
+    if (course_.changed(i) && std::abs(g) <= indicator_rounding) break;
     next = next_trial(i, bracket, std::abs(g) <= newton_progress * least, resolution);
     least = std::min(least, std::abs(g));
   }

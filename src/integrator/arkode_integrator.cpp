@@ -87,7 +87,7 @@ void ArkodeIntegrator::use(int stepper, double step) {
 }
 
 int ArkodeIntegrator::rhs(sunrealtype t, N_Vector y, N_Vector ydot, void* self) {
-  ArkodeIntegrator& at = static_cast<ArkodeIntegrator&>(*static_cast<SundialsIntegrator*>(self));
+  auto& at = static_cast<ArkodeIntegrator&>(*static_cast<SundialsIntegrator*>(self));
   double* const out = sundials::data(ydot);
   at.derivative_ = out;
   if (!at.resumed_) return at.system_.rhs(t, sundials::data(y), out) ? 0 : 1;

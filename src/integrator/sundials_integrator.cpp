@@ -82,11 +82,12 @@ double SundialsIntegrator::advance_some(double end, double* y, long max_steps) {
     jumped_ = false;
     // Modes have changed at events on the way, so that another method cannot begin again at the start: what has been
     // reached is kept, and the next call fails here.
-    if (step != Step::made && t_ == start) fail(step, start);
+    if (step != Step::made && (t_ == start || !locates)) fail(step, start);
     failed_ = step;
     if (step != Step::made) break;
     system_.accepted(t_, sundials::data(y_.get()));
     stall_ = stalls_->step_to(t_);
+    if (!stall_.empty() && !locates) refuse(system_, t_, sundials::data(y_.get()), stall_);
     if (!stall_.empty() || system_.budget_exhausted()) break;
   }
   const Counts made = count();

@@ -11,6 +11,7 @@ namespace {
 // is wrong by a decision is wrong by far more than this fraction of a limit, and this number of slacks.
 constexpr double force_fraction = 1e-6;
 constexpr double slacks = 1e4;
+constexpr double least_force = 1e-9;  // natural units: where hardly any forces act, all are rounding
 // Speeds up to this, relative to the largest or 1, may have either sign by rounding.
 constexpr double rest_fraction = 1e-8;
 // A limit acts within this multiple of what counts as contact with it (some 1e-12); and may be passed by this one,
@@ -27,7 +28,7 @@ std::optional<BrokenLaw> audit_locks(const Branching& branching, std::span<const
   for (int k = 0; k < nv; ++k) fastest = std::max(fastest, std::abs(v[k]));
   for (int i = 0; i < branching.locks(); ++i) {
     const Branching::Lock lock = branching.lock(i);
-    const double slack = slacks * branching.slack(i);
+    const double slack = slacks * branching.slack(i) + least_force;
     const double speed = branching.speed(i, v);
     const bool moves = std::abs(speed) > rest_fraction * fastest;
     if (lock.friction >= 0) {

@@ -117,6 +117,10 @@ void Island::keep_start() {
   replay_.clear();
   replay_.beginning.start_writing();
   serialize(replay_.beginning);
+  if (!will_have_history()) return;
+  // A history begins as it does where it is restored.
+  replay_.beginning.start_reading();
+  serialize(replay_.beginning);
 }
 
 double Island::advance(double end, long max_evaluations, bool continues) {

@@ -356,7 +356,8 @@ void TouchModes::preview(double t, const double* y) {
 }
 
 void TouchModes::serialize(Archive& archive) {
-  std::vector<SpotMode> modes = touch_.modes();
+  std::vector<SpotMode>& modes = updated_;  // steps allocate no memory
+  modes = touch_.modes();
   for (SpotMode& mode : modes) {
     archive.serialize(mode.closed, mode.leaves_from);
     for (SpotMode::Group& group : mode.groups) {

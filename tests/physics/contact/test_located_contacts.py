@@ -239,7 +239,13 @@ def test_a_growing_force_breaks_a_box_away() -> None:
     }
     step = 1e-3
     run = gelenk.simulate(
-        scene, stop=2, step=step, tolerance=1e-9, integrator="erk", inputs={"push.f[1]": lambda t: rate * t}
+        scene,
+        stop=2,
+        step=step,
+        tolerance=1e-9,
+        integrator="erk",
+        inputs={"push.f[1]": lambda t: rate * t},
+        hold=True,
     )
     start = static * mass * G / rate
     # The force is held over each step: it acts half a step later.
