@@ -93,7 +93,7 @@ double TimeStepper::gained_energy() {
   for (std::size_t i = 0; i < cones_.size(); ++i) {
     if (i >= points_.size() && lock_rows_[i - points_.size()].side == 0) continue;
     for (int k = 0; k < cones_[i].size(); ++k) {
-      const auto r = static_cast<std::size_t>(cones_[i].first + k);
+      const std::size_t r = static_cast<std::size_t>(cones_[i].first) + static_cast<std::size_t>(k);
       const double before = speeds_[r] + belts_[r];
       const double after = free_speeds_[r] + after_[r];
       gained += x_[r] * (before + after) / 2;

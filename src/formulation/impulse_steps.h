@@ -74,7 +74,7 @@ class ImpulseSteps {
 
  private:
   Context with_;
-  double change_of_accelerations(const double* y, const std::vector<double>& displacement);
+  double change_of_accelerations(const double* y, const std::vector<double>& x);
 
   std::unique_ptr<TimeStepper> stepper_;  // null: only modes between events
   std::vector<double> trial_;

@@ -19,45 +19,58 @@ constexpr double rest_fraction = 1e-8;
 constexpr double distances = 1e4;
 constexpr double passed_distances = 1e6;
 
+using Kind = BrokenLaw::Kind;
+
+std::optional<BrokenLaw> audit_friction(const Branching::Lock& lock, double friction, double speed, bool moves,
+                                        double slack) {
+  const double permitted = lock.sticking_limit.against(friction > 0 ? -1 : 1);
+  if (std::abs(friction) > (1 + force_fraction) * permitted + slack)
+    return BrokenLaw{Kind::friction_exceeded, lock.friction, friction, permitted};
+  if (moves && friction * speed > 0 && std::abs(friction) > slack)
+    return BrokenLaw{Kind::friction_along_motion, lock.friction, friction, speed};
+  return {};
+}
+
+std::optional<BrokenLaw> audit_limit(const Branching& branching, int i, double force, double slack) {
+  const Branching::Lock lock = branching.lock(i);
+  const int side = force < 0 ? 1 : -1;  // the bound that would push like this
+  const Branching::Depth at = branching.depth(i, side);
+  const bool acts = std::abs(force) > slack;
+  if (lock.one_way) {
+    if (acts && std::isinf(at.depth)) return BrokenLaw{Kind::limit_pulls, lock.limit, force};
+    return {};
+  }
+  if (acts && at.depth < -distances * at.tolerance) {
+    const bool pulls = branching.depth(i, -side).depth >= -distances * at.tolerance;
+    return pulls ? BrokenLaw{Kind::limit_pulls, lock.limit, force}
+                 : BrokenLaw{Kind::limit_not_reached, lock.limit, force, -at.depth};
+  }
+  for (const int of : {1, -1}) {
+    const Branching::Depth passed = branching.depth(i, of);
+    if (passed.depth > passed_distances * passed.tolerance)
+      return BrokenLaw{Kind::limit_passed, lock.limit, 0, passed.depth};
+  }
+  return {};
+}
+
 }  // namespace
 
 std::optional<BrokenLaw> audit_locks(const Branching& branching, std::span<const double> forces, const double* v,
                                      int nv) {
-  using enum BrokenLaw::Kind;
   double fastest = 1;
   for (int k = 0; k < nv; ++k) fastest = std::max(fastest, std::abs(v[k]));
-  for (int i = 0; i < branching.locks(); ++i) {
+  std::optional<BrokenLaw> broken;
+  for (int i = 0; i < branching.locks() && !broken; ++i) {
     const Branching::Lock lock = branching.lock(i);
     const double slack = slacks * branching.slack(i) + least_force;
     const double speed = branching.speed(i, v);
     const bool moves = std::abs(speed) > rest_fraction * fastest;
-    if (lock.friction >= 0) {
-      const double friction = forces[static_cast<std::size_t>(lock.friction)];
-      const double permitted = lock.sticking_limit.against(friction > 0 ? -1 : 1);
-      if (std::abs(friction) > (1 + force_fraction) * permitted + slack)
-        return BrokenLaw{friction_exceeded, lock.friction, friction, permitted};
-      if (moves && friction * speed > 0 && std::abs(friction) > slack)
-        return BrokenLaw{friction_along_motion, lock.friction, friction, speed};
-    }
-    if (lock.limit < 0) continue;
-    const double force = forces[static_cast<std::size_t>(lock.limit)];
-    const int side = force < 0 ? 1 : -1;  // the bound that would push like this
-    const Branching::Depth at = branching.depth(i, side);
-    const bool acts = std::abs(force) > slack;
-    if (acts && lock.one_way && !(at.depth > -INFINITY)) return BrokenLaw{limit_pulls, lock.limit, force};
-    if (acts && !lock.one_way && at.depth < -distances * at.tolerance) {
-      const double other = branching.depth(i, -side).depth;
-      return other >= -distances * at.tolerance ? BrokenLaw{limit_pulls, lock.limit, force}
-                                                : BrokenLaw{limit_not_reached, lock.limit, force, -at.depth};
-    }
-    if (lock.one_way) continue;
-    for (const int of : {1, -1}) {
-      const Branching::Depth passed = branching.depth(i, of);
-      if (passed.depth > passed_distances * passed.tolerance)
-        return BrokenLaw{limit_passed, lock.limit, 0, passed.depth};
-    }
+    if (lock.friction >= 0)
+      broken = audit_friction(lock, forces[static_cast<std::size_t>(lock.friction)], speed, moves, slack);
+    if (lock.limit >= 0 && !broken)
+      broken = audit_limit(branching, i, forces[static_cast<std::size_t>(lock.limit)], slack);
   }
-  return {};
+  return broken;
 }
 
 }  // namespace gelenk

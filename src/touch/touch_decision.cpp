@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "touch/decision_limits.h"
 
@@ -219,6 +220,7 @@ bool ContactDecision::uses_any_up() const {
 // Static friction of joints holds again.
 void ContactDecision::hold_all() { std::ranges::fill(slips_, 0); }
 
+// NOLINTNEXTLINE(readability-function-cognitive-complexity): one loop, whose exits share its state
 ContactDecision::Outcome ContactDecision::decide(const std::vector<int>& spots, const std::vector<Trigger>& triggered,
                                                  const double* vdot, std::vector<SpotMode>& next,
                                                  LockProblem& problem) {
@@ -259,8 +261,8 @@ ContactDecision::Outcome ContactDecision::decide(const std::vector<int>& spots, 
     break;
   }
   if (possible.empty()) return outcome;
-  next = possible;
-  problem.locks = possible_locks;
+  next = std::move(possible);
+  problem.locks = std::move(possible_locks);
   return Outcome::found;
 }
 

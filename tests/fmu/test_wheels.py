@@ -134,7 +134,7 @@ def test_linear_models_of_fmu_and_scene_are_the_same(name: str, tmp_path: Path) 
 
 
 def test_heading_that_no_state_tells_is_left_out_by_name() -> None:
-    """Four wheels of a rigid cart hold two turns of its quaternion; nothing depends on the third, its heading."""
+    """Four wheels of a rigid cart hold two turns of its quaternion; nothing depends on its heading."""
     with pytest.warns(gelenk.OperatingPointWarning, match=r"left out: flight\.theta\[3\]"):
         model = gelenk.linearize(PLANTS["four wheels"][0]())
     assert "flight.theta[3]" not in model.state_labels
