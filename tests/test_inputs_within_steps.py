@@ -35,7 +35,10 @@ def place(force: object, *, hold: bool = False) -> float:
 def test_a_smooth_force_acts_as_it_is() -> None:
     """Its double integral; the quartic through five values errs by h^5 f^(5) / 4e4 at most, 1e-7 N here."""
     exact = (4.0 * END / 3.0 - 4.0 / 9.0 * math.sin(3.0 * END)) / MASS
-    force = lambda t: 4.0 * math.sin(3.0 * t)  # noqa: E731
+
+    def force(t: float) -> float:
+        return 4.0 * math.sin(3.0 * t)
+
     assert place(force) == pytest.approx(exact, abs=1e-8)
     values = [force(STEP * k) for k in range(7)]
     held = sum(f * (0.5 + 6 - k) for k, f in enumerate(values)) * STEP**2 / MASS

@@ -87,11 +87,11 @@ class ControlledSteps final : public Integrator {
   bool always_, started_ = false;
   double t_ = 0;
   std::size_t nq_, nv_;
-  std::vector<double> y_, start_, middle_;      // of the first run: at present, and before and within the last pair
-  std::vector<double> second_;                  // of the second run
-  std::vector<double> last_;                    // accelerations in the last step
-  std::vector<double> f1_, f2_;                 // in the steps of the present pair
-  bool changed_ = false;                        // whether contacts have changed in it
+  std::vector<double> y_, start_, middle_;  // of the first run: at present, and before and within the last pair
+  std::vector<double> second_;              // of the second run
+  std::vector<double> last_;                // accelerations in the last step
+  std::vector<double> f1_, f2_;             // in the steps of the present pair
+  bool changed_ = false;                    // whether contacts have changed in it
   long changes_ = 0;
   Memory memory_;
 };
