@@ -38,10 +38,7 @@ const char* describe(Mode mode) {
 }
 
 Instance::Instance(std::shared_ptr<const PlantModel> model, Log log)
-    : model_(std::move(model)),
-      log_(std::move(log)),
-      plant_(model_),
-      stop_(no_stop) {}
+    : model_(std::move(model)), log_(std::move(log)), plant_(model_), stop_(no_stop) {}
 
 void Instance::setup_experiment(std::optional<double> tolerance, double start, std::optional<double> stop) {
   if (!std::isfinite(start))

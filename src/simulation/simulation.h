@@ -120,8 +120,8 @@ class Simulation {
   RestForces rest_forces();
 
   // The events of the last step_to() in order of time: stops engaged or disengaged, singular configurations crossed. If
-  // there are very many, the first ones of each island. Also jumps of prescribed motions. only_doubtful: those that leave
-  // the further motion in doubt.
+  // there are very many, the first ones of each island. Also jumps of prescribed motions. only_doubtful: those that
+  // leave the further motion in doubt.
   std::vector<EventReport> events(bool only_doubtful = false) const;
 
  private:
