@@ -29,6 +29,7 @@ Formulation::Formulation(const FormulationContext& context)
       events_(context.events),
       projector_(mechanism_, dynamics_),
       modes_(*this, dynamics_, mechanism_.nq, mechanism_.nv, events_),
+      limits_(dynamics_.branching()),
       contacts_({mechanism_, dynamics_, context.loads, drives_, modes_.locks(), context.events}),
       row_domain_(mechanism_, dynamics_),
       revolutions_(mechanism_, dynamics_),
@@ -94,21 +95,43 @@ bool Formulation::evaluate(double t, const double* y, double* ydot) {
 
 bool Formulation::project_onto_constraints(double t, double* y) {
   drives_.go_to(t);
-  if (!modes_.locks().empty()) modes_.locks().release();  // friction exerts no impulses
   dynamics_.normalize(y);
   dynamics_.set_position(y);
+  limits_.begin(y + mechanism_.nq);
+  if (!modes_.locks().empty()) modes_.locks().release();  // friction exerts no impulses
   projector().refactorize();  // an impact is no small correction, so former factors are not accurate enough
   // The smallest change in the mass metric, whichever method corrects rounding errors afterwards.
   dynamics_.min_norm_displacement(dynamics_.Phi().data(), dv_.data());
   dynamics_.displace(y, dv_.data());
-  if (!projector().close_position(y)) return false;
+  if (!projector().close_position(y) || !keep_limits(t, y)) return false;
   projector().refactorize();
   double* v = y + mechanism_.nq;
   dynamics_.set_velocity(v);
   dynamics_.min_norm_displacement(dynamics_.row_rates().data(), dv_.data());
   for (int k = 0; k < mechanism_.nv; ++k) v[k] += dv_[k];
   if (!projector().close_velocity(v)) return false;
+  if (!limits_.empty()) {
+    accelerations_at(t, y, dv_.data());
+    limits_.correct_velocity({v, dv_.size()});
+    projector().refactorize();
+    dynamics_.set_velocity(v);
+    if (!projector().close_velocity(v)) return false;
+  }
   if (!contacts_.are_used()) modes_.locks().start(t, y);
+  return true;
+}
+
+// Where constraint equations leave it no choice, a coordinate remains beyond its limit.
+bool Formulation::keep_limits(double t, double* y) {
+  constexpr int most_corrections = 20;  // Newton's method; what one limit pushes may meet another one
+  for (int i = 0; i < most_corrections && !limits_.empty(); ++i) {
+    accelerations_at(t, y, dv_.data());
+    if (!limits_.correct_position(dv_)) break;
+    dynamics_.displace(y, dv_.data());
+    dynamics_.set_position(y);
+    projector().refactorize();
+    if (!projector().close_position(y)) return false;
+  }
   return true;
 }
 
@@ -194,7 +217,7 @@ void Formulation::accepted(double t, const double* y) {
 }
 
 void Formulation::accelerations_at(double t, const double* y, double* vdot) {
-  drives_.go_to(t);
+  reads_outputs_ ? drives_.go_to_outputs(t) : drives_.go_to(t);
   solve_at(t, y, vdot);
 }
 
@@ -240,8 +263,9 @@ void Formulation::output_touched_accelerations(double t, const double* y, double
   contacts_.touch()->preview(t, y);
   drives_.go_to_outputs(t);
   solve_at(t, y, vdot);
-  touched.record();
-  touched.open_all();
+  reads_outputs_ = true;
+  contacts_.touch()->record_outputs(t, y);
+  reads_outputs_ = false;
   dynamics_.branching().contact_rows().apply_forces(touched.wrenches(), nullptr);
   solve_at(t, y, vdot);
   modes_.record_outputs();
@@ -255,11 +279,15 @@ void Formulation::output_touched_accelerations(double t, const double* y, double
 }
 
 bool Formulation::holds_by_modes() const {
-  if (contacts_.are_used() || !modes_.locks().any_at_rest() || !dynamics_.branching().loads().empty()) return false;
-  return contacts_.touch() == nullptr || contacts_.touch()->equations().closed().empty();
+  if (contacts_.are_used() || !dynamics_.branching().loads().empty()) return false;
+  const bool touches = contacts_.touch() != nullptr && !contacts_.touch()->equations().closed().empty();
+  return touches || modes_.locks().any_at_rest();
 }
 
 std::optional<BrokenLaw> Formulation::broken_law(const double* y) {
+  if (contacts_.touch() != nullptr && contacts_.touch()->outputs().broken_law())
+    return contacts_.touch()->outputs().broken_law();
+  if (!modes_.locks().any_at_rest()) return {};
   dynamics_.set_position(y);
   return audit_locks(dynamics_.branching(), modes_.recorded_forces(), y + mechanism_.nq, mechanism_.nv);
 }

@@ -25,6 +25,7 @@
 #include "formulation/row_domain.h"
 #include "modes/event_modes.h"
 #include "modes/law_audit.h"
+#include "modes/limit_correction.h"
 #include "modes/run_counts.h"
 #include "touch/touched_equations.h"
 #include "util/archive.h"
@@ -129,10 +130,12 @@ class Formulation : public Equations, private ModeEquations, private TouchedEqua
   void output_touched_accelerations(double t, const double* y, double* vdot);
   bool jacobian_by_differences(double t, const double* y, Eigen::Map<Eigen::MatrixXd>& out);
   void solve_at(double t, const double* y, double* vdot);
+  bool keep_limits(double t, double* y);
 
   EventLog& events_;
   ConstraintProjector projector_;
   EventModes modes_;
+  LimitCorrection limits_;
   ContactMotion contacts_;
   RowDomain row_domain_;
   RevolutionCounter revolutions_;
@@ -140,6 +143,7 @@ class Formulation : public Equations, private ModeEquations, private TouchedEqua
   long jacobian_count_ = 0;
   long last_evaluation_ = LONG_MAX;
   bool takes_differences_ = false;
+  bool reads_outputs_ = false;  // targets are as outputs show them
   std::vector<double> dv_, ydot_;
 };
 

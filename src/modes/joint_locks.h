@@ -49,6 +49,11 @@ class JointLocks {
   // coordinates at rest.
   std::size_t find_yielding(double* g, std::vector<double*>& out) const;
 
+  // Whether the last solve() needed forces that friction and limits cannot exert.
+  bool exceed_limits() const {
+    return !empty() && modes_.any_at_rest_ && modes_.exceed(forces_.holding_forces().values());
+  }
+
   // --- impacts, at the position of `dynamics` ---
   struct Struck {
     int lock = 0;

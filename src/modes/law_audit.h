@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Holds the forces that outputs show against the laws of friction and limits. It knows these laws only by
+// Holds the forces that outputs show against the laws of friction, limits and contacts. It knows these laws only by
 // their bounds, not how modes are decided, so that a wrong decision is found here.
 #pragma once
 
@@ -17,9 +17,12 @@ struct BrokenLaw {
     limit_pulls,            // found: the force of the limit
     limit_not_reached,      // found: the force of the limit; bound: the distance from it
     limit_passed,           // bound: how far beyond it
+    contact_pulls,          // found: the normal force
+    contact_friction,       // found: the friction; bound: what the law permits
+    contact_moment,         // found: the moment of friction; bound: what the law permits
   };
   Kind kind;
-  int index;                    // of the force with modes
+  int index;                    // of the force with modes; of the contact in the scene
   double found = 0, bound = 0;  // natural units, in the user's signs
 };
 

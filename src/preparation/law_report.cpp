@@ -35,10 +35,25 @@ std::string of_joint(const Scene& scene, const Loads& loads, const BrokenLaw& br
   }
 }
 
+bool is_of_contact(BrokenLaw::Kind kind) {
+  return kind == BrokenLaw::Kind::contact_pulls || kind == BrokenLaw::Kind::contact_friction ||
+         kind == BrokenLaw::Kind::contact_moment;
+}
+
+std::string of_contact(const Scene& scene, const BrokenLaw& broken) {
+  const std::string law = "contacts." + scene.contacts[static_cast<std::size_t>(broken.index)].name;
+  if (broken.kind == BrokenLaw::Kind::contact_pulls)
+    return law + ": the normal force would pull with " + shown(scene, -broken.found, "N");
+  const bool is_moment = broken.kind == BrokenLaw::Kind::contact_moment;
+  const std::string unit = is_moment ? "N m" : "N";
+  return law + (is_moment ? ": the moment of friction would be " : ": the friction would be ") +
+         shown(scene, broken.found, unit) + ", but can be at most " + shown(scene, broken.bound, unit);
+}
+
 }  // namespace
 
 std::string describe_broken_law(const Scene& scene, const Loads& loads, const BrokenLaw& broken) {
-  return of_joint(scene, loads, broken) +
+  return (is_of_contact(broken.kind) ? of_contact(scene, broken) : of_joint(scene, loads, broken)) +
          "; no result outside the laws is returned: try a smaller communication step or tolerance, or another "
          "integrator";
 }

@@ -131,7 +131,9 @@ struct Solver {
   std::string integrator = "auto";   // one of words::integrators
   std::string start = "as_given";    // one of words::starts
   double step = 0;                   // step of fixed-step methods [s]; 0: chosen from experiment.step
-  int max_evaluations = 10'000'000;  // evaluations of an island's equations of motion per communication step
+  // Evaluations of an island's equations of motion in a communication step; in a longer one than 1 s or a thousand
+  // steps, for each of these.
+  int max_evaluations = 100'000;
   int max_events = 10'000;           // events of an island per communication step
   int corrections = 0;               // exact number of projection iterations after each step; 0: until convergence
   double cone_tolerance = 1e-11;     // residual of the velocities of contacts, relative to the largest one

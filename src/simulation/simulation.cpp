@@ -30,12 +30,21 @@ void Simulation::Impl::check_inputs(double end) const {
   }
 }
 
+// Long communication steps may take more evaluations than those of a control loop.
+long Simulation::Impl::permitted_evaluations(double span) const {
+  constexpr double steps = 1000;
+  const double step = scene.solver.step > 0 ? scene.solver.step : scene.experiment.step;
+  const double most = scene.solver.max_evaluations * std::max(1.0, span / std::min(1.0, steps * step));
+  return most < static_cast<double>(LONG_MAX) ? static_cast<long>(most) : LONG_MAX;
+}
+
 // Advances all islands to `end`, or to the time at which the first of them exhausts its evaluation budget; returns the
 // time reached. moved: number of islands that may have left the start of the step.
 double Simulation::Impl::advance_islands(double end, bool continues, bool logged, std::size_t& moved) {
+  const long evaluations = permitted_evaluations(end - time);
   for (const auto& island : islands) {
     ++moved;
-    end = island->advance(end, scene.solver.max_evaluations, continues);
+    end = island->advance(end, evaluations, continues);
   }
   // Islands that went further did so within their budget, so no limit is needed.
   for (const auto& island : islands) {
@@ -61,12 +70,13 @@ void Simulation::Impl::advance(double end) {
   const bool logged = !continues && any_integrator(islands, &Integrator::will_have_history);
   if (logged) log.add(u);
   try {
+    const long evaluations = permitted_evaluations(end - time);
     const double reached = advance_islands(end, continues, logged, moved);
     time = reached;
     cut_short = reached < end;
     if (reached == end) return u.finish(end);
     u.interrupt(reached);
-    throw StepBudgetError(describe_exhausted_budget(reached, end, scene.solver.max_evaluations));
+    throw StepBudgetError(describe_exhausted_budget(reached, end, evaluations));
   } catch (const IntegrationError& fault) {
     cause = fault.what();
   } catch (const SingularMass& fault) {

@@ -83,9 +83,11 @@ double HiddenTouches::gap(int pair) const {
   return out;
 }
 
+// What overlaps already can touch no more: how deep it gets is watched elsewhere (TouchModes::find_penetration).
 void HiddenTouches::begin() {
   for (std::size_t i = 0; i < pairs_.size(); ++i) {
-    pairs_[i].gaps[0] = gap(static_cast<int>(i));
+    const double now = gap(static_cast<int>(i));
+    pairs_[i].gaps[0] = now < -least_depth ? unlimited : now;
     pairs_[i].at[0] = touch_.spots().approach(static_cast<int>(i));
   }
 }
@@ -179,11 +181,20 @@ bool HiddenTouches::may_touch(const Sample& a, const Sample& at, const Sample& b
   });
 }
 
-// The first fraction of the step at which something may touch between a and b; 1: nothing does.
+// Whether everything is farther apart at b than at a.
+bool HiddenTouches::separates(const Sample& a, const Sample& b) const {
+  return std::ranges::all_of(unsafe_, [&](int pair) {
+    const auto i = static_cast<std::size_t>(pair);
+    return b.gaps[i] > a.gaps[i];
+  });
+}
+
+// The first fraction of the step at which something may touch between a and b; 1: nothing does. What has just left is
+// so near that bounds of speeds would permit no step; in one of the smallest parts it is seen to go on leaving.
 double HiddenTouches::search(const Sample& a, const Sample& b, int halvings) {
   if (is_safe(a, b)) return 1;
   if (samples_left_ == 0) return a.s >= least_fraction ? a.s : 1;
-  if (halvings == most_halvings) return b.s < 1 ? b.s : a.s;
+  if (halvings == most_halvings) return separates(a, b) ? 1 : b.s < 1 ? b.s : a.s;
   --samples_left_;
   Sample& middle = samples_[static_cast<std::size_t>(halvings)];
   look_at((a.s + b.s) / 2, middle);

@@ -56,6 +56,7 @@ class HiddenTouches {
   bool is_safe(const Pair& pair, double g0, double g1, double h) const;
   bool is_safe(const Sample& a, const Sample& b) const;
   void look_at(double s, Sample& out);
+  bool separates(const Sample& a, const Sample& b) const;
   double search(const Sample& a, const Sample& b, int halvings);
   bool may_touch(const Sample& a, const Sample& at, const Sample& b) const;
 

@@ -34,6 +34,8 @@ class ContactDecision {
   enum class Outcome { found, ambiguous, none };
   Outcome decide(const std::vector<int>& spots, const std::vector<Trigger>& triggered, const double* vdot,
                  std::vector<SpotMode>& next, LockProblem& problem);
+  // The forces of contacts of the last decide(), by row of those that were closed; within the laws.
+  Eigen::VectorXd contact_forces() const { return x_.head(first_lock_); }
 
  private:
   void set_up(const std::vector<SpotMode>& tentative, const std::vector<Trigger>& triggered, const double* vdot);

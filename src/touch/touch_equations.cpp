@@ -213,7 +213,7 @@ void TouchEquations::add_holding_forces() {
 
 // Where friction is redundant, as at the corners of a box, it is shared in proportion to the normal forces.
 const VectorXd& TouchEquations::shared() {
-  if (rows_.entries.size() <= 1 || x_.size() <= static_cast<Index>(rows_.entries.size())) return x_;
+  if (closed_.empty() || rows_.entries.size() <= 1 || x_.size() <= static_cast<Index>(rows_.entries.size())) return x_;
   double largest = 0;
   for (const Entry& entry : rows_.entries) largest = std::max(largest, x_[entry.first]);
   weights_ = scale_;
@@ -231,10 +231,9 @@ const VectorXd& TouchEquations::shared() {
   return shared_;
 }
 
-const std::vector<TouchEquations::SpotForce>& TouchEquations::forces() {
+const std::vector<TouchEquations::SpotForce>& TouchEquations::forces_of(const VectorXd& x) {
   forces_.clear();
   if (closed_.empty()) return forces_;
-  const VectorXd& x = shared();
   for (const Entry& entry : rows_.entries) {
     SpotForce& out = forces_.emplace_back();
     out.normal = x[entry.first];

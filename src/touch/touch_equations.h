@@ -106,7 +106,9 @@ class TouchEquations {
     std::array<double, contact_groups> held{};  // N, N m: of the groups that are kept
     Eigen::Vector3d force, moment;              // on the tip, in the root frame
   };
-  const std::vector<SpotForce>& forces();
+  const std::vector<SpotForce>& forces() { return forces_of(shared()); }
+  // The same of other multipliers x of the rows, with the same effect.
+  const std::vector<SpotForce>& forces_of(const Eigen::VectorXd& x);
   // Whether those of the last accelerate() are unique; and whether a contact would have to pull or to hold more than it
   // can, too.
   bool are_unique() const { return closed_.empty() || least_norm_.was_unique(); }

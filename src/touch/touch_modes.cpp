@@ -182,6 +182,26 @@ bool TouchModes::holds_by_others(double t, const double* y) {
   return holds && std::ranges::none_of(locks_.problem().locks, &LockProblem::Lock::leaves);
 }
 
+// Whether forces of the last accelerations are outside the laws of what is kept at rest.
+bool TouchModes::exceed_laws() {
+  if (locks_.exceed_limits()) return true;
+  indicators_of_closed(checked_.data(), checked_rates_.data());
+  std::vector<double*> yielding;
+  find_yielding(checked_.data(), yielding);
+  return !yielding.empty();
+}
+
+void TouchModes::record_outputs(double t, const double* y) {
+  if (!touch_.closed().empty() && exceed_laws() && holds_by_others(t, y)) {
+    const VectorXd distributed = decision_.contact_forces();
+    equations_.touched_accelerations(t, y, vdot_.data());
+    outputs_.record(&distributed);
+  } else {
+    outputs_.record(nullptr);
+  }
+  outputs_.open_all();
+}
+
 // Of the problem of locks.
 void TouchModes::set_accelerations(double t, const double* y) {
   locks_.problem().accelerate = [this, t, y](double* vdot) {

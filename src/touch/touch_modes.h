@@ -70,6 +70,9 @@ class TouchModes final : public ConnectedModes {
   // Enters the modes in which a step at (t, y) would begin, without recording it.
   void preview(double t, const double* y);
   TouchOutputs& outputs() { return outputs_; }
+  // Records the contact forces of the last accelerations, at (t, y), with which all contacts are open from then on;
+  // where forces are redundant, within the laws.
+  void record_outputs(double t, const double* y);
 
   struct Counts {
     long impacts = 0, closed_series = 0, ambiguous = 0;
@@ -86,6 +89,7 @@ class TouchModes final : public ConnectedModes {
   void indicators_of_closed(double* g, double* gdot);
   void find_yielding(double* g, std::vector<double*>& out) const;
   bool holds_by_others(double t, const double* y);
+  bool exceed_laws();
   void set_accelerations(double t, const double* y);
   bool may_touch(int spot) const;
   void find_penetration(double* g);

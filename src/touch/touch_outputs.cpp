@@ -2,9 +2,18 @@
 #include "touch/touch_outputs.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace gelenk {
+namespace {
+
+// What is wrong by a decision on modes is wrong by far more than this fraction of the normal forces and, where these
+// are hardly any, this force [natural units], which is rounding.
+constexpr double force_fraction = 1e-6;
+constexpr double least_force = 1e-9;
+
+}  // namespace
 
 TouchOutputs::TouchOutputs(const Mechanism& mechanism, Dynamics& dynamics, TouchEquations& touch, std::size_t contacts)
     : mechanism_(mechanism),
@@ -16,12 +25,16 @@ TouchOutputs::TouchOutputs(const Mechanism& mechanism, Dynamics& dynamics, Touch
       kept_(touch.modes()),
       open_(kept_.size()) {}
 
-void TouchOutputs::record() {
+void TouchOutputs::record(const Eigen::VectorXd* distributed) {
   std::ranges::fill(sums_, ContactSum{});
   std::ranges::fill(wrenches_, Spatial::Force{});
-  const auto& forces = touch_.forces();
+  const auto& forces = distributed == nullptr ? touch_.forces() : touch_.forces_of(*distributed);
+  broken_.reset();
+  double slack = least_force;
+  for (const auto& force : forces) slack += force_fraction * std::abs(force.normal);
   for (std::size_t i = 0; i < forces.size(); ++i) {
     const TouchEquations::Entry& entry = touch_.rows().entries[i];
+    if (!broken_) audit(entry, forces[i], slack);
     const Spot& spot = touch_.spots()[entry.spot];
     const Spatial::Force on_tip{forces[i].moment + entry.at.p.cross(forces[i].force), forces[i].force};
     wrenches_[static_cast<std::size_t>(spot.tip_link)] += on_tip;
@@ -31,6 +44,21 @@ void TouchOutputs::record() {
     const SpotMode& mode = touch_.modes()[static_cast<std::size_t>(entry.spot)];
     const bool slides = mode.groups[0].moves || !(touch_.coefficient(entry.spot, 0, false) > 0);
     sum.mode = std::max(sum.mode, slides ? 2 : 1);
+  }
+}
+
+void TouchOutputs::audit(const TouchEquations::Entry& entry, const TouchEquations::SpotForce& force, double slack) {
+  const int contact = touch_.spots()[entry.spot].contact;
+  if (force.normal < -slack) {
+    broken_ = BrokenLaw{BrokenLaw::Kind::contact_pulls, contact, force.normal};
+    return;
+  }
+  for (int group = 0; group < contact_groups; ++group) {
+    const auto g = static_cast<std::size_t>(group);
+    const double permitted = touch_.coefficient(entry.spot, group, false) * force.normal;
+    if (entry.rows[g] >= 0 && force.held[g] > (1 + force_fraction) * permitted + slack)
+      broken_ = BrokenLaw{group == 0 ? BrokenLaw::Kind::contact_friction : BrokenLaw::Kind::contact_moment, contact,
+                          force.held[g], permitted};
   }
 }
 

@@ -4,11 +4,13 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "contact/contact_finder.h"
 #include "contact/contact_state.h"
+#include "modes/law_audit.h"
 #include "scene/scene.h"
 #include "touch/touch_equations.h"
 
@@ -29,8 +31,11 @@ class TouchOutputs final : public ContactReadings {
   void keep_modes() { kept_ = touch_.modes(); }
   void open_all() { touch_.set_modes(open_); }
   void return_to_modes() { touch_.set_modes(kept_); }
-  // Records the forces and modes after the accelerations have been solved for.
-  void record();
+  // Records the forces and modes after the accelerations have been solved for. distributed: forces with the same
+  // effect, by row (TouchEquations::forces_of); null: those solved for.
+  void record(const Eigen::VectorXd* distributed);
+  // The first one of them that is outside its law.
+  const std::optional<BrokenLaw>& broken_law() const { return broken_; }
   // The recorded forces by link (ContactRows::apply_forces).
   const Spatial::Force* wrenches() const { return wrenches_.data(); }
   Eigen::Vector3d force(int contact) const override { return sums_[static_cast<std::size_t>(contact)].force; }
@@ -43,6 +48,8 @@ class TouchOutputs final : public ContactReadings {
   std::vector<std::array<std::string, 2>> event_texts(const Scene& scene) const;
 
  private:
+  void audit(const TouchEquations::Entry& entry, const TouchEquations::SpotForce& force, double slack);
+
   const Mechanism& mechanism_;
   Dynamics& dynamics_;
   TouchEquations& touch_;
@@ -50,6 +57,7 @@ class TouchOutputs final : public ContactReadings {
   std::vector<ContactSum> sums_;          // by contact of the scene
   std::vector<Spatial::Force> wrenches_;  // by link
   std::vector<SpotMode> kept_, open_;
+  std::optional<BrokenLaw> broken_;
 };
 
 }  // namespace gelenk
