@@ -15,6 +15,8 @@ namespace {
 constexpr double together = 0.01;
 // The energy that an impact may gain by what is left of the velocities, relative to what it exchanges.
 constexpr double energy_rounding = 1e-9;
+// What approaches faster than gravity makes it in this number of steps strikes; what is slower is pressed.
+constexpr double steps_of_fall = 4;
 // Of the part of the restitution that adds no energy.
 constexpr int most_bisections = 20;
 
@@ -35,15 +37,21 @@ double TimeStepper::approach(std::size_t cone) const {
   return std::max(-gap_of(cone).sign * speeds_[static_cast<std::size_t>(cones_[cone].first)], 0.0);
 }
 
-// Where something with restitution is struck within the step, all that is struck in it is struck at once.
+// Where something with restitution or friction strikes within the step, all that is struck in it is struck at once. If
+// it were only braked so that it closes its gap at the end of the step, and stopped in the next one, friction would act
+// on two parts of the impulse, which is not the same as on the whole one, and depends on when in the step it strikes.
 void TimeStepper::find_strikes(double h) {
   strikes_.assign(cones_.size(), 0);
   strikes_any_ = has_compression_ = false;
   const auto reaches = [&](std::size_t i, double time) {
     return gap_of(i).sign != 0 && gap_of(i).gap - time * approach(i) <= touch_tolerance;
   };
-  for (std::size_t i = 0; i < cones_.size() && !strikes_any_; ++i)
-    strikes_any_ = restitution(i) > 0 && approach(i) > rest_speed && reaches(i, h / 2);
+  const double fall = steps_of_fall * h * loads_.gravity.norm();
+  for (std::size_t i = 0; i < cones_.size() && !strikes_any_; ++i) {
+    const double least = restitution(i) > 0 ? rest_speed : std::max(rest_speed, fall);
+    const bool strikes = restitution(i) > 0 || cones_[i].size() > 1;
+    strikes_any_ = strikes && approach(i) > least && reaches(i, h / 2);
+  }
   if (!strikes_any_) return;
   bool any_poisson = false;
   for (std::size_t i = 0; i < cones_.size(); ++i) {

@@ -187,13 +187,20 @@ struct JointFriction {
   double full_sticking_limit() const { return std::isnan(static_limit) ? coulomb : static_limit; }
   // Of the friction force in a bearing [m]; of a guide 1.
   double arm() const { return std::isnan(bearing->radius) ? 1 : bearing->radius; }
-  // From `at_rest` to `in_motion`. Smooth where a step of the mode `side` continues beyond its end.
+  // From `at_rest` to `in_motion`. Smooth where a step of the mode `side` continues beyond its end; there exp(-x) would
+  // soon overflow, and x is bounded by 1.
   template <class T>
   T stribeck_curve(int side, const T& v, double in_motion, double at_rest) const {
     using std::exp;
+    using std::sqrt;
     if (!(stribeck > 0 && at_rest > in_motion)) return T(in_motion);
-    const T relative = v * T((side < 0 ? -1 : 1) / stribeck);
-    return T(in_motion) + T(at_rest - in_motion) * exp(T(-(exponent == 1 ? relative : T(relative * relative))));
+    T x = v * T((side < 0 ? -1 : 1) / stribeck);
+    if (exponent != 1) {
+      x = T(x * x);
+    } else if (x < T(0)) {
+      x = x / sqrt(T(T(1) + x * x));
+    }
+    return T(in_motion) + T(at_rest - in_motion) * exp(T(-x));
   }
   std::optional<ElementFault> fault_of_bearing(const Coordinate& at) const {
     const auto shown = [](double x) { return text::number(x); };

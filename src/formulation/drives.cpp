@@ -13,7 +13,8 @@ void Drives::go_to(double t) {
 
 void Drives::go_to_outputs(double t) {
   inputs_.go_to(t);
-  if (!targets_.none()) dynamics_.set_targets(targets_.as_read(t, inputs_));
+  if (targets_.none()) return;
+  dynamics_.set_targets(is_at_end_of_step_ ? targets_.at(t, inputs_) : targets_.as_read(t, inputs_));
 }
 
 void Drives::targets_at(double t, std::vector<double>& out) {

@@ -19,6 +19,18 @@ class Drives {
   // The same for outputs at the present time of the run: derivatives are those of the motion that has led there
   // (Inputs::rate).
   void go_to_outputs(double t);
+  // During its lifetime outputs show motions as the step that ends there does, before the inputs have been brought to
+  // its end.
+  class AtEndOfStep {
+   public:
+    explicit AtEndOfStep(Drives& drives) : drives_(drives) { drives_.is_at_end_of_step_ = true; }
+    ~AtEndOfStep() { drives_.is_at_end_of_step_ = false; }
+    AtEndOfStep(const AtEndOfStep&) = delete;
+    AtEndOfStep& operator=(const AtEndOfStep&) = delete;
+
+   private:
+    Drives& drives_;
+  };
 
   // Inputs at the time evaluated last.
   const std::vector<double>& u() const { return inputs_.now(); }
@@ -35,6 +47,7 @@ class Drives {
   Inputs& inputs_;
   Targets targets_;
   std::size_t rows_;
+  bool is_at_end_of_step_ = false;
 };
 
 }  // namespace gelenk

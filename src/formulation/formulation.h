@@ -81,9 +81,8 @@ class Formulation : public Equations, private ModeEquations, private TouchedEqua
   bool project_onto_constraints(double t, double* y);
   // vdot (nv) for outputs, at a state accepted at t; `dynamics` is left there, including velocities and accelerations.
   void output_accelerations(double t, const double* y, double* vdot);
-  // Whether friction or limits of joints hold something in the present modes, so that their laws bound forces that the
-  // equations of motion determine alone: beside closed contacts, or with friction that depends on loads, forces may be
-  // redundant, and those that are output are one choice of many.
+  // Whether friction, a limit or a closed contact holds something in the present modes; not those of friction that
+  // depends on loads, of which redundant forces are one choice of many.
   bool holds_by_modes() const;
   // What the forces of the last output_accelerations() break of their laws; y: the same state.
   std::optional<BrokenLaw> broken_law(const double* y);

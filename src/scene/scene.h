@@ -128,16 +128,17 @@ inline constexpr int reduction_count = 8;
 
 struct Solver {
   std::string formulation = "projection";
-  std::string integrator = "auto";   // one of words::integrators
-  std::string start = "as_given";    // one of words::starts
-  double step = 0;                   // step of fixed-step methods [s]; 0: chosen from experiment.step
-  // Evaluations of an island's equations of motion in a communication step; in a longer one than 1 s or a thousand
-  // steps, for each of these.
-  int max_evaluations = 100'000;
-  int max_events = 10'000;           // events of an island per communication step
-  int corrections = 0;               // exact number of projection iterations after each step; 0: until convergence
-  double cone_tolerance = 1e-11;     // residual of the velocities of contacts, relative to the largest one
-  double rho_inf = 0.8;              // spectral radius of generalized-alpha and hht at infinite frequency
+  std::string integrator = "auto";  // one of words::integrators
+  std::string start = "as_given";   // one of words::starts
+  double step = 0;                  // step of fixed-step methods [s]; 0: chosen from experiment.step
+  // Evaluations of an island's equations of motion in a communication step. The default counts for each second, or
+  // thousand steps, of longer ones.
+  int max_evaluations = default_evaluations;
+  static constexpr int default_evaluations = 100'000;
+  int max_events = 10'000;        // events of an island per communication step
+  int corrections = 0;            // exact number of projection iterations after each step; 0: until convergence
+  double cone_tolerance = 1e-11;  // residual of the velocities of contacts, relative to the largest one
+  double rho_inf = 0.8;           // spectral radius of generalized-alpha and hht at infinite frequency
   // Gains [1/s] of the formulation baumgarte, J vdot = gamma - 2 alpha J v - beta^2 Phi; 0: chosen from the step.
   double baumgarte_alpha = 0;
   double baumgarte_beta = 0;

@@ -170,7 +170,7 @@ Json solver() {
          {"maximum", words::max_evaluations.max},
          {"description",
           "Maximum number of evaluations of the equations of motion of each island in a communication step, which "
-          "ends early then; in one longer than 1 s, or than 1000 times step, for each such time; 100000 if not given"}}},
+          "ends early then; if not given, 100000 for each second, or 1000 times step, of it"}}},
        {"max_events",
         {{"type", "integer"},
          {"minimum", words::max_events.min},

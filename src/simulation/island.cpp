@@ -212,6 +212,7 @@ void Island::enforce_given_motions() {
 // evaluation.
 void Island::audit() {
   if (!equations_->holds_by_modes()) return;
+  const Drives::AtEndOfStep reading(equations_->drives());
   realize(Stage::acceleration);
   const std::optional<BrokenLaw> broken = equations_->broken_law(y_.data());
   if (broken) throw IntegrationError(at_time(time_) + describe_broken_law(scene_, loads_, *broken));

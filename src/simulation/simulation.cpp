@@ -30,8 +30,9 @@ void Simulation::Impl::check_inputs(double end) const {
   }
 }
 
-// Long communication steps may take more evaluations than those of a control loop.
+// Unless a number is given, long communication steps may take more evaluations than those of a control loop.
 long Simulation::Impl::permitted_evaluations(double span) const {
+  if (scene.solver.max_evaluations != Solver::default_evaluations) return scene.solver.max_evaluations;
   constexpr double steps = 1000;
   const double step = scene.solver.step > 0 ? scene.solver.step : scene.experiment.step;
   const double most = scene.solver.max_evaluations * std::max(1.0, span / std::min(1.0, steps * step));
@@ -46,13 +47,20 @@ double Simulation::Impl::advance_islands(double end, bool continues, bool logged
     ++moved;
     end = island->advance(end, evaluations, continues);
   }
-  // Islands that went further did so within their budget, so no limit is needed.
-  for (const auto& island : islands) {
-    if (island->time() == end) continue;
-    roll_back(*island, logged);
-    island->advance(end, LONG_MAX, continues);
+  // Islands that went further go there again. Steps to another end may take more evaluations than before, and those of
+  // a motion that has become chaotic far more.
+  constexpr int most_repetitions = 20;
+  for (int i = 0; i < most_repetitions; ++i) {
+    const double common = end;
+    for (const auto& island : islands) {
+      if (island->time() == end) continue;
+      roll_back(*island, logged);
+      end = island->advance(end, evaluations, continues);
+    }
+    if (end == common) return end;
   }
-  return end;
+  throw IntegrationError(at_time(end) +
+                         "the parts of the mechanism that do not affect each other reach no common time");
 }
 
 // Motions that are known by values keep the value set last, also where it is not set again.

@@ -190,7 +190,7 @@ bool HiddenTouches::separates(const Sample& a, const Sample& b) const {
 }
 
 // The first fraction of the step at which something may touch between a and b; 1: nothing does. What has just left is
-// so near that bounds of speeds would permit no step; in one of the smallest parts it is seen to go on leaving.
+// so near that bounds of speeds would permit no step; in one of the smallest parts it is seen to continue to leave.
 double HiddenTouches::search(const Sample& a, const Sample& b, int halvings) {
   if (is_safe(a, b)) return 1;
   if (samples_left_ == 0) return a.s >= least_fraction ? a.s : 1;

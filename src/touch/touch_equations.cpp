@@ -21,8 +21,22 @@ constexpr double least_moment = 1e-3;
 // Rounding of gaps, relative to lengths of order 1; and the most repetitions that remove them.
 constexpr double gap_rounding = 1e-15;
 constexpr int most_corrections = 8;
+// Cosine between a row and its response below which it is rounding.
+constexpr double blocked_cosine = 1e-12;
 // Of the sum of normal forces: what an evaluation may miss of a limit in its mode.
 constexpr double overload_rounding = 1e-9;
+
+// Drops the rows along which what is held, or constraint equations, permit no motion: their response is rounding, by
+// which nothing must be divided.
+void drop_blocked(const TouchEquations::RowMatrix& R, const TouchEquations::RowMatrix& Z, MatrixXd& G,
+                  VectorXd& right) {
+  for (Index i = 0; i < G.rows(); ++i) {
+    if (std::abs(G(i, i)) > blocked_cosine * R.row(i).norm() * Z.col(i).norm()) continue;
+    G.row(i).setZero();
+    G.col(i).setZero();
+    right[i] = 0;
+  }
+}
 
 }  // namespace
 
@@ -187,6 +201,7 @@ void TouchEquations::accelerate(double* vdot) {
   Eigen::Map<VectorXd> a(vdot, mechanism_.nv);
   right_ = -rows_.rates;
   right_ -= rows_.R.lazyProduct(a);
+  drop_blocked(rows_.R, Z_, G_, right_);
   scale_.setOnes(right_.size());
   for (const Entry& entry : rows_.entries) {
     for (int group = 1; group < contact_groups; ++group) {
@@ -276,6 +291,7 @@ bool TouchEquations::are_overloaded() const {
 void TouchEquations::close(const RowMatrix& N, Closing& of) {
   respond(N, of.Z);
   of.G = N.lazyProduct(of.Z);
+  drop_blocked(N, of.Z, of.G, of.left);
   of.solver.solve(of.G, of.left, of.x);
 }
 

@@ -68,22 +68,23 @@ def laws_broken(trial: Trial, run: Run, steps: float = 0.0) -> list[str]:
         if not np.isfinite(run.values[k]).all():
             out.append(f"not finite at {k * STEP:.2f} s")
             continue
-        at = Moment(trial, k * STEP, forces, dict(zip(names, run.values[k], strict=True)), steps > 0)
+        at = Moment(trial, k * STEP, forces, dict(zip(names, run.values[k], strict=True)), steps)
         out += [f"{words} at {k * STEP:.2f} s" for words in at.broken()]
     return out
 
 
 @dataclass
 class Moment:
-    """Forces and motion at a communication point; in_steps: means over a time step."""
+    """Forces and motion at a communication point; steps: length of steps [s], of which forces are means."""
 
     trial: Trial
     t: float
     forces: dict[str, float]
     motion: dict[str, float]
-    in_steps: bool
+    steps: float
 
     def __post_init__(self) -> None:
+        self.in_steps = self.steps > 0
         found = [abs(x) for name, x in self.forces.items() if not name.endswith(("mode", "gap"))]
         self.slack = (STEPS_ROUNDING if self.in_steps else ROUNDING) * (1 + max(found, default=0.0))
         self.moves = STEPS_MOVES if self.in_steps else MOVES
@@ -96,7 +97,7 @@ class Moment:
             if "friction" in joint and name not in self.lossy():
                 yield from self.friction(name, joint, v)
             if "limit" in joint:
-                yield from self.limit(name, joint, q)
+                yield from self.limit(name, joint, q, v)
             if "one_way" in joint:
                 yield from self.one_way(name, joint, v)
         for name in self.trial.scene.get("contacts", {}):
@@ -121,12 +122,13 @@ class Moment:
         elif abs(v) > self.moves and abs(f + np.sign(v) * sliding) > slack:
             yield f"{name}.friction is {f:.6g} with {v:.6g}, but slides with {sliding:.6g},"
 
-    def limit(self, name: str, joint: dict[str, Any], q: float) -> Iterator[str]:
+    def limit(self, name: str, joint: dict[str, Any], q: float, v: float) -> Iterator[str]:
         f = self.forces[f"{name}.limit.{_effort(joint)}"]
         lower, upper = (joint["limit"].get(x, np.nan) for x in ("lower", "upper"))
         if q < lower - PENETRATION or q > upper + PENETRATION:
             yield f"{name} is {q:.9g}, beyond its limit,"
-        at_lower, at_upper = abs(q - lower) < AT_LIMIT, abs(q - upper) < AT_LIMIT
+        near = AT_LIMIT + 2 * self.steps * abs(v)  # a limit that is met within a step acts in it
+        at_lower, at_upper = abs(q - lower) < near, abs(q - upper) < near
         if (f > self.slack and not at_lower) or (f < -self.slack and not at_upper):
             yield f"{name}.limit exerts {f:.6g} with {q:.9g}"
 

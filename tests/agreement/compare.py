@@ -48,7 +48,9 @@ FASTEST = 200.0  # m/s, rad/s: beyond, the motion diverges
 # Time steps, of first order across impacts and where friction ends: what is allowed at the smaller step, and
 # by how much it must have become less on the way from the larger one, unless it is small.
 STEPS = (1e-3, 1e-4)  # s
+FINEST = 1e-5  # s: decides where impacts without losses have added up errors of their times
 STEPS_CLOSE = 2e-3
+STEPS_LATE = 3  # steps by which events may come late
 STEPS_GAIN = 0.4
 REPETITIONS = 2500
 OTHERS = ("erk", "cvode", "ida", "dirk")
@@ -173,10 +175,13 @@ def by_steps(c: Comparison) -> list[Finding]:
         runs.append(other)
         gaps.append(gap(c.base.values, other.values).max(axis=1, initial=0))
     n = min(len(c.allowed), *(len(g) for g in gaps))
+    if n < 2:
+        return []
     comparable = n if np.isfinite(c.allowed[:n]).all() else int(np.argmax(~np.isfinite(c.allowed[:n])))
     # Sensitive motions amplify the error of the steps as they do others.
     growth = c.allowed[:comparable] / (MULTIPLE * c.trial.tolerance)
-    excess = gaps[1][:comparable] / (STEPS_CLOSE * growth)
+    rates = np.max(np.abs(np.gradient(c.base.values, STEP, axis=0)), axis=1)[:comparable]
+    excess = gaps[1][:comparable] / ((STEPS_CLOSE + STEPS_LATE * STEPS[1] * rates) * growth)
     out = []
     if len(runs[1].values) < len(c.base.values):
         out.append(Finding(c.seed, "steps refused", f"at point {len(runs[1].values)}: {runs[1].refusal}"))
@@ -184,7 +189,7 @@ def by_steps(c: Comparison) -> list[Finding]:
     least = STEPS_GAIN * np.maximum.accumulate(gaps[0][:comparable])
     excess = lasting(np.where(gaps[1][:comparable] > least, excess, 0.0))
     wrong = excess > 1
-    if wrong.any():
+    if wrong.any() and not approached(c, int(np.argmax(wrong))):
         k = int(np.argmax(wrong))
         i = int(gap(c.base.values, runs[1].values)[k].argmax())
         found = [run.values[k, i] for run in (c.base, runs[1], runs[0])]
@@ -194,6 +199,15 @@ def by_steps(c: Comparison) -> list[Finding]:
         Finding(c.seed, "laws in steps", words) for words in laws_broken(c.trial, runs[1], steps=STEPS[1])[:1]
     ]
     return out
+
+
+def approached(c: Comparison, point: int) -> bool:
+    """Whether steps of the finest length come close at a point and the one after it."""
+    trial = c.trial.copy()
+    trial.points = min(trial.points, point + 1)
+    finest = run(with_solver(trial, integrator="moreau-jean", step=FINEST))
+    found = gap(c.base.values, finest.values).max(axis=1, initial=0)[point:]
+    return len(found) > 1 and float(found.min()) < STEPS_CLOSE * (1 + point)
 
 
 def restored(c: Comparison) -> list[Finding]:
@@ -231,16 +245,12 @@ def values_only(c: Comparison) -> list[Finding]:
         return [Finding(c.seed, "values only refused", str(error))]
     gaps = [gap(c.base.values, values).max(axis=1, initial=0) for values in runs]
     n = int(np.sum(np.isfinite(c.allowed)))
-    worst = [float(g[:n].max(initial=0)) for g in gaps]
-    if worst[1] > 1e-3 and worst[1] > 0.3 * worst[0]:
-        return [
-            Finding(
-                c.seed,
-                "values only",
-                f"deviations {worst[0]:.2e}, with a tenth of the step {worst[1]:.2e}",
-                worst[1],
-            )
-        ]
+    # Means: where impacts come at slightly other times, speeds at a point differ by all of their jump. The
+    # velocity of the start is not known.
+    means = [float(g[1:n].mean()) if n > 1 else 0.0 for g in gaps]
+    if means[1] > 1e-3 and means[1] > 0.5 * means[0]:
+        words = f"mean deviations {means[0]:.2e}, with a tenth of the step {means[1]:.2e}"
+        return [Finding(c.seed, "values only", words, means[1])]
     return []
 
 

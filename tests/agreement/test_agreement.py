@@ -33,8 +33,6 @@ def findings(first: int, count: int) -> list[dict[str, str]]:
     return [json.loads(line) for line in lines[:-1]]
 
 
-# Of 300 scenes, some twenty are not right yet: most where a limit that pulls is counted as friction.
-@pytest.mark.study
 @pytest.mark.parametrize("first", range(0, TRIALS, BLOCK))
 def test_all_ways_agree(first: int) -> None:
     found = findings(first, BLOCK)

@@ -121,7 +121,7 @@ def start(trial: Trial, begin: float = 0.0) -> gelenk.Simulation:
     return plant
 
 
-def put(plant: gelenk.Simulation, trial: Trial, t: float, *, derivatives: bool = True) -> None:
+def put(plant: gelenk.Simulation, trial: Trial, t: float) -> None:
     """Set all inputs that have a knot at t [s]; others go on."""
     for name, course in trial.inputs.items():
         if not any(abs(knot - t) < 1e-9 for knot in course.knots):
@@ -131,7 +131,7 @@ def put(plant: gelenk.Simulation, trial: Trial, t: float, *, derivatives: bool =
         else:
             values = course.at(t)
         plant.set_input(name, values[0])
-        for order, value in enumerate(values[1:] if derivatives else [], 1):
+        for order, value in enumerate(values[1:], 1):
             plant.set_input_derivative(name, order, value)
 
 
@@ -228,19 +228,22 @@ def directions(seed: int) -> Array:
 def run_values_only(trial: Trial, parts: int) -> Array:
     """Values at the points of the trial if positions are set without derivatives, `parts` times a step."""
     names = motion_names(trial.scene)
-    plant = start(trial)
+    plant = gelenk.Simulation(trial.scene)
+    put_values(plant, trial, 0.0)
+    plant.initialize(0.0, trial.tolerance)
     rows = [plant.values(names)]
     for k in range(trial.points):
         for part in range(parts):
-            t = (k + part / parts) * STEP
-            for name, course in trial.inputs.items():
-                value, *derivatives = course.at(t)
-                plant.set_input(name, value)
-                for order, derivative in enumerate(derivatives, 1):
-                    if "_ref" not in name:
-                        plant.set_input_derivative(name, order, derivative)
-                    elif t == 0:  # as far as start() has set them
-                        plant.set_input_derivative(name, order, 0.0)
+            put_values(plant, trial, (k + part / parts) * STEP)
             plant.step_to((k + (part + 1) / parts) * STEP)
         rows.append(plant.values(names))
     return np.array(rows)
+
+
+def put_values(plant: gelenk.Simulation, trial: Trial, t: float) -> None:
+    """Set all inputs at t [s], motions without their derivatives."""
+    for name, course in trial.inputs.items():
+        value, *derivatives = course.at(t)
+        plant.set_input(name, value)
+        for order, derivative in enumerate([] if "_ref" in name else derivatives, 1):
+            plant.set_input_derivative(name, order, derivative)

@@ -19,7 +19,7 @@ WEIGHT = MASS * G * LENGTH / 2  # N m
 COULOMB = 0.3  # N m
 
 # What holds the joint; the torque along phi that it can exert, which the weight turns in positive direction.
-HELD = {
+HELD: dict[str, tuple[dict[str, Any], float, float]] = {
     "friction": ({"friction": {"coulomb": COULOMB}}, -COULOMB, COULOMB),
     "a limit that would have to pull": ({"limit": {"lower": 0.0}}, 0.0, float("inf")),
     "a one-way clutch": ({"one_way": {"free": "positive"}}, 0.0, float("inf")),

@@ -24,9 +24,10 @@ def carriage(integrator: str, **slider: Any) -> gelenk.Simulation:
         "gravity": [0, 0, 0],
         "bodies": {"carriage": {"mass": 1}, "slider": {"mass": 2}},
         "joints": {
-            "X": {"type": "prismatic", "axis": [1, 0, 0], "parent": "ground", "child": "carriage", "start": start},
-            "S": {"type": "prismatic", "axis": [1, 0, 0], "parent": "carriage", "child": "slider", "start": start,
-                  "limit": {"lower": -TRAVEL, "upper": TRAVEL}, **slider},
+            "X": {"type": "prismatic", "axis": [1, 0, 0], "parent": "ground", "child": "carriage",
+                  "start": start},
+            "S": {"type": "prismatic", "axis": [1, 0, 0], "parent": "carriage", "child": "slider",
+                  "start": start, "limit": {"lower": -TRAVEL, "upper": TRAVEL}, **slider},
         },
         "constraints": {"move": {"type": "motion", "joint": "X", "input": "position"}},
         "solver": {"integrator": integrator, "step": 1e-3},

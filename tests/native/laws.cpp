@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <stdexcept>
+
+#include "modes/law_audit.h"
+#include "units.h"
+
+namespace nb = nanobind;
+
+namespace native {
+namespace {
+
+using gelenk::Branching;
+using gelenk::BrokenLaw;
+
+// One coordinate with friction (force 0) and a limit (force 1), of which only what the auditor asks is known.
+class OneCoordinate final : public Branching {
+ public:
+  Lock of;
+  Depth upper{-INFINITY, 0}, lower{-INFINITY, 0};
+  double rounding = 0;
+
+  int locks() const override { return 1; }
+  Lock lock(int) const override { return of; }
+  Depth depth(int, int side) const override { return side > 0 ? upper : lower; }
+  double speed(int, const double* v) const override { return v[0]; }
+  double slack(int) const override { return rounding; }
+  int count() const override { return 2; }
+
+  void sides(int*) const override { never(); }
+  void indicators(const std::vector<double>&, const double*, double*, double*) const override { never(); }
+  bool needs_accelerations() const override { never(); }
+  void hold(const int*) override { never(); }
+  std::span<double> inputs() override { never(); }
+  double sliding_limit(int, double) const override { never(); }
+  gelenk::LoadDependence& loads() override { never(); }
+  gelenk::ContactRows& contact_rows() override { never(); }
+  gelenk::HoldingForces& holding_forces() override { never(); }
+  bool is_redundant() const override { never(); }
+  void distribute_loads(const std::vector<double>&) override { never(); }
+  void compliance(const std::vector<int>&, Eigen::MatrixXd&, Eigen::VectorXd&) override { never(); }
+  void strike(const std::vector<int>&, const Eigen::VectorXd&, double*) override { never(); }
+  void clear(double*) override { never(); }
+  void stop(double*) override { never(); }
+
+ private:
+  [[noreturn]] static void never() { throw std::logic_error("not asked for"); }
+};
+
+std::string name_of(BrokenLaw::Kind kind) {
+  switch (kind) {
+    case BrokenLaw::Kind::friction_exceeded:
+      return "friction exceeded";
+    case BrokenLaw::Kind::friction_along_motion:
+      return "friction along motion";
+    case BrokenLaw::Kind::limit_pulls:
+      return "limit pulls";
+    case BrokenLaw::Kind::limit_not_reached:
+      return "limit not reached";
+    case BrokenLaw::Kind::limit_passed:
+      return "limit passed";
+    default:
+      return "contact";
+  }
+}
+
+}  // namespace
+
+// The law that a coordinate breaks, or an empty string. upper, lower: depth beyond the limits, whose tolerance is
+// 1e-12; sticking: the largest friction; forces: friction and that of the limit.
+void bind_laws(nb::module_& m) {
+  m.def(
+      "broken_law",
+      [](const Numbers& forces, double speed, double sticking, double upper, double lower, bool one_way,
+         double rounding) {
+        OneCoordinate branching;
+        branching.of.friction = 0;
+        branching.of.limit = 1;
+        branching.of.sticking_limit = {sticking, sticking};
+        branching.of.one_way = one_way;
+        branching.upper = {upper, 1e-12};
+        branching.lower = {lower, 1e-12};
+        branching.rounding = rounding;
+        const auto broken = gelenk::audit_locks(branching, forces, &speed, 1);
+        return broken ? name_of(broken->kind) : std::string();
+      },
+      nb::arg("forces"), nb::arg("speed"), nb::arg("sticking"), nb::arg("upper"), nb::arg("lower"), nb::arg("one_way"),
+      nb::arg("rounding"));
+}
+
+}  // namespace native

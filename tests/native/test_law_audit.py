@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The auditor of reported forces finds each broken law, and on the other side of each bound nothing."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+INF = float("inf")
+STICKING = 2.0  # N
+FRACTION = 1e-6  # of a limit
+FAR = -0.1  # m: depth of what is away from a limit
+SLACKS = 1e4  # of the rounding of the forces
+
+
+def broken(units: Any, **of: Any) -> str:
+    """What a slider at rest between its limits breaks."""
+    free = {
+        "forces": [0.0, 0.0],
+        "speed": 0.0,
+        "sticking": STICKING,
+        "upper": FAR,
+        "lower": FAR,
+        "one_way": False,
+        "rounding": 0.0,
+    }
+    return str(units.broken_law(**(free | of)))
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_friction(units: Any, sign: int) -> None:
+    assert not broken(units, forces=[sign * STICKING * (1 + 0.9 * FRACTION), 0.0])
+    assert broken(units, forces=[sign * STICKING * (1 + 1.1 * FRACTION), 0.0]) == "friction exceeded"
+    rounding = 1e-3 / SLACKS
+    assert not broken(units, forces=[sign * (STICKING + 0.9e-3), 0.0], rounding=rounding)
+    assert broken(units, forces=[sign * (STICKING + 1.1e-3), 0.0], rounding=rounding)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_friction_opposes_the_motion(units: Any, sign: int) -> None:
+    assert not broken(units, forces=[-sign * STICKING, 0.0], speed=sign * 1.0)
+    assert broken(units, forces=[sign * STICKING, 0.0], speed=sign * 1.0) == "friction along motion"
+    assert not broken(units, forces=[sign * STICKING, 0.0], speed=sign * 0.9e-8)  # at rest but for rounding
+    assert broken(units, forces=[sign * STICKING, 0.0], speed=sign * 1.1e-8)
+
+
+def test_limits_push_where_they_are_reached(units: Any) -> None:
+    assert not broken(units, forces=[0.0, -5.0], upper=0.0)
+    assert not broken(units, forces=[0.0, 5.0], lower=0.0)
+    assert broken(units, forces=[0.0, 5.0], upper=0.0) == "limit pulls"
+    assert broken(units, forces=[0.0, -5.0], lower=0.0) == "limit pulls"
+    assert broken(units, forces=[0.0, -5.0]) == "limit not reached"
+    assert not broken(units, forces=[0.0, -5.0], upper=-0.9e-8)
+    assert broken(units, forces=[0.0, -5.0], upper=-1.1e-8) == "limit not reached"
+    assert not broken(units, upper=0.9e-6)
+    assert broken(units, upper=1.1e-6) == "limit passed"
+    assert broken(units, lower=1.1e-6) == "limit passed"
+
+
+def test_a_one_way_clutch_holds_in_one_direction(units: Any) -> None:
+    assert not broken(units, forces=[0.0, 5.0], upper=-INF, lower=0.0, one_way=True)
+    assert broken(units, forces=[0.0, -5.0], upper=-INF, lower=0.0, one_way=True) == "limit pulls"
