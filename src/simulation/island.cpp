@@ -131,6 +131,8 @@ double Island::advance(double end, long max_evaluations, bool continues) {
   equations_->contacts().begin_part(continues);
   events_.begin_part();
   if (integrator_) {
+    // A method that restarts because a motion has jumped does so again when its legs are repeated.
+    const bool continues_history = has_history();
     if (follows_) enforce_given_motions();
     inputs_jumped_ = loads_changed_ || (inputs_jumped_ && equations_->drives().inputs().jumped());
     if (inputs_jumped_) {
@@ -141,7 +143,7 @@ double Island::advance(double end, long max_evaluations, bool continues) {
     }
     inputs_touched_ = false;
     if (!continues) integrator_->begin();
-    if (will_have_history() && !has_history()) replay_.begin(integrator_->steps());
+    if (will_have_history() && !continues_history) replay_.begin(integrator_->steps());
     ReplayStep leg{end, dynamics_->evaluations(), inputs_jumped_};
     equations_->set_evaluation_budget(max_evaluations);
     time_ = integrator_->advance(end, y_.data());
