@@ -93,24 +93,24 @@ bool Formulation::evaluate(double t, const double* y, double* ydot) {
   return all_finite(ydot, size());
 }
 
-bool Formulation::project_onto_constraints(double t, double* y) {
+bool Formulation::project_onto_constraints(double t, double* y, bool keeps_limits) {
   drives_.go_to(t);
   dynamics_.normalize(y);
   dynamics_.set_position(y);
-  limits_.begin(y + mechanism_.nq);
+  if (keeps_limits) limits_.begin(y + mechanism_.nq);
   if (!modes_.locks().empty()) modes_.locks().release();  // friction exerts no impulses
   projector().refactorize();  // an impact is no small correction, so former factors are not accurate enough
   // The smallest change in the mass metric, whichever method corrects rounding errors afterwards.
   dynamics_.min_norm_displacement(dynamics_.Phi().data(), dv_.data());
   dynamics_.displace(y, dv_.data());
-  if (!projector().close_position(y) || !keep_limits(t, y)) return false;
+  if (!projector().close_position(y) || (keeps_limits && !keep_limits(t, y))) return false;
   projector().refactorize();
   double* v = y + mechanism_.nq;
   dynamics_.set_velocity(v);
   dynamics_.min_norm_displacement(dynamics_.row_rates().data(), dv_.data());
   for (int k = 0; k < mechanism_.nv; ++k) v[k] += dv_[k];
   if (!projector().close_velocity(v)) return false;
-  if (!limits_.empty()) {
+  if (keeps_limits && !limits_.empty()) {
     accelerations_at(t, y, dv_.data());
     limits_.correct_velocity({v, dv_.size()});
     projector().refactorize();

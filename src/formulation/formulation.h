@@ -77,8 +77,8 @@ class Formulation : public Equations, private ModeEquations, private TouchedEqua
   // Call when inputs have changed discontinuously at (t, y), the present state of the run.
   virtual void inputs_changed(double t, const double* y);
   // Projects y onto the constraints after a discontinuity, by the smallest change in the mass metric; for velocities
-  // this is an impact. Returns false if that fails.
-  bool project_onto_constraints(double t, double* y);
+  // this is an impact. keeps_limits: no coordinate is pushed beyond its limits. Returns false if that fails.
+  bool project_onto_constraints(double t, double* y, bool keeps_limits);
   // vdot (nv) for outputs, at a state accepted at t; `dynamics` is left there, including velocities and accelerations.
   void output_accelerations(double t, const double* y, double* vdot);
   // Whether friction, a limit or a closed contact holds something in the present modes; not those of friction that

@@ -134,7 +134,7 @@ struct Solver {
   // Evaluations of an island's equations of motion in a communication step. The default counts for each second, or
   // thousand steps, of longer ones.
   int max_evaluations = default_evaluations;
-  static constexpr int default_evaluations = 100'000;
+  static constexpr int default_evaluations = 1'000'000;
   int max_events = 10'000;        // events of an island per communication step
   int corrections = 0;            // exact number of projection iterations after each step; 0: until convergence
   double cone_tolerance = 1e-11;  // residual of the velocities of contacts, relative to the largest one

@@ -170,7 +170,7 @@ Json solver() {
          {"maximum", words::max_evaluations.max},
          {"description",
           "Maximum number of evaluations of the equations of motion of each island in a communication step, which "
-          "ends early then; if not given, 100000 for each second, or 1000 times step, of it"}}},
+          "ends early then; if not given, 1000000 for each second, or 1000 times step, of it"}}},
        {"max_events",
         {{"type", "integer"},
          {"minimum", words::max_events.min},

@@ -203,7 +203,7 @@ void Island::enforce_given_motions() {
   if (std::ranges::equal(drives_, followed_, same)) return;
   carry_along();
   followed_ = drives_;
-  if (!equations_->project_onto_constraints(time_, y_.data())) {
+  if (!equations_->project_onto_constraints(time_, y_.data(), true)) {
     throw IntegrationError(
         "the motion prescribed by an input cannot be followed from the present state: projection did not converge");
   }
@@ -327,7 +327,7 @@ bool Island::place(const Eigen::VectorXd& change, double time) {
   realized_ = Stage::position;
   if (mechanism().rows == 0) {
     dynamics_->normalize(y_.data());
-  } else if (!equations_->project_onto_constraints(time_, y_.data())) {
+  } else if (!equations_->project_onto_constraints(time_, y_.data(), false)) {
     return false;
   }
   equations_->start(equations_->revolutions().coordinates(), time_, y_.data());

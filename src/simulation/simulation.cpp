@@ -50,12 +50,14 @@ double Simulation::Impl::advance_islands(double end, bool continues, bool logged
   // Islands that went further go there again. Steps to another end may take more evaluations than before, and those of
   // a motion that has become chaotic far more.
   constexpr int most_repetitions = 20;
+  constexpr long multiple = 10, least = 10'000;
+  const long enough = evaluations < LONG_MAX / (2 * multiple) ? multiple * evaluations + least : LONG_MAX;
   for (int i = 0; i < most_repetitions; ++i) {
     const double common = end;
     for (const auto& island : islands) {
       if (island->time() == end) continue;
       roll_back(*island, logged);
-      end = island->advance(end, evaluations, continues);
+      end = island->advance(end, enough, continues);
     }
     if (end == common) return end;
   }
