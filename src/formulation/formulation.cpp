@@ -13,6 +13,18 @@ namespace {
 // failed step.
 constexpr double dead_center_pivot_ratio = 0.1;
 
+// Sets a flag during its lifetime, also where that is ended by an exception.
+class Raised {
+ public:
+  explicit Raised(bool& flag) : flag_(flag) { flag_ = true; }
+  ~Raised() { flag_ = false; }
+  Raised(const Raised&) = delete;
+  Raised& operator=(const Raised&) = delete;
+
+ private:
+  bool& flag_;
+};
+
 // Branch-free: zero times NaN or infinity is NaN.
 bool all_finite(const double* x, int n) {
   double zero = 0;
@@ -263,9 +275,10 @@ void Formulation::output_touched_accelerations(double t, const double* y, double
   contacts_.touch()->preview(t, y);
   drives_.go_to_outputs(t);
   solve_at(t, y, vdot);
-  reads_outputs_ = true;
-  contacts_.touch()->record_outputs(t, y);
-  reads_outputs_ = false;
+  {
+    const Raised reading(reads_outputs_);
+    contacts_.touch()->record_outputs(t, y);
+  }
   dynamics_.branching().contact_rows().apply_forces(touched.wrenches(), nullptr);
   solve_at(t, y, vdot);
   modes_.record_outputs();

@@ -26,8 +26,8 @@ constexpr double blocked_cosine = 1e-12;
 // Of the sum of normal forces: what an evaluation may miss of a limit in its mode.
 constexpr double overload_rounding = 1e-9;
 
-// Drops the rows along which what is held, or constraint equations, permit no motion: their response is rounding, by
-// which nothing must be divided.
+// Drops the rows along which what is held, or constraint equations, permit no motion: their response is rounding,
+// which must not become a divisor.
 void drop_blocked(const TouchEquations::RowMatrix& R, const TouchEquations::RowMatrix& Z, MatrixXd& G,
                   VectorXd& right) {
   for (Index i = 0; i < G.rows(); ++i) {

@@ -82,8 +82,8 @@ def test_forces_balance_within_the_laws(held: str, integrator: str) -> None:
 
 
 @pytest.mark.parametrize("integrator", EVENTS)
-def test_the_joint_alone_holds_what_it_can_when_nothing_touches(integrator: str) -> None:
-    """Beside it, a contact that is closed without need exerts what it must."""
+def test_the_contact_opens_where_friction_alone_cannot_hold_the_arm(integrator: str) -> None:
+    """A torque lifts the arm: first by its weight, which needs no force; then by more than friction holds."""
     plant = gelenk.Simulation(arm(HELD["friction"][0], integrator, friction=0.5))
     plant.initialize()
     plant.set_input("motor.tau", -WEIGHT)
