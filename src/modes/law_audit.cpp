@@ -7,11 +7,8 @@
 namespace gelenk {
 namespace {
 
-// Forces are solved for to some 1e-13 of the largest (Branching::slack); modes are decided within 1e-9 of a limit. What
-// is wrong by a decision is wrong by far more than this fraction of a limit, and this number of slacks.
-constexpr double force_fraction = 1e-6;
+// Beyond a limit, this number of slacks (Branching::slack) is rounding.
 constexpr double slacks = 1e4;
-constexpr double least_force = 1e-9;  // natural units: where hardly any forces act, all are rounding
 // Speeds up to this, relative to the largest or 1, may have either sign by rounding.
 constexpr double rest_fraction = 1e-8;
 // A limit acts within this multiple of what counts as contact with it (some 1e-12); and may be passed by this one,
@@ -24,7 +21,7 @@ using Kind = BrokenLaw::Kind;
 std::optional<BrokenLaw> audit_friction(const Branching::Lock& lock, double friction, double speed, bool moves,
                                         double slack) {
   const double permitted = lock.sticking_limit.against(friction > 0 ? -1 : 1);
-  if (std::abs(friction) > (1 + force_fraction) * permitted + slack)
+  if (std::abs(friction) > (1 + audited_fraction) * permitted + slack)
     return BrokenLaw{Kind::friction_exceeded, lock.friction, friction, permitted};
   if (moves && friction * speed > 0 && std::abs(friction) > slack)
     return BrokenLaw{Kind::friction_along_motion, lock.friction, friction, speed};
@@ -62,7 +59,7 @@ std::optional<BrokenLaw> audit_locks(const Branching& branching, std::span<const
   std::optional<BrokenLaw> broken;
   for (int i = 0; i < branching.locks() && !broken; ++i) {
     const Branching::Lock lock = branching.lock(i);
-    const double slack = slacks * branching.slack(i) + least_force;
+    const double slack = slacks * branching.slack(i) + least_audited_force;
     const double speed = branching.speed(i, v);
     const bool moves = std::abs(speed) > rest_fraction * fastest;
     if (lock.friction >= 0)

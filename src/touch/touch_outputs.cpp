@@ -6,14 +6,6 @@
 #include <limits>
 
 namespace gelenk {
-namespace {
-
-// What is wrong by a decision on modes is wrong by far more than this fraction of the normal forces and, where these
-// are hardly any, this force [natural units], which is rounding.
-constexpr double force_fraction = 1e-6;
-constexpr double least_force = 1e-9;
-
-}  // namespace
 
 TouchOutputs::TouchOutputs(const Mechanism& mechanism, Dynamics& dynamics, TouchEquations& touch, std::size_t contacts)
     : mechanism_(mechanism),
@@ -30,8 +22,8 @@ void TouchOutputs::record(const Eigen::VectorXd* distributed) {
   std::ranges::fill(wrenches_, Spatial::Force{});
   const auto& forces = distributed == nullptr ? touch_.forces() : touch_.forces_of(*distributed);
   broken_.reset();
-  double slack = least_force;
-  for (const auto& force : forces) slack += force_fraction * std::abs(force.normal);
+  double slack = least_audited_force;
+  for (const auto& force : forces) slack += audited_fraction * std::abs(force.normal);
   for (std::size_t i = 0; i < forces.size(); ++i) {
     const TouchEquations::Entry& entry = touch_.rows().entries[i];
     if (!broken_) audit(entry, forces[i], slack);
@@ -56,7 +48,7 @@ void TouchOutputs::audit(const TouchEquations::Entry& entry, const TouchEquation
   for (int group = 0; group < contact_groups; ++group) {
     const auto g = static_cast<std::size_t>(group);
     const double permitted = touch_.coefficient(entry.spot, group, false) * force.normal;
-    if (entry.rows[g] >= 0 && force.held[g] > (1 + force_fraction) * permitted + slack)
+    if (entry.rows[g] >= 0 && force.held[g] > (1 + audited_fraction) * permitted + slack)
       broken_ = BrokenLaw{group == 0 ? BrokenLaw::Kind::contact_friction : BrokenLaw::Kind::contact_moment, contact,
                           force.held[g], permitted};
   }
