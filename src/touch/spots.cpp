@@ -92,16 +92,20 @@ Spots::Range Spots::range(int pair) const {
   return {pairs_[i].first, i + 1 < pairs_.size() ? pairs_[i + 1].first : count()};
 }
 
-Spots::Approach Spots::approach(int pair) const {
+bool Spots::tip_is_smaller(int pair) const {
   const Pair& of = pairs_[static_cast<std::size_t>(pair)];
-  const bool tip_moves = of.tip_arm <= of.core_arm;
-  const int moving = tip_moves ? of.tip_link : of.core_link;
-  const int other = tip_moves ? of.core_link : of.tip_link;
-  const Vector3d p = pose(moving).point(tip_moves ? of.tip : of.core);
+  return of.tip_arm <= of.core_arm;
+}
+
+Spots::Approach Spots::approach(int pair, bool of_tip) const {
+  const Pair& of = pairs_[static_cast<std::size_t>(pair)];
+  const int moving = of_tip ? of.tip_link : of.core_link;
+  const int other = of_tip ? of.core_link : of.tip_link;
+  const Vector3d p = pose(moving).point(of_tip ? of.tip : of.core);
   const Vector3d w = velocity(moving).w - velocity(other).w;
   const Vector3d v = velocity(moving).v - velocity(other).v + w.cross(p);
   const Eigen::Matrix3d R = pose(other).R.transpose();
-  return {.p = R * (p - pose(other).p), .v = R * v, .w = R * w, .arm = tip_moves ? of.tip_arm : of.core_arm};
+  return {.p = R * (p - pose(other).p), .v = R * v, .w = R * w, .arm = of_tip ? of.tip_arm : of.core_arm};
 }
 
 Vector3d Spots::between(const Pair& pair) const {

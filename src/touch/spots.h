@@ -79,15 +79,17 @@ class Spots {
     int first = 0, last = 0;  // spot; the one after the last
   };
   Range range(int pair) const;
-  // After read_motion(): the motion of a bounded shape of a pair as seen from the other one, in the frame of its link:
-  // that of the origin of the shape's frame, and its angular velocity.
+  // After read_motion(): the motion of one shape of a pair, that with the tips or the core, as seen from the other one,
+  // in the frame of its link: that of the origin of the shape's frame, and its angular velocity.
   struct Approach {
     Eigen::Vector3d p = Eigen::Vector3d::Zero();  // m: that origin
     Eigen::Vector3d v = Eigen::Vector3d::Zero();  // m/s
     Eigen::Vector3d w = Eigen::Vector3d::Zero();  // rad/s
-    double arm = 0;                               // m: the largest distance of its points from that origin
+    double arm = 0;  // m: the largest distance of its points from that origin; infinite if it is not bounded
   };
-  Approach approach(int pair) const;
+  Approach approach(int pair, bool of_tip) const;
+  // Whether the shape with the tips is that whose points are nearer to the origin of its frame.
+  bool tip_is_smaller(int pair) const;
   // After read_position(): of a link, in the root frame.
   const Pose3& pose(int link) const { return poses_[static_cast<std::size_t>(link)]; }
   // After read_position(). Of a feature beyond its ends, as if it were longer.
