@@ -147,11 +147,6 @@ bool Formulation::keep_limits(double t, double* y) {
   return true;
 }
 
-void Formulation::set_evaluation_budget(long evaluations) {
-  const long now = dynamics_.evaluations();
-  last_evaluation_ = evaluations < LONG_MAX - now ? now + evaluations : LONG_MAX;
-}
-
 bool Formulation::accelerate(double t, const double* y, double* vdot) {
   projector().refactorize();
   dynamics_.set_velocity(y + mechanism_.nq);
@@ -221,6 +216,7 @@ bool Formulation::project(double, double* y) {
 }
 
 void Formulation::accepted(double t, const double* y) {
+  budget_.reached(dynamics_.evaluations(), t);
   if (!mechanism_.cuts.empty()) revolutions_.count(t, y);
   if (mechanism_.rows == 0) return;
   const long before = singularity_monitor_.count();
@@ -297,12 +293,13 @@ bool Formulation::holds_by_modes() const {
   return touches || modes_.locks().any_at_rest();
 }
 
-std::optional<BrokenLaw> Formulation::broken_law(const double* y) {
-  if (contacts_.touch() != nullptr && contacts_.touch()->outputs().broken_law())
-    return contacts_.touch()->outputs().broken_law();
-  if (!modes_.locks().any_at_rest()) return {};
+LawAudit Formulation::law_audit(const double* y) {
+  LawAudit out;
+  if (contacts_.touch() != nullptr) out = contacts_.touch()->outputs().audit();
+  if (!modes_.locks().any_at_rest()) return out;
   dynamics_.set_position(y);
-  return audit_locks(dynamics_.branching(), modes_.recorded_forces(), y + mechanism_.nq, mechanism_.nv);
+  out.add(audit_locks(dynamics_.branching(), modes_.recorded_forces(), y + mechanism_.nq, mechanism_.nv));
+  return out;
 }
 
 void Formulation::start(const std::vector<double>& cut_q, double t, const double* y) {

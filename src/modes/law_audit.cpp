@@ -18,56 +18,51 @@ constexpr double passed_distances = 1e6;
 
 using Kind = BrokenLaw::Kind;
 
-std::optional<BrokenLaw> audit_friction(const Branching::Lock& lock, double friction, double speed, bool moves,
-                                        double slack) {
+void audit_friction(const Branching::Lock& lock, double friction, double speed, bool moves, double slack,
+                    LawAudit& audit) {
   const double permitted = lock.sticking_limit.against(friction > 0 ? -1 : 1);
-  if (std::abs(friction) > (1 + audited_fraction) * permitted + slack)
-    return BrokenLaw{Kind::friction_exceeded, lock.friction, friction, permitted};
-  if (moves && friction * speed > 0 && std::abs(friction) > slack)
-    return BrokenLaw{Kind::friction_along_motion, lock.friction, friction, speed};
-  return {};
+  audit.add((std::abs(friction) - permitted) / (audited_fraction * permitted + slack),
+            {Kind::friction_exceeded, lock.friction, friction, permitted});
+  if (moves && friction * speed > 0)
+    audit.add(std::abs(friction) / slack, {Kind::friction_along_motion, lock.friction, friction, speed});
 }
 
-std::optional<BrokenLaw> audit_limit(const Branching& branching, int i, double force, double slack) {
+void audit_limit(const Branching& branching, int i, double force, double slack, LawAudit& audit) {
   const Branching::Lock lock = branching.lock(i);
   const int side = force < 0 ? 1 : -1;  // the bound that would push like this
   const Branching::Depth at = branching.depth(i, side);
-  const bool acts = std::abs(force) > slack;
+  const double excess = std::abs(force) / slack;
   if (lock.one_way) {
-    if (acts && std::isinf(at.depth)) return BrokenLaw{Kind::limit_pulls, lock.limit, force};
-    return {};
+    if (std::isinf(at.depth)) audit.add(excess, {Kind::limit_pulls, lock.limit, force});
+    return;
   }
-  if (acts && at.depth < -distances * at.tolerance) {
+  if (at.depth < -distances * at.tolerance) {
     const bool pulls = branching.depth(i, -side).depth >= -distances * at.tolerance;
-    return pulls ? BrokenLaw{Kind::limit_pulls, lock.limit, force}
-                 : BrokenLaw{Kind::limit_not_reached, lock.limit, force, -at.depth};
+    audit.add(excess, pulls ? BrokenLaw{Kind::limit_pulls, lock.limit, force}
+                            : BrokenLaw{Kind::limit_not_reached, lock.limit, force, -at.depth});
   }
   for (const int of : {1, -1}) {
     const Branching::Depth passed = branching.depth(i, of);
-    if (passed.depth > passed_distances * passed.tolerance)
-      return BrokenLaw{Kind::limit_passed, lock.limit, 0, passed.depth};
+    audit.add(passed.depth / (passed_distances * passed.tolerance), {Kind::limit_passed, lock.limit, 0, passed.depth});
   }
-  return {};
 }
 
 }  // namespace
 
-std::optional<BrokenLaw> audit_locks(const Branching& branching, std::span<const double> forces, const double* v,
-                                     int nv) {
+LawAudit audit_locks(const Branching& branching, std::span<const double> forces, const double* v, int nv) {
   double fastest = 1;
   for (int k = 0; k < nv; ++k) fastest = std::max(fastest, std::abs(v[k]));
-  std::optional<BrokenLaw> broken;
-  for (int i = 0; i < branching.locks() && !broken; ++i) {
+  LawAudit audit;
+  for (int i = 0; i < branching.locks(); ++i) {
     const Branching::Lock lock = branching.lock(i);
     const double slack = slacks * branching.slack(i) + least_audited_force;
     const double speed = branching.speed(i, v);
     const bool moves = std::abs(speed) > rest_fraction * fastest;
     if (lock.friction >= 0)
-      broken = audit_friction(lock, forces[static_cast<std::size_t>(lock.friction)], speed, moves, slack);
-    if (lock.limit >= 0 && !broken)
-      broken = audit_limit(branching, i, forces[static_cast<std::size_t>(lock.limit)], slack);
+      audit_friction(lock, forces[static_cast<std::size_t>(lock.friction)], speed, moves, slack, audit);
+    if (lock.limit >= 0) audit_limit(branching, i, forces[static_cast<std::size_t>(lock.limit)], slack, audit);
   }
-  return broken;
+  return audit;
 }
 
 }  // namespace gelenk

@@ -32,9 +32,29 @@ struct BrokenLaw {
   double found = 0, bound = 0;  // natural units, in the user's signs
 };
 
-// The first force along a joint that breaks its law. `branching`: at the state, with velocities v (nv) and with inputs
-// set. forces: by force with modes, in the user's signs, as output.
-std::optional<BrokenLaw> audit_locks(const Branching& branching, std::span<const double> forces, const double* v,
-                                     int nv);
+// What goes furthest beyond its law.
+class LawAudit {
+ public:
+  // excess: what is beyond the law, relative to what rounding and tolerances explain.
+  void add(double excess, const BrokenLaw& law) {
+    if (excess <= excess_) return;
+    excess_ = excess;
+    worst_ = law;
+  }
+  void add(const LawAudit& other) {
+    if (other.worst_) add(other.excess_, *other.worst_);
+  }
+  double excess() const { return excess_; }
+  // The law that is broken, if any is.
+  std::optional<BrokenLaw> broken() const { return excess_ > 1 ? worst_ : std::nullopt; }
+
+ private:
+  double excess_ = 0;
+  std::optional<BrokenLaw> worst_;
+};
+
+// Of the forces along joints. `branching`: at the state, with velocities v (nv) and with inputs set. forces: by force
+// with modes, in the user's signs, as output.
+LawAudit audit_locks(const Branching& branching, std::span<const double> forces, const double* v, int nv);
 
 }  // namespace gelenk

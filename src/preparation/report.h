@@ -67,7 +67,8 @@ std::string describe_time_steps(const Scene& scene, const std::string& reason, d
 std::string describe_unreachable_tolerance(const std::string& integrator, double tolerance, double finest);
 
 // Describes a step to `end` [s] that ended at t [s] because the evaluation budget was exhausted.
-std::string describe_exhausted_budget(double t, double end, long evaluations);
+// obstacle: what hinders the motion there, or empty.
+std::string describe_exhausted_budget(double t, double end, long evaluations, const std::string& obstacle);
 
 // Describes a failed step; good_time [s]: time of the state that is kept.
 std::string describe_failed_step(const std::string& cause, double good_time);

@@ -210,6 +210,9 @@ std::vector<Signal> diagnostic_signals() {
   set(Diagnostic::step_error, "solver.step_error", "1",
       "estimated error of positions by time steps with impulses of the integrator auto, the largest since "
       "initialization: m for distances, rad for angles");
+  set(Diagnostic::law_excess, "solver.law_excess", "1",
+      "by how much forces of friction, limits and contacts exceed their laws at present, relative to what rounding and "
+      "tolerances explain; a step with more than 1 is refused");
   return signals;
 }
 

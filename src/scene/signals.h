@@ -59,8 +59,9 @@ enum class Diagnostic : int {
   contact_points,       // that transmit a force at the end of the last step
   scheme,               // of contacts: 0: located events, 1: steps with impulses
   step_error,           // of the latter with the integrator auto: estimated error of positions [rad, m]
+  law_excess,           // at present, of forces beyond their laws; 1: as much as is permitted
 };
-inline constexpr int diagnostic_count = 19;
+inline constexpr int diagnostic_count = 20;
 
 // Returns the diagnostics in the order of Diagnostic.
 std::vector<Signal> diagnostic_signals();

@@ -123,7 +123,7 @@ void Island::keep_start() {
   serialize(replay_.beginning);
 }
 
-double Island::advance(double end, long max_evaluations, bool continues) {
+double Island::advance(double end, const Allowance& allowed, bool continues) {
   keep_start();
   realized_ = Stage::position;
   shown_ = false;
@@ -145,7 +145,7 @@ double Island::advance(double end, long max_evaluations, bool continues) {
     if (!continues) integrator_->begin();
     if (will_have_history() && !continues_history) replay_.begin(integrator_->steps());
     ReplayStep leg{end, dynamics_->evaluations(), inputs_jumped_};
-    equations_->set_evaluation_budget(max_evaluations);
+    equations_->begin_budget(allowed, time_, end);
     time_ = integrator_->advance(end, y_.data());
     inputs_jumped_ = loads_changed_ = false;
     if (follows_) equations_->drives().targets_at(time_, followed_);
@@ -179,7 +179,7 @@ void Island::replay(const ReplayStep& leg) {
   inputs_jumped_ = leg.jumped;
   if (!(leg.end > time_)) throw std::invalid_argument("it is not of this plant, or damaged");
   try {
-    advance(leg.end, leg.evaluations);
+    advance(leg.end, {leg.evaluations});
   } catch (const IntegrationError&) {
     throw std::invalid_argument("it is not of this plant, or damaged");
   } catch (const SingularMass&) {
@@ -212,12 +212,16 @@ void Island::enforce_given_motions() {
 
 // Only where something is held: what moves freely has no force that modes decide on. Outputs of this state use the same
 // evaluation.
-void Island::audit() {
-  if (!equations_->holds_by_modes()) return;
-  const Drives::AtEndOfStep reading(equations_->drives());
+LawAudit Island::law_audit() {
+  if (!equations_->holds_by_modes()) return {};
   realize(Stage::acceleration);
-  const std::optional<BrokenLaw> broken = equations_->broken_law(y_.data());
-  if (broken) throw IntegrationError(at_time(time_) + describe_broken_law(scene_, loads_, *broken));
+  return equations_->law_audit(y_.data());
+}
+
+void Island::audit() {
+  const Drives::AtEndOfStep reading(equations_->drives());
+  if (const std::optional<BrokenLaw> broken = law_audit().broken())
+    throw IntegrationError(at_time(time_) + describe_broken_law(scene_, loads_, *broken));
 }
 
 // A motion of unknown start velocity changes its coordinate alone, and its velocity by that at the start: joints that

@@ -26,10 +26,10 @@ class Island {
 
   // Creates the integrator. tolerance: relative.
   void start_integrator(double tolerance);
-  // Advances to `end` [s], or to the end of the first integrator step after which max_evaluations is exceeded; returns
-  // the time reached. continues: resumes an advance that ended early, without resetting anything. Throws
+  // Advances to `end` [s], or to the end of the first integrator step after which no more is permitted; returns the
+  // time reached. continues: resumes an advance that ended early, without resetting anything. Throws
   // IntegrationError and SingularMass; the caller must then call roll_back().
-  double advance(double end, long max_evaluations, bool continues = false);
+  double advance(double end, const Allowance& allowed, bool continues = false);
   // Returns to the state before the last advance(), with all memory, as if that had not been made. For a method with a
   // history, to the state at its last restart: the caller then calls replay() for each leg of the path returned, with
   // the inputs of that step, and finish_replay().
@@ -63,6 +63,13 @@ class Island {
 
   // Evaluates the equations up to the stage that an output requires.
   void realize(Stage stage);
+  // What hinders the motion at the present state; empty: nothing is known.
+  std::string obstacle() {
+    realized_ = Stage::position;
+    return equations_->obstacle(y_.data());
+  }
+  // Of the forces that outputs show; it evaluates the equations as they do.
+  LawAudit law_audit();
   const Reading& reading() const { return *reading_; }
   const PreparedIsland& prepared() const { return prepared_; }
   const Loads& loads() const { return loads_; }
@@ -72,6 +79,7 @@ class Island {
   std::vector<MotionLaw::Derivatives> targets() const;
 
   RunCounts counts() const;
+  long evaluations_of_advance() const { return evaluations() - start_.evaluations; }
   const EventLog& events() const { return events_; }
 
  private:

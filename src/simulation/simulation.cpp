@@ -31,27 +31,39 @@ void Simulation::Impl::check_inputs(double end) const {
 }
 
 // Unless a number is given, long communication steps may take more evaluations than those of a control loop.
-long Simulation::Impl::permitted_evaluations(double span) const {
-  if (scene.solver.max_evaluations != Solver::default_evaluations) return scene.solver.max_evaluations;
+Allowance Simulation::Impl::allowance(double span) const {
+  if (scene.solver.max_evaluations != Solver::default_evaluations) return {scene.solver.max_evaluations};
   constexpr double steps = 1000;
   const double step = scene.solver.step > 0 ? scene.solver.step : scene.experiment.step;
   const double most = scene.solver.max_evaluations * std::max(1.0, span / std::min(1.0, steps * step));
-  return most < static_cast<double>(LONG_MAX) ? static_cast<long>(most) : LONG_MAX;
+  return {most < static_cast<double>(LONG_MAX) ? static_cast<long>(most) : LONG_MAX, true};
+}
+
+// A step to `end` that ended at t.
+std::string Simulation::Impl::describe_cut_step(double t, double end) const {
+  long used = 0;
+  std::string obstacle;
+  for (const auto& island : islands) {
+    used = std::max(used, island->evaluations_of_advance());
+    if (obstacle.empty()) obstacle = island->obstacle();
+  }
+  return describe_exhausted_budget(t, end, used, obstacle);
 }
 
 // Advances all islands to `end`, or to the time at which the first of them exhausts its evaluation budget; returns the
 // time reached. moved: number of islands that may have left the start of the step.
 double Simulation::Impl::advance_islands(double end, bool continues, bool logged, std::size_t& moved) {
-  const long evaluations = permitted_evaluations(end - time);
+  const Allowance allowed = allowance(end - time);
   for (const auto& island : islands) {
     ++moved;
-    end = island->advance(end, evaluations, continues);
+    end = island->advance(end, allowed, continues);
   }
   // Islands that went further go there again. Steps to another end may take more evaluations than before, and those of
-  // a motion that has become chaotic far more.
-  constexpr int most_repetitions = 20;
-  constexpr long multiple = 10, least = 10'000;
-  const long enough = evaluations < LONG_MAX / (2 * multiple) ? multiple * evaluations + least : LONG_MAX;
+  // a motion that has become chaotic far more: then all go half as far.
+  constexpr int most_repetitions = 6;
+  constexpr long least = 1000;
+  const Allowance enough{allowed.evaluations < LONG_MAX / 4 ? 2 * allowed.evaluations + least : LONG_MAX,
+                         allowed.at_pace};
   for (int i = 0; i < most_repetitions; ++i) {
     const double common = end;
     for (const auto& island : islands) {
@@ -60,6 +72,7 @@ double Simulation::Impl::advance_islands(double end, bool continues, bool logged
       end = island->advance(end, enough, continues);
     }
     if (end == common) return end;
+    if (i > 0) end = time + (end - time) / 2;
   }
   throw IntegrationError(at_time(end) +
                          "the parts of the mechanism that do not affect each other reach no common time");
@@ -80,13 +93,12 @@ void Simulation::Impl::advance(double end) {
   const bool logged = !continues && any_integrator(islands, &Integrator::will_have_history);
   if (logged) log.add(u);
   try {
-    const long evaluations = permitted_evaluations(end - time);
     const double reached = advance_islands(end, continues, logged, moved);
     time = reached;
     cut_short = reached < end;
     if (reached == end) return u.finish(end);
     u.interrupt(reached);
-    throw StepBudgetError(describe_exhausted_budget(reached, end, evaluations));
+    throw StepBudgetError(describe_cut_step(reached, end));
   } catch (const IntegrationError& fault) {
     cause = fault.what();
   } catch (const SingularMass& fault) {
@@ -111,6 +123,12 @@ Energy Simulation::Impl::energy() {
 }
 
 // The largest magnitude among the constraint errors or their rates [m, rad, or per s].
+double Simulation::Impl::law_excess() {
+  double out = 0;
+  for (const auto& island : islands) out = std::max(out, island->law_audit().excess());
+  return out;
+}
+
 double Simulation::Impl::max_constraint_error(const std::vector<double>& (Kinematics::*errors)() const) {
   double angle = 0;
   double length = 0;
@@ -240,6 +258,8 @@ double Simulation::diagnostic(int index) {
       return scheme;
     case Diagnostic::step_error:
       return std::max(1.0, s.scene.units.length) * step_error;  // of angles, or of lengths
+    case Diagnostic::law_excess:
+      return s.law_excess();
     case Diagnostic::constraint_position:
       return s.max_constraint_error(&Kinematics::Phi);
     case Diagnostic::constraint_velocity:

@@ -96,9 +96,11 @@ struct Simulation::Impl {
   void replay(const std::vector<ReplayPath>& paths);
   void replay(Island& island, const ReplayPath& path, std::size_t newer);
   void roll_back(Island& island, bool logged) { replay(island, island.roll_back(), logged ? 1 : 0); }
-  long permitted_evaluations(double span) const;
+  Allowance allowance(double span) const;
+  std::string describe_cut_step(double t, double end) const;
   double advance_islands(double end, bool continues, bool logged, std::size_t& moved);
   Energy energy();
+  double law_excess();
   double max_constraint_error(const std::vector<double>& (Kinematics::*errors)() const);
   std::vector<std::string> names_of_coordinates(int island) const;  // of the independent ones
   Independent independent_of(int island, const std::vector<bool>& coordinates, const std::vector<bool>& speeds) const;

@@ -21,12 +21,12 @@ void TouchOutputs::record(const Eigen::VectorXd* distributed) {
   std::ranges::fill(sums_, ContactSum{});
   std::ranges::fill(wrenches_, Spatial::Force{});
   const auto& forces = distributed == nullptr ? touch_.forces() : touch_.forces_of(*distributed);
-  broken_.reset();
+  audit_ = {};
   double slack = least_audited_force;
   for (const auto& force : forces) slack += audited_fraction * std::abs(force.normal);
   for (std::size_t i = 0; i < forces.size(); ++i) {
     const TouchEquations::Entry& entry = touch_.rows().entries[i];
-    if (!broken_) audit(entry, forces[i], slack);
+    add_to_audit(entry, forces[i], slack);
     const Spot& spot = touch_.spots()[entry.spot];
     const Spatial::Force on_tip{forces[i].moment + entry.at.p.cross(forces[i].force), forces[i].force};
     wrenches_[static_cast<std::size_t>(spot.tip_link)] += on_tip;
@@ -39,18 +39,17 @@ void TouchOutputs::record(const Eigen::VectorXd* distributed) {
   }
 }
 
-void TouchOutputs::audit(const TouchEquations::Entry& entry, const TouchEquations::SpotForce& force, double slack) {
+void TouchOutputs::add_to_audit(const TouchEquations::Entry& entry, const TouchEquations::SpotForce& force,
+                                double slack) {
   const int contact = touch_.spots()[entry.spot].contact;
-  if (force.normal < -slack) {
-    broken_ = BrokenLaw{BrokenLaw::Kind::contact_pulls, contact, force.normal};
-    return;
-  }
+  audit_.add(-force.normal / slack, {BrokenLaw::Kind::contact_pulls, contact, force.normal});
   for (int group = 0; group < contact_groups; ++group) {
     const auto g = static_cast<std::size_t>(group);
-    const double permitted = touch_.coefficient(entry.spot, group, false) * force.normal;
-    if (entry.rows[g] >= 0 && force.held[g] > (1 + audited_fraction) * permitted + slack)
-      broken_ = BrokenLaw{group == 0 ? BrokenLaw::Kind::contact_friction : BrokenLaw::Kind::contact_moment, contact,
-                          force.held[g], permitted};
+    if (entry.rows[g] < 0) continue;
+    const double permitted = touch_.coefficient(entry.spot, group, false) * std::max(0.0, force.normal);
+    const auto kind = group == 0 ? BrokenLaw::Kind::contact_friction : BrokenLaw::Kind::contact_moment;
+    audit_.add((force.held[g] - permitted) / (audited_fraction * permitted + slack),
+               {kind, contact, force.held[g], permitted});
   }
 }
 

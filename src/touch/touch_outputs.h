@@ -4,7 +4,6 @@
 
 #include <Eigen/Core>
 #include <array>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -34,8 +33,7 @@ class TouchOutputs final : public ContactReadings {
   // Records the forces and modes after the accelerations have been solved for. distributed: forces with the same
   // effect, by row (TouchEquations::forces_of); null: those solved for.
   void record(const Eigen::VectorXd* distributed);
-  // The first one of them that is outside its law.
-  const std::optional<BrokenLaw>& broken_law() const { return broken_; }
+  const LawAudit& audit() const { return audit_; }
   // The recorded forces by link (ContactRows::apply_forces).
   const Spatial::Force* wrenches() const { return wrenches_.data(); }
   Eigen::Vector3d force(int contact) const override { return sums_[static_cast<std::size_t>(contact)].force; }
@@ -48,7 +46,7 @@ class TouchOutputs final : public ContactReadings {
   std::vector<std::array<std::string, 2>> event_texts(const Scene& scene) const;
 
  private:
-  void audit(const TouchEquations::Entry& entry, const TouchEquations::SpotForce& force, double slack);
+  void add_to_audit(const TouchEquations::Entry& entry, const TouchEquations::SpotForce& force, double slack);
 
   const Mechanism& mechanism_;
   Dynamics& dynamics_;
@@ -57,7 +55,7 @@ class TouchOutputs final : public ContactReadings {
   std::vector<ContactSum> sums_;          // by contact of the scene
   std::vector<Spatial::Force> wrenches_;  // by link
   std::vector<SpotMode> kept_, open_;
-  std::optional<BrokenLaw> broken_;
+  LawAudit audit_;  // of the recorded forces
 };
 
 }  // namespace gelenk

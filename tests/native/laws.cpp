@@ -65,7 +65,7 @@ std::string name_of(BrokenLaw::Kind kind) {
 
 }  // namespace
 
-// The law that a coordinate breaks, or an empty string. upper, lower: depth beyond the limits, whose tolerance is
+// The law that a coordinate breaks, or an empty string, and the excess. upper, lower: depth beyond the limits, whose tolerance is
 // 1e-12; sticking: the largest friction; forces: friction and that of the limit.
 void bind_laws(nb::module_& m) {
   m.def(
@@ -80,8 +80,9 @@ void bind_laws(nb::module_& m) {
         branching.upper = {upper, 1e-12};
         branching.lower = {lower, 1e-12};
         branching.rounding = rounding;
-        const auto broken = gelenk::audit_locks(branching, forces, &speed, 1);
-        return broken ? name_of(broken->kind) : std::string();
+        const gelenk::LawAudit audit = gelenk::audit_locks(branching, forces, &speed, 1);
+        const auto broken = audit.broken();
+        return std::pair(broken ? name_of(broken->kind) : std::string(), audit.excess());
       },
       nb::arg("forces"), nb::arg("speed"), nb::arg("sticking"), nb::arg("upper"), nb::arg("lower"), nb::arg("one_way"),
       nb::arg("rounding"));

@@ -14,8 +14,8 @@ FAR = -0.1  # m: depth of what is away from a limit
 SLACKS = 1e4  # of the rounding of the forces
 
 
-def broken(units: Any, **of: Any) -> str:
-    """What a slider at rest between its limits breaks."""
+def audited(units: Any, **of: Any) -> tuple[str, float]:
+    """What a slider at rest between its limits breaks, and by how much."""
     free = {
         "forces": [0.0, 0.0],
         "speed": 0.0,
@@ -25,7 +25,12 @@ def broken(units: Any, **of: Any) -> str:
         "one_way": False,
         "rounding": 0.0,
     }
-    return str(units.broken_law(**(free | of)))
+    law, excess = units.broken_law(**(free | of))
+    return str(law), float(excess)
+
+
+def broken(units: Any, **of: Any) -> str:
+    return audited(units, **of)[0]
 
 
 @pytest.mark.parametrize("sign", [1, -1])
@@ -61,3 +66,11 @@ def test_limits_push_where_they_are_reached(units: Any) -> None:
 def test_a_one_way_clutch_holds_in_one_direction(units: Any) -> None:
     assert not broken(units, forces=[0.0, 5.0], upper=-INF, lower=0.0, one_way=True)
     assert broken(units, forces=[0.0, -5.0], upper=-INF, lower=0.0, one_way=True) == "limit pulls"
+
+
+def test_excess_is_relative_to_what_is_permitted(units: Any) -> None:
+    assert audited(units, forces=[STICKING, 0.0])[1] == 0
+    for part in (0.5, 0.9, 3.0):
+        found = audited(units, forces=[STICKING * (1 + part * FRACTION), 0.0])[1]
+        assert found == pytest.approx(part, rel=1e-3)  # a force of 1e-9 is rounding, too
+        assert audited(units, upper=part * 1e-6)[1] == pytest.approx(part)
