@@ -112,7 +112,9 @@ void TouchModes::redistribute(double t, const double* y, double* locks, double* 
   find_yielding(own, yielding);
   std::size_t kept = touch_.closed().size();
   if (locks != nullptr) kept += locks_.find_yielding(locks, yielding);
-  if (yielding.empty() || kept < 2 || !holds_by_others(t, y)) return;
+  // A single contact has redundant forces where its body cannot move in all directions, as on a pendulum.
+  const bool may_differ = kept > 1 || !touch_.are_unique();
+  if (yielding.empty() || !may_differ || !holds_by_others(t, y)) return;
   for (double* value : yielding) *value = *value > 0 ? -*value : std::max(-*value, std::numeric_limits<double>::min());
 }
 

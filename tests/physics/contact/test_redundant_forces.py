@@ -7,6 +7,7 @@ determined, but friction exerts no more than it can, and limits, one-way clutche
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import pytest
@@ -95,3 +96,33 @@ def test_the_contact_opens_where_friction_alone_cannot_hold_the_arm(integrator: 
     acceleration = -0.2 * COULOMB / (0.01 + MASS * LENGTH**2 / 4)
     assert plant.output("A.w") == pytest.approx(0.01 * acceleration, rel=1e-6)
     assert plant.output("A.friction.tau") == pytest.approx(COULOMB)
+
+
+@pytest.mark.parametrize("integrator", EVENTS)
+@pytest.mark.parametrize("friction", [0.0, 0.1, 0.5, 2.0])
+def test_the_tip_of_a_pendulum_stays_where_it_falls(integrator: str, friction: float) -> None:
+    """The arm of a pendulum falls onto a plate, steeply: its joint and the contact hold it, by any friction.
+
+    Its tip could move in one direction only, in which the normal force alone keeps it. That the force of
+    least norm is outside the friction cone changes nothing: the contact has redundant forces, although
+    nothing else holds.
+    """
+    height = 0.19
+    scene = arm({}, integrator, friction)
+    scene["joints"]["A"]["parent"]["position"] = [0, 0, height]
+    scene["solver"]["max_evaluations"] = 2000
+    plant = gelenk.Simulation(scene)
+    plant.initialize(0.0, 1e-6)
+    for k in range(60):
+        plant.step_to((k + 1) * 0.01)
+    phi, w, f_x, f_z, mode = plant.values(["A.phi", "A.w", "rest.f[1]", "rest.f[3]", "rest.mode"])
+    assert phi == pytest.approx(math.asin((height - RADIUS) / LENGTH), abs=1e-9)
+    assert w == pytest.approx(0, abs=1e-12)
+    assert mode == (1 if friction > 0 else 2)
+    moment = LENGTH * (f_z * math.cos(phi) + f_x * math.sin(phi))
+    # The tip is a ball, whose lowest point touches.
+    moment += RADIUS * f_x
+    assert moment == pytest.approx(WEIGHT * math.cos(phi), rel=1e-9)
+    assert f_z > 0
+    assert abs(f_x) <= friction * f_z * (1 + 1e-6)
+    assert 0 <= plant.diagnostic("solver.law_excess") < 1
