@@ -31,7 +31,9 @@ ModelSize size_of(const ReducedScene& reduced) {
 
 const Inputs& Simulation::Impl::inputs_at_start(const std::vector<Signal>& signals, Inputs& u) {
   for (std::size_t i = 0; i < signals.size(); ++i) {
-    if (signals[i].name.ends_with("_ref")) u.add_motion(static_cast<int>(i), 0);
+    std::size_t last = i;
+    while (signals[i].motion_order == 0 && last + 1 < signals.size() && signals[last + 1].motion_order > 0) ++last;
+    if (signals[i].motion_order == 0) u.add_motion(static_cast<int>(i), static_cast<int>(last - i));
     u.set(static_cast<int>(i), signals[i].start);
   }
   return u;
