@@ -29,13 +29,16 @@
 # make platforms  run FMUs on Windows (Wine) and ARM (QEMU), as far as these are installed, and inspect the libraries; after make runtimes
 # make clean    remove everything that was built
 # PYTHON=... selects the interpreter; otherwise a Python >= 3.12 is searched for. Everything else comes from PyPI.
+# JOBS=... is how many compilers and tests run at once; otherwise one for each processor, as far as memory allows.
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
 .DEFAULT_GOAL := help
 
-JOBS  ?= 2
+ifndef JOBS
+JOBS  := $(shell sh cmake/jobs.sh)
+endif
 TESTS ?= tests
 QUICK ?=
 VENV  := .venv
@@ -49,9 +52,17 @@ NATIVE  := $(shell find src modelDescription fmu python/bindings \( -name '*.cpp
 PACKAGE := $(shell find python/gelenk scenes -type f -not -path '*/__pycache__/*' 2>/dev/null)
 BUILD   := pyproject.toml CMakeLists.txt $(wildcard cmake/*) LICENSE $(wildcard licenses/*.txt licenses/*/*.txt)
 
-.PHONY: help demo test lint style tidy format pytest reductions charts accuracy nonsmooth gallery tutorial real-time growth bench costs clocks studies special thrown agreement masters sanitize units fuzz states runtimes wheels platforms clean
+# What a target needs beyond a compiler and Python is checked before anything is built.
+NEEDS := needs-costs needs-masters needs-sanitize needs-fuzz needs-runtimes
+needs-costs: ; @sh cmake/needs.sh costs valgrind
+needs-masters: ; @sh cmake/needs.sh masters mvn java cargo libclang
+needs-sanitize: ; @sh cmake/needs.sh sanitize libasan libubsan libtsan valgrind
+needs-fuzz: ; @CLANGXX="$(CLANGXX)" sh cmake/needs.sh fuzz clang++
+needs-runtimes: ; @sh cmake/needs.sh runtimes cargo
+
+.PHONY: $(NEEDS) help demo test lint style tidy format pytest reductions charts accuracy nonsmooth gallery tutorial real-time growth bench costs clocks studies special thrown agreement masters sanitize units fuzz states runtimes wheels platforms clean
 help:
-	@sed -n '2,30s/^# //p' Makefile
+	@sed -n '2,33s/^# //p' Makefile
 
 demo: $(VENV)/gelenk.stamp
 	@echo "Running the demo (some seconds)"
@@ -123,7 +134,7 @@ bench: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 	$(BIN)/python -m benchmarks.speed $(if $(QUICK),--quick)
 
 # Needs Valgrind.
-costs: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
+costs: needs-costs $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 	PYTHONPATH=tests $(BIN)/python -m costs.counting "$(WHY)"
 
 # Ten minutes.
@@ -153,7 +164,7 @@ agreement: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 MASTERS := $(abspath build/masters)
 VDMCHECK := $(abspath build/vdmcheck)
 FMI_SIM := 0.7.0
-masters: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
+masters: needs-masters $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 	mvn -q -B -f tests/masters/pom.xml dependency:copy-dependencies -Dmdep.prependGroupId=true -DoutputDirectory=$(MASTERS)
 	cargo install --quiet --locked --root $(MASTERS) --version $(FMI_SIM) fmi-sim
 	GELENK_MASTERS=$(MASTERS) PYTHONPATH=tests $(BIN)/python -m masters.study
@@ -162,7 +173,7 @@ masters: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 	GELENK_VDMCHECK=$(VDMCHECK) $(BIN)/python -m pytest -n $(JOBS) tests/fmu/test_vdmcheck.py
 
 # Two native builds and about ten minutes.
-sanitize: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
+sanitize: needs-sanitize $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 	PATH="$(abspath $(BIN)):$$PATH" cmake --preset debug -DPython_EXECUTABLE=$(abspath $(BIN))/python -DGELENK_SCENES=OFF
 	PATH="$(abspath $(BIN)):$$PATH" cmake --build --preset debug -j $(JOBS) --target gelenk_fmu
 	PATH="$(abspath $(BIN)):$$PATH" cmake --preset thread -DPython_EXECUTABLE=$(abspath $(BIN))/python -DGELENK_SCENES=OFF
@@ -186,7 +197,7 @@ units: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 # continuous integration only reads the seeds, with the package as it is: tests/fuzz/test_corpus.py.
 SECONDS_EACH ?= 600
 CLANGXX ?= clang++
-fuzz: $(VENV)/tools.stamp
+fuzz: needs-fuzz $(VENV)/tools.stamp
 	PATH="$(abspath $(BIN)):$$PATH" cmake --preset fuzz -DPython_EXECUTABLE=$(abspath $(BIN))/python \
 	  -DCMAKE_CXX_COMPILER=$(CLANGXX)
 	PATH="$(abspath $(BIN)):$$PATH" cmake --build --preset fuzz -j $(JOBS)
@@ -207,10 +218,10 @@ $(VENV)/runtimes.stamp: $(VENV)/tools.stamp
 RUNTIMES_BUILD := build/runtimes
 COMPARE ?=
 ifneq ($(COMPARE),)
-runtimes: $(VENV)/runtimes.stamp $(VENV)/tools.stamp
+runtimes: needs-runtimes $(VENV)/runtimes.stamp $(VENV)/tools.stamp
 	PATH="$(abspath $(BIN)):$$PATH" $(BIN)/python cmake/runtimes.py $(RUNTIMES_BUILD) $(RUNTIMES_BUILD)/package --compare
 else
-runtimes: $(VENV)/runtimes.stamp $(VENV)/gelenk.stamp
+runtimes: needs-runtimes $(VENV)/runtimes.stamp $(VENV)/gelenk.stamp
 	PATH="$(abspath $(BIN)):$$PATH" $(BIN)/python cmake/runtimes.py $(RUNTIMES_BUILD) $(RUNTIMES_BUILD)/package \
 	  --linux64 "$$($(BIN)/python -P -c 'from gelenk.io import export; print(export.runtime_library("linux64").parent)')" \
 	  $(if $(QUICK),--quick)
@@ -242,6 +253,7 @@ clean:
 	rm -rf build dist out $(VENV) .mypy_cache .pytest_cache .ruff_cache
 
 $(VENV)/created.stamp:
+	@sh cmake/needs.sh "$(or $(MAKECMDGOALS),demo)" c++
 	@python=$$(sh cmake/find_python.sh); \
 	echo "Creating $(VENV) with $$python (half a minute)"; \
 	"$$python" -m venv --clear $(VENV)
@@ -257,7 +269,7 @@ $(VENV)/gelenk.stamp: $(VENV)/created.stamp $(BUILD) $(NATIVE) $(PACKAGE)
 	  export PATH="$(abspath $(BIN)):$$PATH"; \
 	  what=(--no-build-isolation --no-deps --force-reinstall -C build-dir=build/wheel .); \
 	else \
-	  echo "Building Gelenk: fetching 200 MB, compiling 180 files with $(JOBS) jobs (some 10 minutes)"; \
+	  echo "Building Gelenk: fetching 300 MB, compiling 300 files with $(JOBS) jobs (some $$((20 / $(JOBS) + 1)) minutes)"; \
 	  what=('.[all]'); \
 	fi; \
 	$(BIN)/python -m pip --disable-pip-version-check install -v "$${what[@]}" 2>&1 | tee build/install.log \
