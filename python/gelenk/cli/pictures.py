@@ -161,6 +161,8 @@ def view(
         given = [f"--{options.get(name, name)}" for name, value in choices.items() if value is not None]
         if given:
             raise UsageError(f"{', '.join(given)}: only for pictures, expected --png or --gif, too")
+    if reactions and files and all(map(is_picture, files)):
+        raise UsageError("--reactions: pictures have no arrows, expected a page: -o FILE.html")
     parameters = parse_parameters(settings or [], assembly_tolerance)
     from gelenk.simulation.files import ENDINGS
 

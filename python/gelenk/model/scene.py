@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from gelenk import _core, _html
-from gelenk.errors import AssemblyError, SceneError, SceneWarning, UsageError
+from gelenk.errors import AssemblyError, MissingFileError, SceneError, SceneWarning, UsageError
 from gelenk.model import foreign, yaml12
 from gelenk.model.given import Given
 from gelenk.model.meshes import Meshes
@@ -259,7 +259,7 @@ def load(source: Source) -> Scene:
 
     Raises:
         SceneError: the scene is invalid; the message lists all faults, one per line.
-        OSError: the file cannot be read.
+        OSError: the file cannot be read; MissingFileError: it does not exist.
 
     Warns:
         SceneWarning: a value is valid but suspicious, such as an angle in degrees.
@@ -284,6 +284,8 @@ def load(source: Source) -> Scene:
         foreign.refuse_content(source.encode("utf-8", "replace"), "scene")
         return _read(source, "yaml", "")
     path = Path(source)
+    if not path.exists():
+        raise MissingFileError(path)
     _core.check_size(path.stat().st_size, str(path))
     language = LANGUAGES.get(path.suffix.lower())
     if language is None:
