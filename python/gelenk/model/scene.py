@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import json
+import re
 import warnings
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
@@ -312,9 +313,22 @@ def from_dict(data: Mapping[str, Any], file: str = "", report: Iterable[str] = (
         SceneError: the scene is invalid.
     """
     meshes = Meshes(file)
-    core, plain, doubts = _read_plain(data, file, meshes)
+    try:
+        core, plain, doubts = _read_plain(data, file, meshes)
+    except SceneError as e:
+        raise SceneError(map(_without_quotes, e.lines)) from None
     _warn(doubts)
     return Scene(core, Given(core, plain, meshes=meshes), report)
+
+
+def _without_quotes(line: str) -> str:
+    """Return a message about plain data, in which a text has no quotes that could be left out."""
+    advised = line.removesuffix("; leave out the quotes")
+    if advised == line:
+        return line
+    from_pyyaml = re.search(r"found '[-+]?\d+[eE][-+]?\d+'", line)
+    hint = "; PyYAML reads 1e-4 as a text and 1.0e-4 as a number: read the file with gelenk.load"
+    return f"{advised}, not a text{hint if from_pyyaml else ''}"
 
 
 def _read_plain(
