@@ -77,10 +77,12 @@ class Scene:
         """Return a copy with other parameter values.
 
         Args:
-            settings: values by parameter name: numbers (SI units), booleans, or names of enumeration items.
+            settings: values by parameter name, or by the path in the file of what the scene lists under
+                `parameters` ("crank.m" or "crank.mass"): numbers (SI units), booleans, or names of
+                enumeration items.
 
         Raises:
-            UsageError: a name is unknown, or a value is not allowed.
+            UsageError: a name is unknown or no parameter, or a value is not allowed.
             SceneError: the values contradict each other.
 
         Warns:
@@ -88,7 +90,7 @@ class Scene:
         """
         table = {p.name: p for p in _core.list_parameters(self._core)}
         values = []
-        for name, value in settings.items():
+        for name, value in by_parameter(self, settings).items():
             if name not in table:
                 raise UsageError(unknown(name, "parameter", table))
             values.append((name, number(name, value, table[name].type, table[name].items)))
@@ -245,7 +247,14 @@ class Scene:
 def known_parameters(scene: Scene, settings: Mapping[str, Value]) -> dict[str, Value]:
     """Return the settings that are parameters of a scene, without inputs and others."""
     known = scene.parameters
-    return {name: value for name, value in settings.items() if name in known}
+    return {name: value for name, value in by_parameter(scene, settings).items() if name in known}
+
+
+def by_parameter(scene: Scene, settings: Mapping[str, Value]) -> dict[str, Value]:
+    """Return settings by the names of parameters, see `gelenk.model.settable.by_parameter`."""
+    from gelenk.model import settable  # which needs this module
+
+    return settable.by_parameter(scene, settings)
 
 
 def load(source: Source) -> Scene:

@@ -65,7 +65,8 @@ def simulate(
             "generalized-alpha", "hht" or "newmark".
         formulation: "projection", or an alternative formulation of the constraints (docs/scene-format.md).
         inputs: see `gelenk.simulation.inputs.functions`; inputs that are not named are 0.
-        parameters: values by FMU parameter name, such as "A.phi_start"; also constant inputs.
+        parameters: values by parameter name, such as "A.phi_start", or by the path of what the scene lists
+            under `parameters`, such as "crank.mass"; also constant inputs.
         outputs: names and patterns ("crank.*") of the outputs to record; by default those of the scene or
             FMU. Parts of a scene on which none of them depends are not computed.
         without: reductions to switch off, see `gelenk.inspect`; scenes only.
@@ -96,7 +97,7 @@ def simulate(
     """
     opened = open_plant(plant, without, outputs)
     try:
-        settings = dict(parameters or {})
+        settings = opened.by_parameter(parameters or {})
         if assembly_tolerance is not None:
             settings["assembly.tolerance"] = assembly_tolerance
         known = [*opened.inputs, *opened.idle]
