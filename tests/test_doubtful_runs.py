@@ -127,7 +127,8 @@ def test_what_is_no_number_is_refused_in_a_sentence(arguments: dict[str, Any], s
     with pytest.raises(gelenk.UsageError) as refused:
         gelenk.simulate(ROD, **arguments)
     assert str(refused.value) == sentence
-    assert len(gelenk.simulate(ROD, stop=np.float32(0.25), step=np.int64(1))) == 2
+    numbers: dict[str, Any] = {"stop": np.float32(0.25), "step": np.int64(1)}
+    assert len(gelenk.simulate(ROD, **numbers)) == 2
 
 
 @pytest.mark.parametrize(

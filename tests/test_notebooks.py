@@ -249,7 +249,13 @@ def test_an_equilibrium_is_shown_as_tables(root: Path) -> None:
     arm = scene(
         bodies={"arm": body(2, (0.5, 0, 0), (0.01, 0.2, 0.2))},
         joints={
-            "A": joint("revolute", "ground", "arm", axis=[0, -1, 0], friction={"coulomb": 8, "static": 10})
+            "A": joint(
+                "revolute",
+                frame("ground"),
+                frame("arm"),
+                axis=[0, -1, 0],
+                friction={"coulomb": 8, "static": 10},
+            )
         },
     )
     (_, held_by) = tables(parsed(gelenk.equilibrium(arm, friction="present")))
