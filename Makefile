@@ -27,8 +27,11 @@
 # make runtimes  build the FMU runtimes for other platforms with Zig, and install them as gelenk-runtimes; needs cargo; QUICK=1: not optimized; COMPARE=1: only linux64, to compare compilers
 # make wheels   build the wheels of gelenk: build/wheels; those for other platforms after make runtimes
 # make platforms  run FMUs on Windows (Wine) and ARM (QEMU), as far as these are installed, and inspect the libraries; after make runtimes
+# make lock     resolve the newest versions of all requirements: requirements.lock
+# make lowest   run the tests of the package with the lowest versions of its requirements
 # make clean    remove everything that was built
 # PYTHON=... selects the interpreter; otherwise a Python >= 3.12 is searched for. Everything else comes from PyPI.
+# LOCKED=1 installs the versions in requirements.lock, verified by their hashes, instead of the newest ones.
 # JOBS=... is how many compilers and tests run at once; otherwise one for each processor, as far as memory allows.
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
@@ -40,6 +43,7 @@ ifndef JOBS
 JOBS  := $(shell sh cmake/jobs.sh)
 endif
 TESTS ?= tests
+LOCKED ?=
 QUICK ?=
 VENV  := .venv
 BIN   := $(VENV)/bin
@@ -60,9 +64,9 @@ needs-sanitize: ; @sh cmake/needs.sh sanitize libasan libubsan libtsan valgrind
 needs-fuzz: ; @CLANGXX="$(CLANGXX)" sh cmake/needs.sh fuzz clang++
 needs-runtimes: ; @sh cmake/needs.sh runtimes cargo
 
-.PHONY: $(NEEDS) help demo test lint style tidy format pytest reductions charts accuracy nonsmooth gallery tutorial real-time growth bench costs clocks studies special thrown agreement masters sanitize units fuzz states runtimes wheels platforms clean
+.PHONY: $(NEEDS) help demo test lint style tidy format pytest reductions charts accuracy nonsmooth gallery tutorial real-time growth bench costs clocks studies special thrown agreement masters sanitize units fuzz states runtimes wheels platforms lock lowest clean
 help:
-	@sed -n '2,33s/^# //p' Makefile
+	@sed -n '2,36s/^# //p' Makefile
 
 demo: $(VENV)/gelenk.stamp
 	@echo "Running the demo (some seconds)"
@@ -244,6 +248,19 @@ wheels: $(VENV)/runtimes.stamp $(VENV)/gelenk.stamp
 platforms: $(VENV)/runtimes.stamp $(VENV)/gelenk.stamp
 	$(BIN)/python -m pytest -m "platforms and not clock" -n $(JOBS) tests/platforms
 
+lock: $(VENV)/created.stamp
+	$(BIN)/python cmake/lock.py
+
+# In an environment of its own, to which the compiled package is copied from .venv.
+LOWEST := build/lowest
+LOWEST_TESTS := tests/test_simulate.py tests/test_linearize.py tests/test_result_files.py tests/test_cli.py tests/test_help.py tests/test_yaml.py
+lowest: $(VENV)/gelenk.stamp
+	$(BIN)/python -m venv --clear $(LOWEST)
+	$(LOWEST)/bin/python -m pip --quiet --disable-pip-version-check install --only-binary=:all: \
+	  $$($(BIN)/python cmake/lock.py --lowest) pytest hypothesis jsonschema
+	cp -r $(VENV)/lib/python3*/site-packages/gelenk $(VENV)/lib/python3*/site-packages/gelenk-*.dist-info $(LOWEST)/lib/python3*/site-packages/
+	$(LOWEST)/bin/python -m pytest -p no:cacheprovider $(LOWEST_TESTS)
+
 format: $(VENV)/tools.stamp
 	$(BIN)/clang-format -i $(NATIVE)
 	$(BIN)/ruff check --fix --exit-zero
@@ -268,6 +285,11 @@ $(VENV)/gelenk.stamp: $(VENV)/created.stamp $(BUILD) $(NATIVE) $(PACKAGE)
 	  echo "Building Gelenk (incremental)"; \
 	  export PATH="$(abspath $(BIN)):$$PATH"; \
 	  what=(--no-build-isolation --no-deps --force-reinstall -C build-dir=build/wheel .); \
+	elif [ -n "$(LOCKED)" ]; then \
+	  echo "Building Gelenk with the requirements in requirements.lock, with $(JOBS) jobs"; \
+	  export PATH="$(abspath $(BIN)):$$PATH"; \
+	  $(PIP) install --require-hashes --no-deps -r requirements.lock; \
+	  what=(--no-build-isolation --no-deps .); \
 	else \
 	  echo "Building Gelenk: fetching 300 MB, compiling 300 files with $(JOBS) jobs (some $$((20 / $(JOBS) + 1)) minutes)"; \
 	  what=('.[all]'); \
@@ -279,5 +301,6 @@ $(VENV)/gelenk.stamp: $(VENV)/created.stamp $(BUILD) $(NATIVE) $(PACKAGE)
 
 $(VENV)/tools.stamp: $(VENV)/created.stamp pyproject.toml
 	@echo "Fetching the linters and the requirements of the tests (a minute)"
-	@$(PIP) install --progress-bar off --group test --group lint
+	@if [ -n "$(LOCKED)" ]; then $(PIP) install --progress-bar off --require-hashes --no-deps -r requirements.lock; \
+	else $(PIP) install --progress-bar off --group test --group lint; fi
 	@touch $@

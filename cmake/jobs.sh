@@ -1,8 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
-# sh cmake/jobs.sh [MEMINFO]: prints how many jobs run at once: one for each processor that may be used, fewer where memory does not suffice.
-# MEGABYTES is the peak of the largest compiler process: 0.47 GB with GCC 12 (src/scene/shapes.cpp), with a half of that again
-# for other compilers and for what else runs.
+# sh cmake/jobs.sh [MEMINFO]: prints how many jobs run at once: one for each processor that may be used, fewer where memory
+# does not suffice. MEGABYTES is the peak of the largest compiler process: 980 with GCC 12 (src/derivatives/recursive.cpp); the
+# mean over all files is 370.
 MEGABYTES=1000
 cores=$(nproc 2>/dev/null || getconf _NPROCESSORS_ONLN 2>/dev/null || echo 2)
 free=$(awk '/^MemAvailable:/ {print int($2 / 1024)}' "${1:-/proc/meminfo}" 2>/dev/null)

@@ -21,7 +21,9 @@ def test_plots_in_degrees(four_bar: gelenk.Scene) -> None:
     names = ["A.phi", "A.w", "A.a"]
     for axes, name in zip(run.plot(names, degrees=True).axes, names, strict=True):
         assert axes.get_ylabel() == UNITS[run.units[name]]
-        np.testing.assert_allclose(axes.lines[-1].get_ydata(), np.degrees(run[name]), rtol=4e-16)
+        np.testing.assert_allclose(
+            np.asarray(axes.lines[-1].get_ydata(), float), np.degrees(run[name]), rtol=4e-16
+        )
     for axes, name in zip(run.plot(names).axes, names, strict=True):
         assert axes.get_ylabel() == run.units[name]
         assert np.array_equal(axes.lines[-1].get_ydata(), run[name])
