@@ -125,9 +125,23 @@ def test_file_of_another_kind_is_named_for_what_it_is(name: str, text: str, mess
 
 
 def test_each_mistake_says_where_and_what() -> None:
-    assert len(REFUSED) + len(WARNED) >= 125
+    assert len(REFUSED) + len(WARNED) >= 150
     messages = [m for mistake in (*REFUSED, *WARNED) for m in mistake.messages]
     assert [m for m in messages if not SENTENCE.fullmatch(m)] == []
+
+
+def test_a_joint_may_have_the_name_of_its_body() -> None:
+    assert told("s.yaml", SCENE.replace("  B:\n", "  rod:\n")) == []
+
+
+@pytest.mark.parametrize(("ratio", "warned"), [(29.0, False), (31.0, True)])
+def test_sizes_are_warned_of_beyond_thirty_times_that_of_the_mechanism(ratio: float, warned: bool) -> None:
+    """The mechanism has 0.5 m. A gear of 100 makes a rotor with a radius of gyration of 2 cm one of 2 m."""
+    far = told("s.yaml", SCENE.replace("com: [0.5, 0, 0]", f"com: [{ratio * 0.5}, 0, 0]"))
+    assert [line.partition(": found")[0] for line in far] == ["s.yaml:8: bodies.rod.com"] * warned
+    moment = (ratio * 0.5) ** 2  # kg m2, for 1 kg
+    heavy = told("s.yaml", SCENE.replace("[0.01, 0.02, 0.02]", f"[{moment}, {moment}, {moment}]"))
+    assert [line.partition(": found")[0] for line in heavy] == ["s.yaml:5: bodies.crank.inertia"] * warned
 
 
 def test_nothing_is_warned_of_in_ready_scenes() -> None:
