@@ -28,7 +28,7 @@ MODULES = [m.name for m in pkgutil.walk_packages(gelenk.__path__, "gelenk.") if 
 def test_python_of_the_readme_runs(root: Path, capsys: pytest.CaptureFixture[str]) -> None:
     executed(root / "README.md")
     angle, gap, torque = map(float, capsys.readouterr().out.split())
-    assert abs(angle - 1.2) > 0.1  # rad: it moved
+    assert abs(angle - 1.5) > 0.1  # rad: it moved
     assert gap < 1e-10  # m: the projection's own bound
     assert torque == pytest.approx(12.9, abs=0.05)  # N m, as the page says
     assert Path("run.csv").read_text().startswith("time,A.phi,D.phi,constraints.position\n")
@@ -139,14 +139,6 @@ PAGES = (
 def test_links_lead_somewhere(page: str, root: Path) -> None:
     for link in re.findall(r"\]\(([^)#:]+)\)", (root / page).read_text(encoding="utf-8")):
         assert (root / page).parent.joinpath(link).exists(), link
-
-
-def test_examples_of_the_format_page_fit_together_into_a_scene(root: Path) -> None:
-    pieces = blocks(root / "docs" / "scene-format.md", "yaml")
-    assert len(pieces) >= 3
-    text = "gelenk: 1\n" + "".join(pieces)
-    scene = gelenk.load(text)
-    gelenk.Simulation(scene).initialize()
 
 
 def test_page_of_the_reductions_has_all_of_them_and_every_scene(root: Path) -> None:
