@@ -27,16 +27,23 @@
 # make runtimes  build the FMU runtimes for other platforms with Zig, and install them as gelenk-runtimes; needs cargo; QUICK=1: not optimized; COMPARE=1: only linux64, to compare compilers
 # make wheels   build the wheels of gelenk: build/wheels; those for other platforms after make runtimes
 # make platforms  run FMUs on Windows (Wine) and ARM (QEMU), as far as these are installed, and inspect the libraries; after make runtimes
+# make lock     resolve the newest versions of all requirements: requirements.lock
+# make lowest   run the tests of the package with the lowest versions of its requirements
 # make clean    remove everything that was built
 # PYTHON=... selects the interpreter; otherwise a Python >= 3.12 is searched for. Everything else comes from PyPI.
+# LOCKED=1 installs the versions in requirements.lock, verified by their hashes, instead of the newest ones.
+# JOBS=... is how many compilers and tests run at once; otherwise one for each processor, as far as memory allows.
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
 .DEFAULT_GOAL := help
 
-JOBS  ?= 2
+ifndef JOBS
+JOBS  := $(shell sh cmake/jobs.sh)
+endif
 TESTS ?= tests
+LOCKED ?=
 QUICK ?=
 VENV  := .venv
 BIN   := $(VENV)/bin
@@ -49,9 +56,17 @@ NATIVE  := $(shell find src modelDescription fmu python/bindings \( -name '*.cpp
 PACKAGE := $(shell find python/gelenk scenes -type f -not -path '*/__pycache__/*' 2>/dev/null)
 BUILD   := pyproject.toml CMakeLists.txt $(wildcard cmake/*) LICENSE $(wildcard licenses/*.txt licenses/*/*.txt)
 
-.PHONY: help demo test lint style tidy format pytest reductions charts accuracy nonsmooth gallery tutorial real-time growth bench costs clocks studies special thrown agreement masters sanitize units fuzz states runtimes wheels platforms clean
+# What a target needs beyond a compiler and Python is checked before anything is built.
+NEEDS := needs-costs needs-masters needs-sanitize needs-fuzz needs-runtimes
+needs-costs: ; @sh cmake/needs.sh costs valgrind
+needs-masters: ; @sh cmake/needs.sh masters mvn java cargo libclang
+needs-sanitize: ; @sh cmake/needs.sh sanitize libasan libubsan libtsan valgrind
+needs-fuzz: ; @CLANGXX="$(CLANGXX)" sh cmake/needs.sh fuzz clang++
+needs-runtimes: ; @sh cmake/needs.sh runtimes cargo
+
+.PHONY: $(NEEDS) help demo test lint style tidy format pytest reductions charts accuracy nonsmooth gallery tutorial real-time growth bench costs clocks studies special thrown agreement masters sanitize units fuzz states runtimes wheels platforms lock lowest clean
 help:
-	@sed -n '2,30s/^# //p' Makefile
+	@sed -n '2,36s/^# //p' Makefile
 
 demo: $(VENV)/gelenk.stamp
 	@echo "Running the demo (some seconds)"
@@ -123,7 +138,7 @@ bench: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 	$(BIN)/python -m benchmarks.speed $(if $(QUICK),--quick)
 
 # Needs Valgrind.
-costs: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
+costs: needs-costs $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 	PYTHONPATH=tests $(BIN)/python -m costs.counting "$(WHY)"
 
 # Ten minutes.
@@ -153,7 +168,7 @@ agreement: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 MASTERS := $(abspath build/masters)
 VDMCHECK := $(abspath build/vdmcheck)
 FMI_SIM := 0.7.0
-masters: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
+masters: needs-masters $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 	mvn -q -B -f tests/masters/pom.xml dependency:copy-dependencies -Dmdep.prependGroupId=true -DoutputDirectory=$(MASTERS)
 	cargo install --quiet --locked --root $(MASTERS) --version $(FMI_SIM) fmi-sim
 	GELENK_MASTERS=$(MASTERS) PYTHONPATH=tests $(BIN)/python -m masters.study
@@ -162,7 +177,7 @@ masters: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 	GELENK_VDMCHECK=$(VDMCHECK) $(BIN)/python -m pytest -n $(JOBS) tests/fmu/test_vdmcheck.py
 
 # Two native builds and about ten minutes.
-sanitize: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
+sanitize: needs-sanitize $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 	PATH="$(abspath $(BIN)):$$PATH" cmake --preset debug -DPython_EXECUTABLE=$(abspath $(BIN))/python -DGELENK_SCENES=OFF
 	PATH="$(abspath $(BIN)):$$PATH" cmake --build --preset debug -j $(JOBS) --target gelenk_fmu
 	PATH="$(abspath $(BIN)):$$PATH" cmake --preset thread -DPython_EXECUTABLE=$(abspath $(BIN))/python -DGELENK_SCENES=OFF
@@ -186,7 +201,7 @@ units: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 # continuous integration only reads the seeds, with the package as it is: tests/fuzz/test_corpus.py.
 SECONDS_EACH ?= 600
 CLANGXX ?= clang++
-fuzz: $(VENV)/tools.stamp
+fuzz: needs-fuzz $(VENV)/tools.stamp
 	PATH="$(abspath $(BIN)):$$PATH" cmake --preset fuzz -DPython_EXECUTABLE=$(abspath $(BIN))/python \
 	  -DCMAKE_CXX_COMPILER=$(CLANGXX)
 	PATH="$(abspath $(BIN)):$$PATH" cmake --build --preset fuzz -j $(JOBS)
@@ -207,10 +222,10 @@ $(VENV)/runtimes.stamp: $(VENV)/tools.stamp
 RUNTIMES_BUILD := build/runtimes
 COMPARE ?=
 ifneq ($(COMPARE),)
-runtimes: $(VENV)/runtimes.stamp $(VENV)/tools.stamp
+runtimes: needs-runtimes $(VENV)/runtimes.stamp $(VENV)/tools.stamp
 	PATH="$(abspath $(BIN)):$$PATH" $(BIN)/python cmake/runtimes.py $(RUNTIMES_BUILD) $(RUNTIMES_BUILD)/package --compare
 else
-runtimes: $(VENV)/runtimes.stamp $(VENV)/gelenk.stamp
+runtimes: needs-runtimes $(VENV)/runtimes.stamp $(VENV)/gelenk.stamp
 	PATH="$(abspath $(BIN)):$$PATH" $(BIN)/python cmake/runtimes.py $(RUNTIMES_BUILD) $(RUNTIMES_BUILD)/package \
 	  --linux64 "$$($(BIN)/python -P -c 'from gelenk.io import export; print(export.runtime_library("linux64").parent)')" \
 	  $(if $(QUICK),--quick)
@@ -233,6 +248,19 @@ wheels: $(VENV)/runtimes.stamp $(VENV)/gelenk.stamp
 platforms: $(VENV)/runtimes.stamp $(VENV)/gelenk.stamp
 	$(BIN)/python -m pytest -m "platforms and not clock" -n $(JOBS) tests/platforms
 
+lock: $(VENV)/created.stamp
+	$(BIN)/python cmake/lock.py
+
+# In an environment of its own, to which the compiled package is copied from .venv.
+LOWEST := build/lowest
+LOWEST_TESTS := tests/test_simulate.py tests/test_linearize.py tests/test_result_files.py tests/test_cli.py tests/test_help.py tests/test_yaml.py
+lowest: $(VENV)/gelenk.stamp
+	$(BIN)/python -m venv --clear $(LOWEST)
+	$(LOWEST)/bin/python -m pip --quiet --disable-pip-version-check install --only-binary=:all: \
+	  $$($(BIN)/python cmake/lock.py --lowest) pytest hypothesis jsonschema
+	cp -r $(VENV)/lib/python3*/site-packages/gelenk $(VENV)/lib/python3*/site-packages/gelenk-*.dist-info $(LOWEST)/lib/python3*/site-packages/
+	$(LOWEST)/bin/python -m pytest -p no:cacheprovider $(LOWEST_TESTS)
+
 format: $(VENV)/tools.stamp
 	$(BIN)/clang-format -i $(NATIVE)
 	$(BIN)/ruff check --fix --exit-zero
@@ -242,6 +270,7 @@ clean:
 	rm -rf build dist out $(VENV) .mypy_cache .pytest_cache .ruff_cache
 
 $(VENV)/created.stamp:
+	@sh cmake/needs.sh "$(or $(MAKECMDGOALS),demo)" c++
 	@python=$$(sh cmake/find_python.sh); \
 	echo "Creating $(VENV) with $$python (half a minute)"; \
 	"$$python" -m venv --clear $(VENV)
@@ -256,8 +285,13 @@ $(VENV)/gelenk.stamp: $(VENV)/created.stamp $(BUILD) $(NATIVE) $(PACKAGE)
 	  echo "Building Gelenk (incremental)"; \
 	  export PATH="$(abspath $(BIN)):$$PATH"; \
 	  what=(--no-build-isolation --no-deps --force-reinstall -C build-dir=build/wheel .); \
+	elif [ -n "$(LOCKED)" ]; then \
+	  echo "Building Gelenk with the requirements in requirements.lock, with $(JOBS) jobs"; \
+	  export PATH="$(abspath $(BIN)):$$PATH"; \
+	  $(PIP) install --require-hashes --no-deps -r requirements.lock; \
+	  what=(--no-build-isolation --no-deps .); \
 	else \
-	  echo "Building Gelenk: fetching 200 MB, compiling 180 files with $(JOBS) jobs (some 10 minutes)"; \
+	  echo "Building Gelenk: fetching 300 MB, compiling 300 files with $(JOBS) jobs (some $$((20 / $(JOBS) + 1)) minutes)"; \
 	  what=('.[all]'); \
 	fi; \
 	$(BIN)/python -m pip --disable-pip-version-check install -v "$${what[@]}" 2>&1 | tee build/install.log \
@@ -267,5 +301,6 @@ $(VENV)/gelenk.stamp: $(VENV)/created.stamp $(BUILD) $(NATIVE) $(PACKAGE)
 
 $(VENV)/tools.stamp: $(VENV)/created.stamp pyproject.toml
 	@echo "Fetching the linters and the requirements of the tests (a minute)"
-	@$(PIP) install --progress-bar off --group test --group lint
+	@if [ -n "$(LOCKED)" ]; then $(PIP) install --progress-bar off --require-hashes --no-deps -r requirements.lock; \
+	else $(PIP) install --progress-bar off --group test --group lint; fi
 	@touch $@

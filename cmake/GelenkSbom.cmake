@@ -26,6 +26,12 @@ if(GELENK_ZIG)
 else()
   gelenk_component(libstdc++ ${CMAKE_CXX_COMPILER_VERSION} "GPL-3.0-or-later WITH GCC-exception-3.1" https://gcc.gnu.org)
 endif()
+# Pages in the documentation of FMUs contain three.js if they are made by the Python package.
+execute_process(COMMAND ${Python_EXECUTABLE} ${CMAKE_CURRENT_LIST_DIR}/three_js.py --release
+  OUTPUT_VARIABLE three_release OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET RESULT_VARIABLE no_three)
+if(no_three EQUAL 0)
+  gelenk_component(three.js r${three_release} MIT https://threejs.org)
+endif()
 list(JOIN components ",\n    " components)
 set(GELENK_SBOM ${PROJECT_BINARY_DIR}/sbom-${GELENK_FMU_PLATFORM}.cdx.json)
 file(CONFIGURE OUTPUT ${GELENK_SBOM} @ONLY CONTENT [[{

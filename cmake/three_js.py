@@ -2,6 +2,7 @@
 """Write three.js, as contained in the page template of the package trimesh, with its license, to a file.
 
 three_js.py FILE
+three_js.py --release   prints its release, for the bill of materials
 """
 
 from __future__ import annotations
@@ -33,5 +34,18 @@ def three_js() -> str:
     return f"/*!\n{LICENSE.read_text(encoding='utf-8')}*/\n{found.group()}"
 
 
+def release() -> str:
+    """Return the release of three.js, such as 140: its constant REVISION."""
+    build = three_js()
+    name = re.search(r"\bREVISION\s*=\s*(\w+)", build)
+    found = re.search(rf"\b{name[1]}\s*=\s*\"(\w+)\"", build) if name else None
+    if found is None:
+        sys.exit("three.js: found no REVISION")
+    return found[1]
+
+
 if __name__ == "__main__":
+    if sys.argv[1] == "--release":
+        print(release())
+        sys.exit()
     Path(sys.argv[1]).write_text(three_js(), encoding="utf-8")

@@ -6,11 +6,9 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from pages import blocks
+from pages import ROOT
 
 import gelenk
-
-ROOT = Path(__file__).parent.parent
 
 
 @pytest.fixture(scope="session")
@@ -36,18 +34,14 @@ def four_bar_fmu(four_bar: gelenk.Scene, tmp_path_factory: pytest.TempPathFactor
 
 @pytest.fixture
 def folder(root: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A folder to work in, with the scenes of the repository and the scenes of README and the tutorials."""
+    """A folder to work in, with the scenes of the repository."""
     (tmp_path / "scenes").symlink_to(root / "scenes")
-    (tmp_path / "car.yaml").symlink_to(root / "docs" / "gallery" / "car" / "scene.yaml")
-    (tmp_path / "four_bar.yaml").write_text(blocks(root / "README.md", "yaml")[0], encoding="utf-8")
-    pages = (
-        ("tutorial-lqr", "balancer"),
-        ("tutorial-wheels", "robot"),
-        ("tutorial-stiction", "axis"),
-        ("tutorial-gripper", "gripper"),
-    )
-    for page, name in pages:
-        pieces = blocks(root / "docs" / f"{page}.md", "yaml")
-        (tmp_path / f"{name}.yaml").write_text("".join(pieces), encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture
+def empty_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder to work in, in which a page of the documentation finds only what it says itself."""
     monkeypatch.chdir(tmp_path)
     return tmp_path

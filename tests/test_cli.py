@@ -69,7 +69,7 @@ def test_export_names_the_fmu_after_the_scene(four_bar_file: Path, tmp_path: Pat
 
 
 def test_every_option_of_simulate_reaches_the_run(four_bar_file: Path, tmp_path: Path) -> None:
-    (tmp_path / "in.csv").write_text("time,drive.tau\n0,3\n0.05,4\n")
+    (tmp_path / "in.csv").write_text("time,drive.tau\n0,3\n0.1,4\n")
     out = told(
         "simulate", four_bar_file, "--stop", "0.1", "--step", "0.005", "--tolerance", "1e-8",
         "--integrator", "ida", "--input", tmp_path / "in.csv", "--set", "A.phi_start=1.2",
@@ -77,7 +77,7 @@ def test_every_option_of_simulate_reaches_the_run(four_bar_file: Path, tmp_path:
     )  # fmt: skip
     expected = gelenk.simulate(
         four_bar_file, stop=0.1, step=0.005, tolerance=1e-8, integrator="ida",
-        inputs={"drive.tau": ([0, 0.05], [3, 4])}, parameters={"A.phi_start": 1.2, "gravity[3]": -1.62},
+        inputs={"drive.tau": ([0, 0.1], [3, 4])}, parameters={"A.phi_start": 1.2, "gravity[3]": -1.62},
     )  # fmt: skip
     assert out == expected.csv()
 

@@ -98,7 +98,7 @@ def test_the_document_of_a_run_has_its_extremes_and_on_request_its_signals(here:
 @pytest.mark.parametrize(
     ("arguments", "code", "kind", "message"),
     [
-        (["check", "none.yaml"], 1, "FileNotFoundError", "none.yaml: no such file or directory"),
+        (["check", "none.yaml"], 1, "MissingFileError", "none.yaml: no such file or directory"),
         (["check", "s.txt"], 1, "SceneError", "s.txt: found the ending .txt"),
         (["simulate", "s.yaml", "--stop", "-1"], 1, "UsageError", "stop: found -1.0 s, expected 0 or more"),
         (["simulate", "s.yaml", "--stip", "1"], 2, "UsageError", "--stip"),

@@ -9,22 +9,19 @@ from pathlib import Path
 import pytest
 import yaml
 from mechanisms import GRAVITY, Scene
-from pages import blocks
+from pages import blocks, executed
 
 import gelenk
 
 
-def test_friction_of_bearings(root: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
-                              capsys: pytest.CaptureFixture[str]) -> None:  # fmt: skip
+@pytest.mark.usefixtures("empty_folder")
+def test_friction_of_bearings(root: Path, capsys: pytest.CaptureFixture[str]) -> None:
     page = root / "docs" / "howto-bearings.md"
-    (tmp_path / "flywheel.yaml").write_text(blocks(page, "yaml")[0], encoding="utf-8")
-    monkeypatch.chdir(tmp_path)
-    (code,) = blocks(page, "python")
-    exec(compile(code, page.name, "exec"), {})
+    executed(page)
     told = capsys.readouterr().out.splitlines()
     assert float(told[0]) == pytest.approx(float(told[1]), rel=1e-7)  # the tolerance, over the speed's range
     assert f"{float(told[0]):.1f}" == "364.9"
-    assert f'print(rest.held["axle.phi"])  # {told[2]}' in code
+    assert f'print(rest.held["axle.phi"])  # {told[2]}' in blocks(page, "python")[0]
 
 
 @pytest.mark.parametrize(("share", "rests"), [(0.999, True), (1.001, False)])

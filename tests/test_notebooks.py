@@ -233,3 +233,52 @@ def test_reprs_of_analyses_are_one_line(root: Path) -> None:
     found = repr(gelenk.inspect(cart))
     assert found.startswith("<Inspection of CartPole: 2 degrees of freedom, as counted")
     assert repr(open_plant(cart, ())) == "<ScenePlant CartPole: 1 input, 6 outputs>"
+
+
+def test_an_equilibrium_is_shown_as_tables(root: Path) -> None:
+    held = gelenk.equilibrium(
+        root / "scenes" / "cart_pole.yaml",
+        parameters={"gravity[1]": -1},
+        hold={"track.s": 0.5},
+        solve_for="drive.f",
+    )
+    inputs, outputs = tables(parsed(held))
+    assert inputs == [["input", "value", "unit"], ["drive.f", "1.2", "N"]]
+    assert ["track.s", "0.5", "m"] in outputs
+    assert len(outputs) == 1 + len(held.values)
+    arm = scene(
+        bodies={"arm": body(2, (0.5, 0, 0), (0.01, 0.2, 0.2))},
+        joints={
+            "A": joint(
+                "revolute",
+                frame("ground"),
+                frame("arm"),
+                axis=[0, -1, 0],
+                friction={"coulomb": 8, "static": 10},
+            )
+        },
+    )
+    (_, held_by) = tables(parsed(gelenk.equilibrium(arm, friction="present")))
+    assert held_by[0] == ["held", "by"]
+    assert held_by[1][1].startswith("friction ")
+
+
+def test_branches_are_shown_side_by_side(four_bar: gelenk.Scene) -> None:
+    found = gelenk.assemblies(four_bar)
+    root_element = parsed(found)
+    assert "FourBar: 2 branches found in" in "".join(root_element.itertext())
+    (table,) = tables(root_element)
+    assert table[0] == ["", "unit", "1 (start values)", "2"]
+    assert [row[0] for row in table[1:]] == ["distance", "found", *found[0].values]
+    for row in table[3:]:
+        assert [float(cell.replace("−", "-")) for cell in row[2:]] == [
+            pytest.approx(branch.values[row[0]], rel=1e-5) for branch in found
+        ]
+
+
+def test_the_model_of_linearize_is_shown_with_its_operating_point(root: Path) -> None:
+    """It is a StateSpace of python-control, which shows matrices without names."""
+    model = gelenk.linearize(root / "scenes" / "cart_pole.yaml", at={"hinge.phi": 0})
+    same = gelenk.linear.linear_model(root / "scenes" / "cart_pole.yaml", at={"hinge.phi": 0})
+    assert model._repr_html_() == same._repr_html_()
+    assert ["hinge.phi", "0", "rad"] in [row for table in tables(parsed(model)) for row in table]

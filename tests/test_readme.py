@@ -9,9 +9,6 @@ import inspect
 import json
 import pkgutil
 import re
-import shlex
-import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -27,44 +24,11 @@ from gelenk import _core
 MODULES = [m.name for m in pkgutil.walk_packages(gelenk.__path__, "gelenk.") if m.name != "gelenk.__main__"]
 
 
-def test_scene_of_the_readme_is_the_one_of_scenes(folder: Path, four_bar: gelenk.Scene) -> None:
-    assert gelenk.load(folder / "four_bar.yaml").to_dict() == four_bar.to_dict()
-
-
-@pytest.mark.usefixtures("folder")
-@pytest.mark.parametrize(
-    ("page", "least"),
-    [
-        ("README.md", 4),
-        ("docs/reductions.md", 2),
-        ("docs/linearization.md", 4),
-        ("docs/modes.md", 1),
-        ("docs/assembly.md", 2),
-        ("docs/command-line.md", 2),
-        ("docs/tutorial-lqr.md", 1),
-        ("docs/tutorial-wheels.md", 1),
-        ("docs/tutorial-stiction.md", 1),
-    ],
-)
-def test_commands_of_a_page_print_what_it_shows(page: str, least: int, root: Path) -> None:
-    calls = re.findall(r"^\$ gelenk (.*)\n((?:[^$].*\n)*)", "".join(blocks(root / page, "console")), re.M)
-    assert len(calls) >= least
-    for arguments, expected in calls:
-        done = subprocess.run(
-            [sys.executable, "-m", "gelenk", *shlex.split(arguments)],
-            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=60, check=False,
-        )  # fmt: skip
-        pattern = (
-            re.escape(expected).replace(re.escape("\n...\n"), "\n(.*\n)*").replace(re.escape("..."), r"\S+")
-        )
-        assert re.fullmatch(pattern, done.stdout), f"gelenk {arguments} printed:\n{done.stdout}\n{expected}"
-
-
-@pytest.mark.usefixtures("folder")
+@pytest.mark.usefixtures("empty_folder")
 def test_python_of_the_readme_runs(root: Path, capsys: pytest.CaptureFixture[str]) -> None:
     executed(root / "README.md")
     angle, gap, torque = map(float, capsys.readouterr().out.split())
-    assert abs(angle - 1.2) > 0.1  # rad: it moved
+    assert abs(angle - 1.5) > 0.1  # rad: it moved
     assert gap < 1e-10  # m: the projection's own bound
     assert torque == pytest.approx(12.9, abs=0.05)  # N m, as the page says
     assert Path("run.csv").read_text().startswith("time,A.phi,D.phi,constraints.position\n")
@@ -175,14 +139,6 @@ PAGES = (
 def test_links_lead_somewhere(page: str, root: Path) -> None:
     for link in re.findall(r"\]\(([^)#:]+)\)", (root / page).read_text(encoding="utf-8")):
         assert (root / page).parent.joinpath(link).exists(), link
-
-
-def test_examples_of_the_format_page_fit_together_into_a_scene(root: Path) -> None:
-    pieces = blocks(root / "docs" / "scene-format.md", "yaml")
-    assert len(pieces) >= 3
-    text = "gelenk: 1\n" + "".join(pieces)
-    scene = gelenk.load(text)
-    gelenk.Simulation(scene).initialize()
 
 
 def test_page_of_the_reductions_has_all_of_them_and_every_scene(root: Path) -> None:

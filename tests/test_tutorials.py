@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 import pytest
 from models.car import axle_loads, car, steering_per_rack
-from pages import blocks, executed
+from pages import blocks, create_files, executed
 
 import gelenk
 
 
-@pytest.mark.usefixtures("folder")
+@pytest.mark.usefixtures("empty_folder")
 @pytest.mark.filterwarnings("error::gelenk.OperatingPointWarning")
 def test_tutorial_balances_the_stick(root: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Numbers of the page, to the digits they have there."""
@@ -41,20 +41,19 @@ def test_tutorial_balances_the_stick(root: Path, capsys: pytest.CaptureFixture[s
     assert 0.01 < abs(lean(counted)[-200:]).max() < 0.3
 
 
-def test_scene_of_the_tutorial_with_wheels_is_the_one_of_scenes(folder: Path) -> None:
-    ready = gelenk.load(folder / "scenes" / "balancing_robot.yaml")
-    assert gelenk.load(folder / "robot.yaml").to_dict() == ready.to_dict()
+def test_scene_of_the_tutorial_with_wheels_is_the_one_of_scenes(empty_folder: Path, root: Path) -> None:
+    create_files(root / "docs" / "tutorial-wheels.md", empty_folder)
+    ready = gelenk.load(root / "scenes" / "balancing_robot.yaml")
+    assert gelenk.load("robot.yaml").to_dict() == ready.to_dict()
 
 
 @pytest.fixture
-def wheels(folder: Path, root: Path, capsys: pytest.CaptureFixture[str]) -> dict[str, Any]:
+def wheels(empty_folder: Path, root: Path, capsys: pytest.CaptureFixture[str]) -> dict[str, Any]:
     """What the code of the tutorial with wheels leaves behind, and in "told" what it printed."""
-    names: dict[str, Any] = {}
     with warnings.catch_warnings():
         warnings.simplefilter("error", gelenk.OperatingPointWarning)
-        for block in blocks(root / "docs" / "tutorial-wheels.md", "python"):
-            exec(compile(block, "tutorial-wheels.md", "exec"), names)
-    assert folder == Path.cwd()
+        names = executed(root / "docs" / "tutorial-wheels.md")
+    assert empty_folder == Path.cwd()
     return names | {"told": capsys.readouterr().out}
 
 
@@ -90,10 +89,10 @@ def test_tutorial_with_wheels_shows_when_one_lifts_off(wheels: dict[str, Any]) -
 
 
 @pytest.fixture
-def stiction(folder: Path, root: Path, capsys: pytest.CaptureFixture[str]) -> dict[str, Any]:
+def stiction(empty_folder: Path, root: Path, capsys: pytest.CaptureFixture[str]) -> dict[str, Any]:
     """What the code of the tutorial on static friction leaves behind, and in "printed" what it printed."""
     names = executed(root / "docs" / "tutorial-stiction.md")
-    assert folder == Path.cwd()
+    assert empty_folder == Path.cwd()
     return names | {"printed": capsys.readouterr().out}
 
 
@@ -133,23 +132,24 @@ def test_tutorial_on_static_friction_hunts_as_predicted_until_cured(stiction: di
 
 @pytest.mark.parametrize(("stribeck", "error"), [(0.002, 0.152), (0.01, 0.0)])
 def test_tutorial_on_static_friction_with_a_stribeck_speed(
-    stribeck: float, error: float, folder: Path, root: Path
+    stribeck: float, error: float, empty_folder: Path, root: Path
 ) -> None:
     """The last error of the hunting run, in mm."""
-    scene = (folder / "axis.yaml").read_text(encoding="utf-8")
+    create_files(root / "docs" / "tutorial-stiction.md", empty_folder)
+    scene = (empty_folder / "axis.yaml").read_text(encoding="utf-8")
     changed = scene.replace("static: 80}", f"static: 80, stribeck: {stribeck}}}")
     assert changed != scene
-    (folder / "axis.yaml").write_text(changed, encoding="utf-8")
+    (empty_folder / "axis.yaml").write_text(changed, encoding="utf-8")
     names: dict[str, Any] = {}
     for block in blocks(root / "docs" / "tutorial-stiction.md", "python")[:2]:
         exec(compile(block, "tutorial-stiction.md", "exec"), names)
     assert abs(0.02 - names["hunting"]["guide.s"][-1]) * 1e3 == pytest.approx(error, abs=1e-3)
 
 
-def test_tutorial_with_a_gripper(folder: Path, root: Path) -> None:
+def test_tutorial_with_a_gripper(empty_folder: Path, root: Path) -> None:
     """Numbers of the page, to the digits they have there."""
     names = executed(root / "docs" / "tutorial-gripper.md")
-    assert folder == Path.cwd()
+    assert empty_folder == Path.cwd()
     slip = names["slip"]
     assert names["a"] == pytest.approx(3.95, abs=0.005)
     assert names["needed"] == pytest.approx(6.88, abs=0.005)
@@ -163,10 +163,10 @@ def test_tutorial_with_a_gripper(folder: Path, root: Path) -> None:
 
 
 @pytest.mark.filterwarnings("error::gelenk.OperatingPointWarning")
-def test_tutorial_with_a_car(folder: Path, root: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_tutorial_with_a_car(empty_folder: Path, root: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Numbers of the page, to the digits they have there."""
     names = executed(root / "docs" / "tutorial-vehicle.md")
-    assert folder == Path.cwd()
+    assert empty_folder == Path.cwd()
     lines = capsys.readouterr().out.splitlines()
     drag = 0.4 * 25**2 * 0.3 / 9
     assert [names["torque"], drag] == pytest.approx([8.33, 8.33], abs=0.005)
@@ -189,10 +189,12 @@ def test_tutorial_with_a_car(folder: Path, root: Path, capsys: pytest.CaptureFix
     assert np.sort(names["closed"].real)[-3:] == pytest.approx([-1.65, -1.65, -0.0133], abs=0.005)
 
 
-def test_the_car_of_the_tutorial_keeps_its_lane_while_friction_permits(folder: Path, root: Path) -> None:
+def test_the_car_of_the_tutorial_keeps_its_lane_while_friction_permits(
+    empty_folder: Path, root: Path
+) -> None:
     """Numbers of the page, to the digits they have there."""
     names = executed(root / "docs" / "tutorial-vehicle.md")
-    assert folder == Path.cwd()
+    assert empty_folder == Path.cwd()
 
     def deviation(run: Any) -> Any:
         return abs(run["ride.s_y"] - [names["path"](time)[0] for time in run["time"]])

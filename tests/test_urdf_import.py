@@ -297,6 +297,7 @@ def test_limits_stop_a_joint(kind: str, tmp_path: Path) -> None:
         (0.0, 1.0, True, None),  # starts at its bound
         (0.0, 0.0, False, None),  # the default: none is given
         (1.0, -1.0, False, None),
+        (0.5, 0.5, False, None),
     ],
 )
 def test_limits_around_the_start(
@@ -308,6 +309,7 @@ def test_limits_around_the_start(
     assert ("limit" in entry) == limited
     assert entry.get("start", {}).get("phi") == start
     assert ("its lower limit exceeds" in " ".join(scene.report)) == (lower > upper)
+    assert (f"its lower limit equals its upper one, {lower:g}" in " ".join(scene.report)) == (lower == upper)
     gelenk.Simulation(scene).initialize()
     without = gelenk.import_urdf(write(tmp_path, body), limits=False)
     assert "limit" not in without.to_dict()["joints"]["j"]

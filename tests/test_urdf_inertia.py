@@ -167,6 +167,10 @@ def test_link_that_moves_without_inertia_is_given_a_millionth(kind: str, tmp_pat
     path = moving(tmp_path, tip, kind)
     with pytest.raises(gelenk.SceneError, match=r"bodies\.a: moves without inertia"):
         gelenk.Simulation(gelenk.import_urdf(path)).initialize()
+    (warned,) = (line for line in gelenk.import_urdf(path).report if line.startswith("link a: can move"))
+    assert (
+        "cannot be simulated; --repair-inertia (repair_inertia=True) gives it 1e-06 of those of arm" in warned
+    )
     scene = gelenk.import_urdf(path, repair_inertia=True)
     line = next(line for line in scene.report if line.startswith("link a: can move"))
     largest = np.linalg.eigvalsh(matrix((0.1, 0.2, 0.25, 0, 0.01, 0)))[-1]

@@ -7,7 +7,9 @@ Run as `python -m gelenk.demo [FOLDER]`. The plot requires the extra `charts`.
 from __future__ import annotations
 
 import math
+import os
 import sys
+import sysconfig
 import time
 from importlib import resources
 from pathlib import Path
@@ -60,6 +62,28 @@ def main(folder: Path) -> None:
     print(f"Largest closure error of the loop: {result[CLOSURE_ERRORS[0]].max():.1e} m; "
           f"at velocity level: {result[CLOSURE_ERRORS[1]].max():.1e} m/s.")  # fmt: skip
     print(f"Results: {csv}. Plot of the joint states: {plot}.")
+    print(*how_to_call("gelenk view", "four_bar.yaml"), sep="\n")
+
+
+def how_to_call(command: str, scene: str) -> list[str]:
+    """Return lines that state how the command `gelenk` is called in this terminal.
+
+    Args:
+        command: a command to try.
+        scene: the scene of it, one of those in the folder `scenes`.
+    """
+    scripts = Path(sysconfig.get_path("scripts"))
+    scripts = scripts.relative_to(Path.cwd()) if scripts.is_relative_to(Path.cwd()) else scripts
+    file = Path("scenes", scene)
+    if not file.exists():
+        file = Path(str(resources.files("gelenk") / "scenes" / scene))
+    lines = [f"Try: {command} {file}"]
+    on_path = [Path(folder).absolute() for folder in os.get_exec_path()]
+    if sys.prefix != sys.base_prefix and scripts.absolute() not in on_path:
+        call = scripts / "activate"
+        activate = f"source {call}" if sys.platform != "win32" else str(call)
+        lines.insert(0, f"The command gelenk is found after: {activate} (or call {scripts / 'gelenk'})")
+    return lines
 
 
 def draw(result: gelenk.Result, path: Path) -> None:

@@ -3,12 +3,19 @@
 
 from __future__ import annotations
 
+import difflib
+import errno
+import os
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from gelenk.simulation.result import Result
     from gelenk.viewer.pages import View
+
+MAX_LISTED = 1000  # files of a folder in which similar names are looked for
 
 
 class GelenkError(Exception):
@@ -78,9 +85,39 @@ class SceneWarning(UserWarning):
 
 
 class StartWarning(UserWarning):
-    """The start is at or near a singular configuration, or the run will not keep its tolerance. The message
-    says where, and what follows.
+    """The start is at or near a singular configuration, the run will not keep its tolerance, or something is
+    probably not intended: guesses that are changed a lot, tables of inputs that end early, nothing that
+    moves. The message says where, and what follows.
     """
+
+
+class MissingFileError(GelenkError, FileNotFoundError):
+    """A file that should be read does not exist. The message names files with a similar name."""
+
+    def __init__(self, path: str | PathLike[str]) -> None:
+        self._message = f"{path}: no such file or directory{_similar(Path(path))}"
+        super().__init__(errno.ENOENT, os.strerror(errno.ENOENT), str(path))
+
+    def __str__(self) -> str:
+        return self._message
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return MissingFileError, (self.filename,)
+
+
+def _similar(path: Path) -> str:
+    """Return "; did you mean ...?" with files of a similar name in the folder or its folder `scenes`."""
+    folders = (path.parent, path.parent / "scenes")
+    files = {
+        str(file): file.name
+        for folder in folders
+        if folder.is_dir()
+        for file in sorted(folder.iterdir())[:MAX_LISTED]
+        if file.suffix.lower() == path.suffix.lower()
+    }
+    near = difflib.get_close_matches(path.name, files.values(), n=3, cutoff=0.75)
+    found = [place for place, name in files.items() if name in near]
+    return f"; did you mean {' or '.join(found)}?" if found else ""
 
 
 class ExportError(GelenkError):

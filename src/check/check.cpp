@@ -11,10 +11,6 @@
 namespace gelenk {
 namespace {
 
-// Bounds of the relative tolerance: below, the error estimate of a step is only round-off; above, it is meaningless.
-constexpr double min_tolerance = 1e-15;
-constexpr double max_tolerance = 1;
-
 void check_word(const std::string& word, const std::vector<std::string>& words, const std::string& path, Faults& faults,
                 bool partial) {
   if (partial && word.empty()) return;
@@ -90,7 +86,7 @@ void check_settings(const Scene& scene, Faults& faults, bool partial) {
     faults.add("experiment.step", text::number(experiment.step) + " s",
                "at most experiment.stop = " + text::number(experiment.stop) + " s");
   }
-  if (!(experiment.tolerance >= min_tolerance && experiment.tolerance <= max_tolerance)) {
+  if (!(experiment.tolerance >= words::min_tolerance && experiment.tolerance <= words::max_tolerance)) {
     faults.add("experiment.tolerance", text::number(experiment.tolerance), "a number from 1e-15 to 1");
   }
   if (!(scene.assembly.tolerance >= 0 && scene.assembly.tolerance <= words::max_assembly_tolerance)) {

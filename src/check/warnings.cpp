@@ -73,19 +73,26 @@ void warn_about_motors(const Scene& scene, Faults& faults) {
   }
 }
 
-void warn_about_names(const Scene& scene, Faults& faults) {
-  std::map<std::string, const Joint*> joints;
-  for (const Joint& joint : scene.joints) joints.try_emplace(joint.name, &joint);
-  for (const Body& body : scene.bodies) {
-    if (!joints.contains(body.name)) continue;
-    faults.warn("joints." + body.name, "the name of a body",
-                "a different name; " + body.name + ".mass refers to the body, " + body.name + ".damping to the joint");
-  }
+// Gravity of the Earth in millimeters is a thousand times too large.
+void warn_about_gravity(const Scene& scene, Faults& faults) {
+  constexpr double max_gravity = 500;  // m/s2; at the surface of the Sun, 274
+  const double g = scene.gravity.norm();
+  if (!(g > max_gravity)) return;
+  const std::string found = text::rounded(g);
+  faults.warn(
+      "gravity", found + " m/s2",
+      "at most " + text::number(max_gravity) + " m/s2; " + found + " mm/s2 are " + text::rounded(g / 1000) + " m/s2");
 }
 
 }  // namespace
 
 void warn_about_angle(double angle, const std::string& path, Faults& faults) {
+  constexpr double max_angle = 1e6;  // rad: 160,000 turns, of which rounding leaves 1e-10 rad
+  if (std::abs(angle) > max_angle) {
+    faults.warn(path, text::rounded(angle) + " rad, which is " + text::rounded(angle / (2 * pi), 3) + " turns",
+                "an angle in rad of at most " + text::number(max_angle) + " rad");
+    return;
+  }
   if (!looks_like_degrees(angle)) return;
   const std::string shown = text::number(angle);
   faults.warn(path, shown + " rad, which is " + text::rounded(angle / (2 * pi), 3) + " turns",
@@ -100,7 +107,8 @@ void find_warnings(const Scene& scene, Faults& faults) {
     warn_about_start(joint, *kind, path, faults);
     warn_about_forces(joint, *kind, path, faults);
   }
-  warn_about_names(scene, faults);
+  warn_about_gravity(scene, faults);
+  warn_about_sizes(scene, faults);
   warn_about_motors(scene, faults);
   each_section(scene, [&](const Section& section, const auto& elements) {
     for (const auto& element : elements) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Warnings about valid but probably unintended contents of a scene: angles in degrees, two motors at one joint, start
-// values beyond a stop.
+// Warnings about valid but probably unintended contents of a scene: angles in degrees, lengths in millimeters, two
+// motors at one joint, start values beyond a stop.
 #pragma once
 
 #include <string>
@@ -18,7 +18,9 @@ std::vector<std::string> find_warnings(const Scene& scene);
 
 // Adds the warnings for a valid scene.
 void find_warnings(const Scene& scene, Faults& faults);
-// Adds a warning if an angle [rad] was probably given in degrees.
+// Adds a warning for each body whose center of mass or inertia does not fit the size of the mechanism.
+void warn_about_sizes(const Scene& scene, Faults& faults);
+// Adds a warning if an angle [rad] was probably given in degrees, or is too large to mean anything.
 void warn_about_angle(double angle, const std::string& path, Faults& faults);
 
 }  // namespace gelenk

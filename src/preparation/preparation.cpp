@@ -10,6 +10,7 @@
 #include "dynamics/undefined_force.h"
 #include "formulation/targets.h"
 #include "mechanism/graph.h"
+#include "preparation/doubts.h"
 #include "preparation/friction_loads.h"
 #include "preparation/inertia.h"
 #include "preparation/report.h"
@@ -208,31 +209,8 @@ struct Preparer {
     for (const PreparedIsland& island : out.islands) starts.push_back(island.start);
     out.report = describe_assembly(scene, out.reduced, starts);
     for (int i = 0; i < static_cast<int>(starts.size()); ++i) {
-      if (!starts[i].equal_q.empty()) warn_about_equal_assemblies(i, starts[i]);
+      add_doubts(scene, out.reduced, i, starts[i], *dynamics[i], out.warnings);
     }
-  }
-
-  // The warning names the coordinate in which the two assemblies differ most.
-  void warn_about_equal_assemblies(int island, const Assembled& start) {
-    double max_difference = -1;
-    std::string name;
-    double taken = 0;
-    double other = 0;
-    for (const int j : out.reduced.islands[island].joints) {
-      if (out.reduced.joints[j].role != JointPlace::Role::tree) continue;
-      const JointKind& kind = *find_joint_kind(scene.joints[j].type);
-      const std::vector<double> a = coordinates_of(preferred, out.reduced, j, start.q, *dynamics[island]);
-      const std::vector<double> b = coordinates_of(preferred, out.reduced, j, start.equal_q, *dynamics[island]);
-      for (std::size_t k = 0; k < a.size(); ++k) {
-        if (std::abs(a[k] - b[k]) <= max_difference) continue;
-        max_difference = std::abs(a[k] - b[k]);
-        const double size = scene.units.size_of(kind.q[k].unit);
-        name = scene.joints[j].name + "." + std::string(kind.q[k].name);
-        taken = size * a[k];
-        other = size * b[k];
-      }
-    }
-    out.warnings.push_back(describe_equal_assemblies(scene, name, taken, other));
   }
 
   // Analyzes mobility, also at other positions, where a part may move without inertia. kept: as in replace_islands().

@@ -7,6 +7,7 @@
 
 #include "assembly/loop_closure.h"
 #include "contact/contact_finder.h"
+#include "preparation/doubts.h"
 #include "scene/element_numbers.h"
 #include "util/text.h"
 
@@ -14,7 +15,6 @@ namespace gelenk {
 namespace {
 
 double in_si(const Scene& scene, double x, std::string_view unit) { return x * scene.units.size_of(unit); }
-
 // Returns the permitted closure error [m].
 std::string allowed(const Scene& scene) {
   return scene.units.is_si() ? "1e-9" : text::rounded(in_si(scene, assembled_gap, "m"), 3);
@@ -191,7 +191,9 @@ std::string describe_failure(const Scene& scene, const ReducedScene& reduced, in
                     closure_error_text(scene, fault) + position_text(scene, reduced, joints, fault.q) + " " +
                     "(allowed " + allowed(scene) + " m). ";
   if (conflict) return out + blame();
-  out += "Check the positions in joints " + text::list(names);
+  if (const std::string odd = describe_odd_axis(scene, joints); !odd.empty()) return out + odd;
+  const std::string what_to_check = fault.turn > assembled_gap ? "positions, axes and rotations" : "positions";
+  out += "Check the " + what_to_check + " in joints " + text::list(names);
   std::vector<std::string> motions;
   for (const CoordinateRow& row : mechanism.coordinate_rows) {
     const Constraint& c = scene.constraints[row.constraint];

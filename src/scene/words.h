@@ -19,6 +19,9 @@ namespace gelenk::words {
 
 inline constexpr IntRange max_evaluations{1, std::numeric_limits<int>::max()};
 inline constexpr IntRange max_events{1, std::numeric_limits<int>::max()};
+// Bounds of experiment.tolerance: below, the error estimate of a step is only round-off; above, it is meaningless.
+inline constexpr double min_tolerance = 1e-15;
+inline constexpr double max_tolerance = 1;
 // Bounds of solver.cone_tolerance: below, residuals are only round-off.
 inline constexpr double min_cone_tolerance = 1e-14;
 inline constexpr double max_cone_tolerance = 0.1;

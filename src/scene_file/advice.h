@@ -15,8 +15,8 @@ namespace gelenk::advice {
 std::string on_field(std::string_view name, const std::vector<std::string>& known);
 // Hint for a value that should be a number; unit: expected unit of that number.
 std::string on_number(const Json& found, std::string_view unit);
-// Hint for a value that should be a list of `size` numbers.
-std::string on_list(const Json& found, std::size_t size);
+// Hint for a value that should be a list of `size` numbers; unit: that of the numbers.
+std::string on_list(const Json& found, std::size_t size, std::string_view unit = {});
 // Hint for a value that should be a mapping.
 std::string on_mapping(const Json& found);
 // Hint for a value that should be a section.

@@ -25,6 +25,11 @@ Rotation read_quaternion(const Json& value, const std::string& path, Faults& fau
     return {};
   }
   const Eigen::VectorXd u = unit(wxyz);
+  // No rotation, if it were written as [x, y, z, w], as other programs and `Q` of joints do.
+  if (wxyz.head<3>().isZero(0)) {
+    faults.warn(path, "[0, 0, 0, " + text::number(wxyz[3]) + "], half a turn about z",
+                "a quaternion [w, x, y, z]; [1, 0, 0, 0] is no rotation");
+  }
   return Eigen::Quaterniond(u[0], u[1], u[2], u[3]).toRotationMatrix();
 }
 

@@ -50,7 +50,7 @@ std::optional<std::vector<double>> read_list(const Json& value, const std::strin
   if (!value.is_array() || value.size() != size) {
     faults.add(path, shown(value),
                "a list of " + std::to_string(size) + (size == 1 ? " number" : " numbers") + in_unit(unit) +
-                   advice::on_list(value, size));
+                   advice::on_list(value, size, unit));
     return {};
   }
   std::vector<double> out;

@@ -50,6 +50,12 @@ void read_slot(const Json& value, const std::string& path, Faults& faults, Slot&
   if (group.name != quaternion_name) return store(slot, x->data());
   const Eigen::Vector4d Q(x->data());
   if (Q.isZero(0)) return faults.add(path, "[0, 0, 0, 0]", "a quaternion [x, y, z, w] other than zero");
+  // No rotation, if it were written as [w, x, y, z], as `quaternion` of rotations is.
+  if (Q.tail<3>().isZero(0)) {
+    faults.warn(
+        path, "[" + text::number(Q[0]) + ", 0, 0, 0], half a turn about x",
+        "a quaternion [x, y, z, w]; [0, 0, 0, 1] is no rotation, and so is rotation: {quaternion: [1, 0, 0, 0]}");
+  }
   store(slot, Eigen::VectorXd(unit(Q)).data());
 }
 

@@ -53,12 +53,18 @@ Json body() {
   const Body plain;
   std::vector<std::string> required;
   Json fields = properties(Body::fields(), &plain, nullptr, required);
+  const Json by_density = object({{"density", number("kg/m3", "Density of the shapes", Range::positive)}}, {"density"});
+  fields["mass"] = {
+      {"description", "Mass [kg], or the density of the shapes, of which mass, center of mass and inertia are those."},
+      {"oneOf", {fields["mass"], by_density}}};
   fields["inertia"] = inertia;
   fields["pose"] = object(pose_fields(), {});
   fields["shapes"] = reference("shapes");
   Json out = object(fields, required);
   out["properties"]["pose"]["description"] =
       "Pose in the world at the reference configuration, for joints given by 'at'.";
+  out["if"] = {{"properties", {{"mass", {{"type", "object"}}}}}, {"required", {"mass"}}};
+  out["then"] = {{"required", {"shapes"}}, {"properties", {{"com", false}, {"inertia", false}}}};
   return out;
 }
 
@@ -218,11 +224,14 @@ Json settings() {
                  "which loops with redundant constraints and rounded dimensions are made to close "
                  "exactly; 0 if not given: no more than 1e-9"}}}},
              {});
-  out["experiment"] = object(
-      {{"stop", number("s", "Default end time of a run", Range::positive)},
-       {"step", number("s", "Default communication step", Range::positive)},
-       {"tolerance", number("", "Relative error tolerance; absolute per radian, meter, rad/s, m/s", Range::positive)}},
-      {});
+  out["experiment"] = object({{"stop", number("s", "Default end time of a run", Range::positive)},
+                              {"step", number("s", "Default communication step", Range::positive)},
+                              {"tolerance",
+                               {{"type", "number"},
+                                {"minimum", words::min_tolerance},
+                                {"maximum", words::max_tolerance},
+                                {"description", "Relative error tolerance; absolute per radian, meter, rad/s, m/s"}}}},
+                             {});
   out["solver"] = solver();
   return out;
 }

@@ -13,10 +13,8 @@ from pages import executed
 
 @pytest.fixture(scope="module")
 def names(root: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
-    folder = tmp_path_factory.mktemp("page")
-    (folder / "scenes").symlink_to(root / "scenes")
     with pytest.MonkeyPatch.context() as patch:
-        patch.chdir(folder)
+        patch.chdir(tmp_path_factory.mktemp("page"))
         return executed(root / "docs" / "gradients.md")
 
 

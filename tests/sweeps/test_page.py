@@ -4,15 +4,12 @@
 from __future__ import annotations
 
 import re
-import shlex
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from pages import blocks, executed
+from pages import commands, create_files, executed, printed
 
 LENGTHS = np.array([0.5, 1.75, 1.5, 2.0])  # m: crank, coupler, rocker, frame
 DEVIATION = 0.0002  # m
@@ -29,9 +26,9 @@ def swing(lengths: Any) -> float:
 
 
 @pytest.fixture
-def names(folder: Path, root: Path, capsys: pytest.CaptureFixture[str]) -> dict[str, Any]:
+def names(empty_folder: Path, root: Path, capsys: pytest.CaptureFixture[str]) -> dict[str, Any]:
     found = executed(root / "docs" / "sweeps.md")
-    assert folder == Path.cwd()
+    assert empty_folder == Path.cwd()
     return found | {"printed": capsys.readouterr().out}
 
 
@@ -62,11 +59,9 @@ def test_the_other_examples_of_the_page(names: dict[str, Any]) -> None:
     assert list(Path("study").glob("runs-*.parquet"))
 
 
-def test_the_command_of_the_page(folder: Path, root: Path) -> None:
-    console = blocks(root / "docs" / "sweeps.md", "console")[0].splitlines()
-    command = shlex.split(console[0].removeprefix("$ gelenk"))
-    done = subprocess.run(
-        [sys.executable, "-m", "gelenk", *command], capture_output=True, text=True, check=True
-    )
-    assert done.stdout.splitlines() == console[1:]
-    assert len((folder / "study.csv").read_text().splitlines()) == 7
+def test_the_command_of_the_page_writes_a_row_for_each_run(empty_folder: Path, root: Path) -> None:
+    page = root / "docs" / "sweeps.md"
+    create_files(page, empty_folder)
+    ((command, expected),) = commands(page)
+    assert printed(command, empty_folder) == (0, expected)
+    assert len((empty_folder / "study.csv").read_text().splitlines()) == 7

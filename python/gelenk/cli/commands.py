@@ -81,25 +81,22 @@ def export(
 ) -> Report:
     """Export a scene as an FMU (FMI 2.0 co-simulation).
 
-    Missing platforms are reported on stderr.
+    Libraries for platforms other than this one are built by `make runtimes`.
     """
-    from gelenk.io.export import file_name_notes, fmu_file, missing_platforms, platform_names
+    from gelenk.io.export import file_name_notes, fmu_file, platform_names
 
     wanted = platform_names([name.strip() for name in platforms.split(",")] if platforms else None)
-    missing = missing_platforms(wanted)
-    available = [name for name in wanted if name not in missing]
     loaded = load_scene(scene, assembly_tolerance).without(without or [])
-    # If none is available, the export reports the reason.
     out = gelenk.export_fmu(
-        loaded, output or fmu_file(loaded.name), available or wanted, split_all_names(outputs), view=view
+        loaded, output or fmu_file(loaded.name), wanted, split_all_names(outputs), view=view
     )
-    notes = [*missing.values(), *file_name_notes(loaded.name, output)]
+    notes = file_name_notes(loaded.name, output)
     for sentence in notes:
         print(sentence, file=sys.stderr)
     size = out.stat().st_size
     return Report(
         f"{out}: {size / 1e6:.2f} MB, {loaded.name}",
-        {"file": str(out), "bytes": size, "name": loaded.name, "platforms": available, "notes": notes},
+        {"file": str(out), "bytes": size, "name": loaded.name, "platforms": wanted, "notes": notes},
     )
 
 

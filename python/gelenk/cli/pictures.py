@@ -32,6 +32,11 @@ if TYPE_CHECKING:
     from gelenk.viewer import View
 
 
+Degrees = Annotated[
+    bool, typer.Option("--degrees", help="Plot angles and their derivatives in degrees instead of radians.")
+]
+
+
 @command
 def plot(
     run: Annotated[
@@ -50,6 +55,7 @@ def plot(
         Path | None,
         typer.Option("--output", "-o", metavar="FILE", help="Picture: .png, .svg or .pdf; default: RUN.png."),
     ] = None,
+    degrees: Degrees = False,
 ) -> Report:
     """Plot results over time, with a panel for each unit."""
     from gelenk.simulation.files import ENDINGS
@@ -62,7 +68,7 @@ def plot(
     else:
         with terminal_bar(sys.stderr) as progress:
             result = gelenk.simulate(run, progress=progress)
-    result.plot(signals or ()).savefig(file, dpi=150)
+    result.plot(signals or (), degrees=degrees).savefig(file, dpi=150)
     return Report(
         f"{file}: {len(result)} rows, to {result.time[-1]:g} s",
         {"file": str(file), "rows": len(result), "stop": float(result.time[-1])},
@@ -144,6 +150,7 @@ def view(
     trails: Annotated[bool, typer.Option("--trails", help="Draw paths of points in pictures.")] = False,
     time_stamp: Annotated[bool, typer.Option("--time", help="Write the time into pictures.")] = False,
     dark: Annotated[bool, typer.Option("--dark", help="Draw pictures in dark colors.")] = False,
+    degrees: Degrees = False,
 ) -> Report:
     """Simulate a scene or an FMU, or take results, and show the motion in the browser.
 
@@ -161,6 +168,8 @@ def view(
         given = [f"--{options.get(name, name)}" for name, value in choices.items() if value is not None]
         if given:
             raise UsageError(f"{', '.join(given)}: only for pictures, expected --png or --gif, too")
+    if reactions and files and all(map(is_picture, files)):
+        raise UsageError("--reactions: pictures have no arrows, expected a page: -o FILE.html")
     parameters = parse_parameters(settings or [], assembly_tolerance)
     from gelenk.simulation.files import ENDINGS
 
@@ -170,7 +179,7 @@ def view(
         if given or reactions:
             names = ", ".join([*given, *(["--reactions"] if reactions else [])])
             raise UsageError(f"{names}: only for simulations, found results in {plant}")
-        return _put(_view_of_file(plant, scene, parameters), files, choices)
+        return _put(_turned(_view_of_file(plant, scene, parameters), degrees), files, choices)
     try:
         with terminal_bar(sys.stderr) as progress:
             common: dict[str, Any] = {
@@ -186,8 +195,12 @@ def view(
     except StepError as e:
         if e.view is None:
             raise
-        return _put(e.view, files, choices, e)
-    return _put(page, files, choices)
+        return _put(_turned(e.view, degrees), files, choices, e)
+    return _put(_turned(page, degrees), files, choices)
+
+
+def _turned(page: View, degrees: bool) -> View:
+    return page.in_degrees() if degrees else page
 
 
 def _view_of_file(run: Path, scene: Path | None, parameters: Mapping[str, Value]) -> View:

@@ -101,6 +101,11 @@ class Equilibrium:
             lines += ["", "held", *(f"  {name:{width}}  {holding}" for name, holding in self.held.items())]
         return "\n".join(lines)
 
+    def _repr_html_(self) -> str:
+        from gelenk.equilibria.trim_html import trim_html
+
+        return trim_html(self)
+
 
 def equilibrium(
     source: Mechanism | OperatingPoint,

@@ -27,6 +27,7 @@ LIBRARIES = {
     "darwin64": "gelenk_fmu.dylib.gz",
 }
 ALL = "all"
+MAKE_RUNTIMES = "`make runtimes` in the repository of gelenk builds and installs it"
 RUNTIMES_PACKAGE = "gelenk_runtimes"  # has the libraries of all platforms; gelenk itself that of its own
 
 
@@ -44,7 +45,7 @@ def export_fmu(
         scene: anything `gelenk.load` accepts.
         out: the .fmu file; an existing file is replaced.
         platforms: platforms of the FMU: `linux64`, `aarch64-linux`, `win64`, `darwin64`, or `all` of them; by
-            default that of this machine. Libraries for other machines are in the package gelenk-runtimes.
+            default that of this machine. Libraries for other machines are built by `make runtimes`.
         outputs: names and patterns of the requested outputs; by default the scene's own. Parts on which none
             of them depends are not in the FMU.
         view: whether the documentation of the FMU shows the mechanism in three dimensions, in 0.2 MB.
@@ -66,8 +67,8 @@ def export_fmu(
     if target.suffix.lower() != ".fmu":
         raise ExportError(f"{target}: found the ending {target.suffix or 'none'}, expected .fmu")
     names = platform_names(platforms)
-    for sentence in missing_platforms(names).values():
-        raise ExportError(sentence)
+    if missing := missing_platforms(names):
+        raise ExportError("\n".join(missing.values()))
     runtimes = [(name, runtime_library(name)) for name in names]
     loaded = load(scene)
     if outputs is not None:
@@ -155,8 +156,8 @@ def missing_platforms(platforms: str | Sequence[str] | None) -> dict[str, str]:
     missing = {}
     for name in platform_names(platforms):
         if _library(name) is None:
-            how = "reinstall gelenk" if name == native_platform() else "pip install gelenk-runtimes"
-            missing[name] = f"{name}: this installation of gelenk has no library for it; {how}"
+            how = "reinstall gelenk" if name == native_platform() else MAKE_RUNTIMES
+            missing[name] = f"{name}: found no library for it in this installation of gelenk; {how}"
     return missing
 
 
@@ -183,7 +184,7 @@ def _library(name: str) -> Path | None:
     if package.__version__ != __version__:
         raise ExportError(
             f"{name}: found version {package.__version__} of gelenk-runtimes, expected {__version__}, "
-            f"that of gelenk; pip install gelenk-runtimes=={__version__}"
+            f"that of gelenk; {MAKE_RUNTIMES}"
         )
     other = Path(str(resources.files(package) / name / LIBRARIES[name]))
     return other if other.exists() else None

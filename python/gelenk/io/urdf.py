@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from gelenk.errors import SceneError
 from gelenk.extras import extra
 from gelenk.io.urdf_ignored import ignored
-from gelenk.io.urdf_inertia import impossible_inertias, repaired
+from gelenk.io.urdf_inertia import impossible_inertias, notes_on_missing, repaired
 from gelenk.io.urdf_limits import bounds_of, limit_notes, start_within
 from gelenk.model import foreign
 from gelenk.model.scene import Scene, from_dict
@@ -78,7 +78,7 @@ def import_urdf(
     if repair_inertia:
         return repaired(scene, name, notes)
     try:
-        return from_dict(scene, name, notes)
+        return from_dict(scene, name, [*notes, *notes_on_missing(scene)])
     except SceneError as e:
         if not impossible_inertias(e):
             raise

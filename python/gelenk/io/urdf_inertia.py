@@ -67,6 +67,16 @@ def repaired(scene: Mapping[str, Any], file: str, notes: Iterable[str]) -> Scene
     return from_dict(data, file, notes)
 
 
+def notes_on_missing(scene: Mapping[str, Any]) -> list[str]:
+    """Return a note on each movable body without inertia, with which a scene cannot be simulated."""
+    return [
+        f"link {name}: can move, but neither it nor what it carries has mass or inertia, so that the scene "
+        "cannot be simulated; --repair-inertia (repair_inertia=True) gives it "
+        f"{MIN_INERTIA_RATIO:g} of those of {carrier}"
+        for name, carrier in _moves_without_inertia(scene)
+    ]
+
+
 def _repair(body: dict[str, Any]) -> str:
     given = matrix(body["inertia"])
     nearest = nearest_inertia(given)

@@ -37,6 +37,15 @@ def limit_notes(movable: Sequence[Any], converted: bool) -> list[str]:
     for j in given:
         if j.limit.lower is not None and j.limit.upper is not None and j.limit.lower > j.limit.upper:
             notes.append(f"joint {j.name}: its lower limit exceeds its upper one; both are left out")
+        elif (
+            j.limit.lower is not None
+            and j.limit.lower == j.limit.upper
+            and j.type in ("revolute", "prismatic")
+        ):
+            notes.append(
+                f"joint {j.name}: its lower limit equals its upper one, {j.limit.lower:g}; both are left "
+                "out, and it moves freely: give it the type fixed if it is not to move"
+            )
     if given:
         notes.append(f"limits of velocity and effort are not modeled: {_names(given)}")
     return notes

@@ -107,6 +107,8 @@ class LinearModel:
         if not inputs:
             out.B, out.D = self.B.copy(), self.D.copy()
             out.set_inputs(inputs)
+        # In notebooks: the operating point and the names of the scene, which python-control lacks.
+        out._repr_html_ = self._repr_html_
         return out
 
     def to_dict(self) -> dict[str, Any]:

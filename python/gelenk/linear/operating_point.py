@@ -122,10 +122,13 @@ class OperatingPoint:
     def _settings(self, plant: Plant) -> tuple[dict[str, Value], dict[str, float]]:
         """Return the values to set before the start, and the states that must have exactly these values."""
         known = [*plant.parameters, *plant.inputs, *plant.idle]
-        settings = dict(self.parameters or {})
+        settings = plant.by_parameter(self.parameters or {})
         exact = {}
         faults = []
-        for name, value in self.values.items():
+        outputs = {*plant.outputs, *plant.readings}
+        other = {name: value for name, value in self.values.items() if name not in outputs}
+        at = {name: value for name, value in self.values.items() if name in outputs}
+        for name, value in (at | plant.by_parameter(other)).items():
             start = start_parameter(name)
             place = start if name not in known and start in known else name
             if place not in known:

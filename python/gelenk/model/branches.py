@@ -135,6 +135,12 @@ class Assemblies:
     def __str__(self) -> str:
         return "\n".join(_lines(self))
 
+    def _repr_html_(self) -> str:
+        from gelenk.model.branches_html import assemblies_html
+
+        counts = [sum(branch.island == k for branch in self.branches) for k in range(len(self.starts))]
+        return assemblies_html(self, [_search_line(self, k, count) for k, count in enumerate(counts)])
+
 
 def assemblies(
     source: Source,

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import json
+import re
 import warnings
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
@@ -14,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from gelenk import _core, _html
-from gelenk.errors import AssemblyError, SceneError, SceneWarning, UsageError
+from gelenk.errors import AssemblyError, MissingFileError, SceneError, SceneWarning, UsageError
 from gelenk.model import foreign, yaml12
 from gelenk.model.given import Given
 from gelenk.model.meshes import Meshes
@@ -76,10 +77,12 @@ class Scene:
         """Return a copy with other parameter values.
 
         Args:
-            settings: values by parameter name: numbers (SI units), booleans, or names of enumeration items.
+            settings: values by parameter name, or by the path in the file of what the scene lists under
+                `parameters` ("crank.m" or "crank.mass"): numbers (SI units), booleans, or names of
+                enumeration items.
 
         Raises:
-            UsageError: a name is unknown, or a value is not allowed.
+            UsageError: a name is unknown or no parameter, or a value is not allowed.
             SceneError: the values contradict each other.
 
         Warns:
@@ -87,7 +90,7 @@ class Scene:
         """
         table = {p.name: p for p in _core.list_parameters(self._core)}
         values = []
-        for name, value in settings.items():
+        for name, value in by_parameter(self, settings).items():
             if name not in table:
                 raise UsageError(unknown(name, "parameter", table))
             values.append((name, number(name, value, table[name].type, table[name].items)))
@@ -244,7 +247,14 @@ class Scene:
 def known_parameters(scene: Scene, settings: Mapping[str, Value]) -> dict[str, Value]:
     """Return the settings that are parameters of a scene, without inputs and others."""
     known = scene.parameters
-    return {name: value for name, value in settings.items() if name in known}
+    return {name: value for name, value in by_parameter(scene, settings).items() if name in known}
+
+
+def by_parameter(scene: Scene, settings: Mapping[str, Value]) -> dict[str, Value]:
+    """Return settings by the names of parameters, see `gelenk.model.settable.by_parameter`."""
+    from gelenk.model import settable  # which needs this module
+
+    return settable.by_parameter(scene, settings)
 
 
 def load(source: Source) -> Scene:
@@ -259,7 +269,7 @@ def load(source: Source) -> Scene:
 
     Raises:
         SceneError: the scene is invalid; the message lists all faults, one per line.
-        OSError: the file cannot be read.
+        OSError: the file cannot be read; MissingFileError: it does not exist.
 
     Warns:
         SceneWarning: a value is valid but suspicious, such as an angle in degrees.
@@ -284,6 +294,8 @@ def load(source: Source) -> Scene:
         foreign.refuse_content(source.encode("utf-8", "replace"), "scene")
         return _read(source, "yaml", "")
     path = Path(source)
+    if not path.exists():
+        raise MissingFileError(path)
     _core.check_size(path.stat().st_size, str(path))
     language = LANGUAGES.get(path.suffix.lower())
     if language is None:
@@ -310,9 +322,22 @@ def from_dict(data: Mapping[str, Any], file: str = "", report: Iterable[str] = (
         SceneError: the scene is invalid.
     """
     meshes = Meshes(file)
-    core, plain, doubts = _read_plain(data, file, meshes)
+    try:
+        core, plain, doubts = _read_plain(data, file, meshes)
+    except SceneError as e:
+        raise SceneError(map(_without_quotes, e.lines)) from None
     _warn(doubts)
     return Scene(core, Given(core, plain, meshes=meshes), report)
+
+
+def _without_quotes(line: str) -> str:
+    """Return a message about plain data, in which a text has no quotes that could be left out."""
+    advised = line.removesuffix("; leave out the quotes")
+    if advised == line:
+        return line
+    from_pyyaml = re.search(r"found '[-+]?\d+[eE][-+]?\d+'", line)
+    hint = "; PyYAML reads 1e-4 as a text and 1.0e-4 as a number: read the file with gelenk.load"
+    return f"{advised}, not a text{hint if from_pyyaml else ''}"
 
 
 def _read_plain(

@@ -3,12 +3,48 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 from gelenk import _core
 from gelenk.errors import UsageError
 from gelenk.model.scene import Scene, from_dict
-from gelenk.model.values import elements
+from gelenk.model.values import Value, elements
+
+
+def by_parameter(scene: Scene, settings: Mapping[str, Value]) -> dict[str, Value]:
+    """Return settings by the names of parameters: paths that the scene lists are replaced by these.
+
+    Args:
+        scene: the scene.
+        settings: values by name: of parameters ("crank.m"), paths in the file ("crank.mass"), and others,
+            which are kept.
+
+    Raises:
+        UsageError: a path is not listed under `parameters`, is that of an array, or is given twice.
+    """
+    known = scene.parameters
+    unknown = [name for name in settings if name not in known]
+    sizes = dict(_core.list_settables(scene._core)) if unknown else {}
+    paths = [name for name in unknown if name.partition("[")[0] in sizes]
+    listed = scene.to_dict().get("parameters", []) if paths else []
+    renamed = {}
+    for name in paths:
+        path = name.partition("[")[0]
+        if sizes[path] > 1 and name == path:
+            raise UsageError(_is_array(name, sizes[path]))
+        if path not in listed and name not in listed:
+            raise UsageError(
+                f"{name}: a number of the scene that is no parameter; list it in the scene, "
+                f"parameters: [{', '.join([*listed, name])}]"
+            )
+        renamed[name] = _parameter_of(scene, name)
+        if renamed[name] in settings:
+            raise UsageError(f"{name}: given twice, also as {renamed[name]}")
+    return {renamed.get(name, name): value for name, value in settings.items()}
+
+
+def _is_array(name: str, size: int) -> str:
+    return f"{name}: found an array of {size} numbers, expected one of {', '.join(elements(name, size))}"
 
 
 def with_listed(scene: Scene, names: Iterable[str]) -> tuple[Scene, dict[str, str]]:
@@ -29,8 +65,7 @@ def with_listed(scene: Scene, names: Iterable[str]) -> tuple[Scene, dict[str, st
         if name in known or path not in sizes:
             continue
         if sizes[path] > 1 and name == path:
-            listed = ", ".join(elements(path, sizes[path]))
-            raise UsageError(f"{name}: found an array of {sizes[path]} numbers, expected one of {listed}")
+            raise UsageError(_is_array(path, sizes[path]))
         data = scene.to_dict()
         if path in data.get("parameters", []) or name in data.get("parameters", []):
             parameter = _parameter_of(scene, name)

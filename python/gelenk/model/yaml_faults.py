@@ -27,6 +27,10 @@ def explained(error: yaml.YAMLError, text: str, file: str) -> str:
         return f"{file}: {' '.join(str(error).split())}"
     lines = text.splitlines() or [""]
     problem = error.problem or ""
+    if place := _odd_space(_Lines(lines, mark)):
+        line, column, character = place
+        what = f"found the space U+{ord(character):04X}, expected an ordinary space; type it again"
+        return _at(file, line, column, what)
     if "block scalar" in (error.context or ""):
         return _at(file, *_block_text(error, _Lines(lines, mark)))
     for pattern, explain in _EXPLANATIONS:
@@ -64,6 +68,19 @@ class _Lines:
     def ends(self) -> bool:
         """Whether nothing follows the mark in the text."""
         return not any(line.strip() for line in [self.here()[self.column :], *self.lines[self.line + 1 :]])
+
+
+# Spaces and invisible characters that YAML takes for letters; texts copied from web pages contain them.
+_ODD_SPACE = re.compile("[\u00a0\u1680\u2000-\u200b\u202f\u205f\u3000\ufeff]")
+
+
+def _odd_space(at: _Lines) -> tuple[int, int, str] | None:
+    """Return the first such space outside comments in the line of an error or the one before: its place."""
+    for line in (at.above(at.line), at.line):
+        found = _ODD_SPACE.search(at.lines[line].split("#")[0]) if line < len(at.lines) else None
+        if found:
+            return line, found.start(), found[0]
+    return None
 
 
 def quoted(line: str) -> str:

@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gelenk import _core
-from gelenk.errors import AssemblyError, GelenkError, StartWarning, StepError, UsageError
+from gelenk.errors import AssemblyError, GelenkError, MissingFileError, StartWarning, StepError, UsageError
 from gelenk.model.scales import Scales
 from gelenk.model.scene import Scene, load
 from gelenk.model.values import Value, number
@@ -46,6 +46,8 @@ class FmuPlant(Plant):
         self._messages: list[str] = []
         self._warnings: list[str] = []
         self._warnings_in_steps: list[str] = []
+        if not path.exists():
+            raise MissingFileError(path)
         self._description = _description(path)
         self._variables = {v.name: v for v in self._description.modelVariables}
         experiment = self._description.defaultExperiment

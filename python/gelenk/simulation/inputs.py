@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gelenk.errors import UsageError
+from gelenk.errors import MissingFileError, UsageError
 from gelenk.model.values import Value, number, unknown
 
 if TYPE_CHECKING:
@@ -125,6 +125,29 @@ class Constant:
     def __call__(self, _: float) -> float:
         """Return the value at any time."""
         return self.value
+
+
+@dataclass(frozen=True)
+class Table:
+    """An input that is interpolated linearly, and held before the first and after the last time.
+
+    Attributes:
+        times: [s], not decreasing.
+        values: one for each time.
+    """
+
+    times: NDArray[np.float64]
+    values: NDArray[np.float64]
+
+    def __call__(self, time: float) -> float:
+        """Return the value at a time [s]; after the jump where a time is repeated."""
+        t, x = self.times, self.values
+        i = int(np.searchsorted(t, time, side="right")) - 1  # t[i] <= time < t[i + 1]
+        if i < 0:
+            return float(x[0])
+        if i == len(t) - 1:
+            return float(x[-1])
+        return float(x[i] + (x[i + 1] - x[i]) * ((time - t[i]) / (t[i + 1] - t[i])))
 
 
 @dataclass(frozen=True)
@@ -275,6 +298,8 @@ def read_csv(path: str | PathLike[str]) -> NDArray[np.void]:
             message gives the lines.
         OSError: the file cannot be read.
     """
+    if not Path(path).exists():
+        raise MissingFileError(path)
     try:
         with Path(path).open(encoding="utf-8-sig", newline="") as file:
             lines = [(i, row) for i, row in enumerate(csv.reader(file), 1) if row]
@@ -348,14 +373,4 @@ def _interpolated(name: str, times: ArrayLike, values: ArrayLike) -> InputFuncti
     if len(back):
         k = int(back[0])
         raise UsageError(f"{name}: times decrease from {t[k]:g} s to {t[k + 1]:g} s (row {k + 2})")
-    last = len(t) - 1
-
-    def at(time: float) -> float:
-        i = int(np.searchsorted(t, time, side="right")) - 1  # t[i] <= time < t[i + 1]
-        if i < 0:
-            return float(x[0])
-        if i == last:
-            return float(x[last])
-        return float(x[i] + (x[i + 1] - x[i]) * ((time - t[i]) / (t[i + 1] - t[i])))
-
-    return at
+    return Table(t, x)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gelenk.errors import GelenkError, StepError, UsageError
-from gelenk.model.scene import Scene
+from gelenk.model.scene import Scene, by_parameter
 from gelenk.model.values import Value
 from gelenk.simulation.derivatives import Derivatives
 from gelenk.simulation.inputs import SampledInputs
@@ -57,6 +57,12 @@ class Plant(Protocol):
     @property
     def run_warnings(self) -> list[str]:
         """Why the run since `start` may not have kept its tolerance, a sentence each."""
+
+    def by_parameter(self, settings: Mapping[str, Value]) -> dict[str, Value]:
+        """Return settings with names of parameters in place of paths in the scene. Raises UsageError."""
+        known = {*self.parameters, *self.inputs, *self.idle}
+        scene = None if known.issuperset(settings) else self.scene
+        return dict(settings) if scene is None else by_parameter(scene, settings)
 
     def set_parameters(self, settings: Mapping[str, Value]) -> None:
         """Set parameters before `start`. Raises UsageError or SceneError for invalid names and values."""

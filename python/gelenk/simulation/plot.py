@@ -10,6 +10,7 @@ from gelenk.errors import UsageError
 from gelenk.extras import pyplot
 from gelenk.model.values import check_names
 from gelenk.simulation.result import Result
+from gelenk.viewer.degrees import DEGREE, IN_DEGREES
 
 WIDTH, HEIGHT = 7.2, 2.1  # inches; of a panel
 MAX_IN_LEGEND = 12
@@ -17,9 +18,13 @@ POSITIONS = ("rad", "m")  # units of the signals that are plotted if none are na
 EVENT_COLOR = "#999999"
 
 
-def plot(result: Result, names: Sequence[str] = ()) -> Any:
+def plot(result: Result, names: Sequence[str] = (), *, degrees: bool = False) -> Any:
     """Return a figure with a panel for each unit: see `Result.plot`."""
     plt = pyplot()
+    if degrees and not any(result.units.values()):
+        raise UsageError(
+            "degrees: found a result without units, as CSV files are; expected one of .parquet, .nc or .mat"
+        )
     panels = _panels(result, names or _positions(result))
     figure, all_axes = plt.subplots(
         len(panels), 1, sharex=True, squeeze=False, layout="constrained",
@@ -28,9 +33,11 @@ def plot(result: Result, names: Sequence[str] = ()) -> Any:
     for axes, (unit, signals) in zip(all_axes[:, 0], panels.items(), strict=True):
         for time, _ in result.events:
             axes.axvline(time, color=EVENT_COLOR, linewidth=0.5, zorder=0)
+        turned = degrees and unit in IN_DEGREES
         for name in signals:
-            axes.plot(result.time, result[name], linewidth=1.4, label=name)
-        axes.set_ylabel("" if unit == "1" else unit)
+            values = result[name] / DEGREE if turned else result[name]
+            axes.plot(result.time, values, linewidth=1.4, label=name)
+        axes.set_ylabel("" if unit == "1" else IN_DEGREES[unit] if turned else unit)
         axes.grid(alpha=0.3)
         if len(signals) <= MAX_IN_LEGEND:
             axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False, fontsize="small")

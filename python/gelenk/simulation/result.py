@@ -123,21 +123,22 @@ class Result:
 
         return read_result(Path(path))
 
-    def plot(self, names: Sequence[str] = ()) -> Figure:
+    def plot(self, names: Sequence[str] = (), *, degrees: bool = False) -> Figure:
         """Plot signals over time, with a panel for each unit and a line at each event.
 
         Args:
             names: signals, or patterns ("crank.*"); by default all positions.
+            degrees: whether angles and their derivatives are plotted in degrees.
 
         Returns:
             Figure: of matplotlib; its `savefig` writes it, notebooks display it.
 
         Raises:
-            UsageError: a name is unknown, or matplotlib is not installed.
+            UsageError: a name is unknown, the result has no units, or matplotlib is not installed.
         """
         from gelenk.simulation.plot import plot
 
-        figure: Figure = plot(self, names)
+        figure: Figure = plot(self, names, degrees=degrees)
         return figure
 
     def view(self, *, scene: Source | None = None, reactions: bool = False) -> View:

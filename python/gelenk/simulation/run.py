@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import logging
 import math
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from os import PathLike
 from pathlib import Path
@@ -14,10 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gelenk import _core
-from gelenk.errors import StepError, UsageError
+from gelenk.errors import StartWarning, StepError, UsageError
 from gelenk.model.scene import Scene, load
 from gelenk.model.values import Value, check_names, unknown
 from gelenk.simulation.inputs import Inputs, functions_and_constants, is_motion, polynomial, sampled
+from gelenk.simulation.oddities import doubts_of_tables, nothing_moves
 from gelenk.simulation.plant import Plant
 from gelenk.simulation.progress import progress_bar
 from gelenk.simulation.result import Result
@@ -63,7 +65,8 @@ def simulate(
             "generalized-alpha", "hht" or "newmark".
         formulation: "projection", or an alternative formulation of the constraints (docs/scene-format.md).
         inputs: see `gelenk.simulation.inputs.functions`; inputs that are not named are 0.
-        parameters: values by FMU parameter name, such as "A.phi_start"; also constant inputs.
+        parameters: values by parameter name, such as "A.phi_start", or by the path of what the scene lists
+            under `parameters`, such as "crank.mass"; also constant inputs.
         outputs: names and patterns ("crank.*") of the outputs to record; by default those of the scene or
             FMU. Parts of a scene on which none of them depends are not computed.
         without: reductions to switch off, see `gelenk.inspect`; scenes only.
@@ -83,6 +86,10 @@ def simulate(
         StepError: a step failed; its `result` contains the rows up to this step.
         OSError: a file cannot be read.
 
+    Warns:
+        StartWarning: the start is doubtful, a table of inputs ends before the run or repeats times, or
+            nothing has moved, although no friction and no limit holds anything.
+
     >>> import math
     >>> result = gelenk.simulate(four_bar, stop=0.5, inputs={"drive.tau": lambda t: 3 + math.sin(10 * t)})
     >>> bool(result["A.phi"][-1] > result["A.phi"][0])
@@ -90,7 +97,7 @@ def simulate(
     """
     opened = open_plant(plant, without, outputs)
     try:
-        settings = dict(parameters or {})
+        settings = opened.by_parameter(parameters or {})
         if assembly_tolerance is not None:
             settings["assembly.tolerance"] = assembly_tolerance
         known = [*opened.inputs, *opened.idle]
@@ -115,9 +122,13 @@ def simulate(
             name: polynomial(signal, 0.0, first)[1] for name, signal in signals.items() if is_motion(name)
         }
         opened.start(tolerance, {name: signal(0.0) for name, signal in signals.items()}, motions)
+        for sentence in doubts_of_tables(signals, float(times[-1])):
+            warnings.warn(sentence, StartWarning, stacklevel=2)
         log.info("%s: 0 to %g s in %d steps, %d outputs", opened.name, times[-1], len(times) - 1, len(names))
         with progress_bar(progress) as reached:
             result = _run(opened, times, names, signals, held, reached)
+        if outputs is None and (sentence := nothing_moves(opened, result, signals)):
+            warnings.warn(sentence, StartWarning, stacklevel=2)
         if log.isEnabledFor(logging.DEBUG):
             _log_diagnostics(opened)
         result.run = (plant, {
@@ -143,8 +154,10 @@ def grid(stop: float, step: float) -> NDArray[np.float64]:
         NDArray: shape (steps + 1,).
 
     Raises:
-        UsageError: stop or step is out of range.
+        UsageError: stop or step is out of range, or no number.
     """
+    for name, value in (("stop", stop), ("step", step)):
+        check_number(name, value, "s")
     if not (math.isfinite(stop) and stop >= 0):
         raise UsageError(f"stop: found {stop} s, expected 0 or more")
     if not (math.isfinite(step) and step > 0):
@@ -160,6 +173,28 @@ def grid(stop: float, step: float) -> NDArray[np.float64]:
     times: NDArray[np.float64] = np.arange(count + 1, dtype=np.float64) * step
     times[-1] = stop
     return times
+
+
+def check_number(name: str, value: object, unit: str = "") -> None:
+    """Raise UsageError if a value is no number.
+
+    Args:
+        name: name of the value in the message.
+        value: what was given.
+        unit: unit of the number; empty if it has none.
+    """
+    if isinstance(value, bool) or not isinstance(value, int | float | np.number):
+        expected = f"a number of {unit}" if unit else "a number"
+        hint = "; leave out the quotes" if isinstance(value, str) and _is_number(value) else ""
+        raise UsageError(f"{name}: found {value!r}, expected {expected}{hint}")
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
 
 
 def open_plant(
@@ -219,6 +254,8 @@ def configure(
     Raises:
         UsageError: a name or value is invalid, or a parameter is given twice.
     """
+    if tolerance is not None:
+        check_number("tolerance", tolerance)
     if tolerance is not None and not 0 < tolerance < 1:
         raise UsageError(f"tolerance: found {tolerance}, expected a number between 0 and 1")
     for name, choice in choices.items():

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from gelenk.errors import GelenkError, StepBudgetError, StepError, UsageError
 from gelenk.model.scales import Scales
-from gelenk.model.scene import Scene
+from gelenk.model.scene import Scene, by_parameter
 from gelenk.model.values import Value
 from gelenk.simulation.derivatives import Derivatives, differentiated_name
 from gelenk.simulation.inputs import SampledInputs
@@ -61,6 +61,10 @@ class ScenePlant(Plant):
     @override
     def run_warnings(self) -> list[str]:
         return self._simulation._core.run_warnings()
+
+    @override
+    def by_parameter(self, settings: Mapping[str, Value]) -> dict[str, Value]:
+        return by_parameter(self._whole, settings)
 
     @override
     def set_parameters(self, settings: Mapping[str, Value]) -> None:

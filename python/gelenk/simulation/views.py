@@ -17,7 +17,9 @@ from gelenk.viewer.pages import View, view_of
 type Viewed = Scene | str | PathLike[str] | Mapping[str, Any] | Result
 
 
-def view(plant: Viewed | Sequence[Viewed], *, reactions: bool = False, **run: Any) -> View:
+def view(
+    plant: Viewed | Sequence[Viewed], *, reactions: bool = False, degrees: bool = False, **run: Any
+) -> View:
     """Simulate a scene, or the scene of an FMU, and return a page on which it moves.
 
     The page is one HTML file that needs no network: a 3-D view with time slider, plots of the outputs, and
@@ -28,6 +30,7 @@ def view(plant: Viewed | Sequence[Viewed], *, reactions: bool = False, **run: An
             laid over each other: see `View.overlay`.
         reactions: whether forces and torques of all joints are shown as arrows; those of springs, loads and
             motors, and of joints with a sensor, always are.
+        degrees: whether angles and their derivatives are in degrees in the plots of the page.
         run: arguments of `gelenk.simulate`: stop, step, inputs, parameters, ...; stop=0 shows the start.
 
     Returns:
@@ -41,6 +44,8 @@ def view(plant: Viewed | Sequence[Viewed], *, reactions: bool = False, **run: An
     >>> page.html[:15]
     '<!DOCTYPE html>'
     """
+    if degrees:
+        return view(plant, reactions=reactions, **run).in_degrees()
     if isinstance(plant, Sequence) and not isinstance(plant, str):
         if len(plant) != 2:
             raise UsageError(f"view: found {len(plant)} runs, expected one or two")

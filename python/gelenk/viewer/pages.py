@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from gelenk.errors import UsageError
 from gelenk.viewer.data import page_data
+from gelenk.viewer.degrees import with_degrees
 from gelenk.viewer.endings import PICTURES, is_picture
 from gelenk.viewer.overlay import overlaid
 from gelenk.viewer.page import page_of
@@ -96,6 +97,10 @@ class View:
             UsageError: one of them shows two runs already, or there are not two names.
         """
         return View(overlaid(self._data, other._data, names))
+
+    def in_degrees(self) -> View:
+        """Return the same page with angles, angular velocities and accelerations in degrees in its plots."""
+        return View(with_degrees(self._data))
 
     def show(self) -> Path:
         """Open the page in the browser, from a temporary file of which the path is returned."""

@@ -80,6 +80,6 @@ def test_two_equally_close_assemblies_raise_a_warning() -> None:
         meant = reordered(source, 0)
         meant["joints"]["C"]["start"]["phi"] += 0.05
         with warnings.catch_warnings():
-            warnings.simplefilter("error", gelenk.StartWarning)
+            warnings.filterwarnings("error", ".*equally close", gelenk.StartWarning)
             gelenk.simulate(meant, stop=1e-3)
             assert angles(meant)["C.phi"] == pytest.approx(lean - math.pi / 2, rel=1e-9)

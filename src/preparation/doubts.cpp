@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "preparation/doubts.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "joint/registry.h"
+#include "preparation/report.h"
+#include "preparation/start.h"
+#include "util/text.h"
+
+namespace gelenk {
+namespace {
+
+// Names the coordinate in which the two assemblies differ most.
+std::string describe_equal(const Scene& scene, const ReducedScene& reduced, int island, const Assembled& found,
+                           const Dynamics& dynamics) {
+  double max_difference = -1;
+  std::string name;
+  double taken = 0;
+  double other = 0;
+  for (const int j : reduced.islands[island].joints) {
+    if (reduced.joints[j].role != JointPlace::Role::tree) continue;
+    const JointKind& kind = *find_joint_kind(scene.joints[j].type);
+    const std::vector<double> a = coordinates_of(scene, reduced, j, found.q, dynamics);
+    const std::vector<double> b = coordinates_of(scene, reduced, j, found.equal_q, dynamics);
+    for (std::size_t k = 0; k < a.size(); ++k) {
+      if (std::abs(a[k] - b[k]) <= max_difference) continue;
+      max_difference = std::abs(a[k] - b[k]);
+      const double size = scene.units.size_of(kind.q[k].unit);
+      name = scene.joints[j].name + "." + std::string(kind.q[k].name);
+      taken = size * a[k];
+      other = size * b[k];
+    }
+  }
+  return describe_equal_assemblies(scene, name, taken, other);
+}
+
+// Describes a guess of another position than that in which the mechanism starts. Positions of free bodies, which are
+// sketched roughly, do not count.
+std::string describe_changed_guess(const Scene& scene, const ReducedScene& reduced, int island, const Assembled& found,
+                                   const Dynamics& dynamics) {
+  double max_change = 0.1;  // rad, natural units of length: beyond, assembly looks for other positions
+  if (found.moved <= max_change) return {};
+  std::string out;
+  for (const int j : reduced.islands[island].joints) {
+    const Joint& joint = scene.joints[j];
+    const JointStart& guess = joint.start;
+    const JointKind& kind = *find_joint_kind(joint.type);
+    const JointPlace::Role role = reduced.joints[j].role;
+    if ((role != JointPlace::Role::tree && role != JointPlace::Role::cut) || kind.has_quaternion()) continue;
+    const std::vector<double> q = coordinates_of(scene, reduced, j, found.q, dynamics);
+    for (std::size_t k = 0; k < q.size(); ++k) {
+      if (!guess.q_given[k] || guess.q_fixed[k]) continue;
+      const bool angle = kind.q[k].unit == "rad";
+      const double change = angle ? std::remainder(q[k] - guess.q[k], 2 * std::numbers::pi) : q[k] - guess.q[k];
+      if (std::abs(change) <= max_change) continue;
+      max_change = std::abs(change);
+      const auto shown = [&](double x) {
+        return text::with_unit(text::rounded(scene.units.size_of(kind.q[k].unit) * x), kind.q[k].unit);
+      };
+      out = "joints." + joint.name + ".start." + std::string(kind.q[k].name) + ": found " + shown(guess.q[k]) +
+            ", a guess with which the loops cannot be closed, expected one near " + shown(guess.q[k] + change) +
+            ", which is used; gelenk assemblies lists all positions";
+    }
+  }
+  return out.empty() || scene.file.empty() ? out : scene.file + ": " + out;
+}
+
+}  // namespace
+
+void add_doubts(const Scene& scene, const ReducedScene& reduced, int island, const Assembled& found,
+                const Dynamics& dynamics, std::vector<std::string>& warnings) {
+  if (!found.equal_q.empty()) warnings.push_back(describe_equal(scene, reduced, island, found, dynamics));
+  const std::string changed = describe_changed_guess(scene, reduced, island, found, dynamics);
+  if (!changed.empty()) warnings.push_back(changed);
+}
+
+std::string describe_odd_axis(const Scene& scene, const std::vector<int>& joints) {
+  constexpr double sine_limit = 1e-6;
+  if (joints.size() < 4) return {};
+  std::vector<Eigen::Vector3d> axes;
+  for (const int j : joints) {
+    const Joint& joint = scene.joints[j];
+    if (joint.axes.size() != 1) return {};
+    axes.push_back(joint.parent.X_BF.R * joint.axes.front());
+  }
+  const auto parallel = [&](std::size_t i, std::size_t k) { return axes[i].cross(axes[k]).norm() < sine_limit; };
+  const Joint* odd = nullptr;
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    std::size_t others = 0;
+    for (std::size_t k = 0; k < axes.size(); ++k) others += k != i && parallel(i, k) ? 1 : 0;
+    if (others + 2 >= axes.size()) continue;  // parallel to all, or to all but the odd one
+    if (others > 0 || odd != nullptr) return {};
+    odd = &scene.joints[joints[i]];
+  }
+  if (odd == nullptr) return {};
+  return "Check the axis of joint " + odd->name + ": those of all other joints in the loop are parallel.";
+}
+
+}  // namespace gelenk
