@@ -77,6 +77,10 @@ class SceneWarning(UserWarning):
     """
 
 
+class FileWarning(UserWarning):
+    """A file was read that is not complete. The message says what is missing."""
+
+
 class StartWarning(UserWarning):
     """The start is at or near a singular configuration, or the run will not keep its tolerance. The message
     says where, and what follows.
