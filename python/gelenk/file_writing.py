@@ -81,7 +81,7 @@ def replacing(path: str | PathLike[str]) -> Iterator[Path]:
 def writing(path: str | PathLike[str]) -> Iterator[BufferedRandom]:
     """Yield an open binary file whose content becomes that of a file: see `replacing`.
 
-    It can be read and positioned, whatever the target is.
+    It can be read and positioned, also if the target is a pipe.
     """
     with replacing(path) as draft:
         raw = _Raw(draft, "w+b")
@@ -138,7 +138,7 @@ class _Raw(FileIO):
                 return super().truncate(size)
             except OSError as e:
                 self.error = e
-        return self.tell() if size is None else size
+        return self.seek(0, os.SEEK_CUR) if size is None else size
 
 
 def _place(target: Path) -> Path | None:
