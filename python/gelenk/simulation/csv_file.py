@@ -27,7 +27,7 @@ from gelenk.file_reading import opened
 
 MAX_LINE = 16_000_000  # characters; a line of 10,000 signals has about 200,000
 MAX_COLUMNS = 100_000
-MAX_PIPE = 20_000_000  # characters from a pipe, which may not end
+MAX_PIPE = 4_000_000  # characters from a pipe, which may not end
 _FIRST, _LAST = "E-00", "E-000"
 _BEGUN = re.compile(r"-?[0-9]+(\.[0-9]+)?E-000?")
 

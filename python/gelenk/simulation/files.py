@@ -8,6 +8,9 @@ from __future__ import annotations
 
 import json
 import math
+import os
+import struct
+import zlib
 from collections.abc import Callable, Mapping
 from importlib import import_module
 from pathlib import Path
@@ -29,6 +32,7 @@ if TYPE_CHECKING:
 
 DIMENSIONLESS = "1"
 SCENE = "gelenk_scene"  # attribute, or variable of .mat files
+_MAT_COMPRESSED = 15  # kind of an element
 _MAT_VARIABLES = ("time", "values", "names", "units", SCENE)
 FREE_SIZE = 50_000_000  # bytes of numbers that any compressed file may contain
 MAX_COMPRESSION = 1000  # bytes of numbers for each byte of a larger file, as of many constant signals
@@ -95,6 +99,8 @@ def read_result(path: Path) -> Result:
         return _READERS[path.suffix.lower()](path)
     except GelenkError:
         raise
+    except KeyError as e:
+        raise UsageError(f"{path}: found no {e.args[0]}; expected a result with `time` and signals") from None
     except Exception as e:  # readers of the formats raise anything for faulty files, MemoryError included
         why = " ".join(str(e).split()) or type(e).__name__
         raise UsageError(f"{path}: {why}; expected a result with `time` and signals") from None
@@ -121,7 +127,7 @@ def _read_parquet(path: Path) -> Result:
         _check_size(path, 8 * file.metadata.num_rows * file.metadata.num_columns)
     frame = extra("pandas", "tables are read with pandas").read_parquet(path, engine="pyarrow")
     if frame.index.name != "time":
-        raise KeyError("found no index named time")
+        raise KeyError("index named time")
     rows = np.column_stack([frame.index.to_numpy(float), frame.to_numpy(float)])
     return _with_scene(
         Result(list(frame.columns), rows, _without_time(frame.attrs.get("units", {}))), frame.attrs.get(SCENE)
@@ -156,6 +162,22 @@ def _check_size(path: Path, size: int) -> None:
         raise ValueError(f"found {size / 1e6:.0f} MB of numbers in a file of {path.stat().st_size} bytes")
 
 
+def _size_in_mat(path: Path) -> int:
+    """Return the size of the variables in a .mat file of version 5 [bytes], which may be compressed."""
+    size = 0
+    with path.open("rb") as file:
+        order = {b"IM": "<", b"MI": ">"}.get(file.read(128)[126:])
+        while order and len(head := file.read(8)) == 8:
+            kind, count = struct.unpack(f"{order}2I", head)
+            after = file.seek(0, os.SEEK_CUR) + count
+            if kind == _MAT_COMPRESSED:
+                head = zlib.decompressobj().decompress(file.read(min(count, 1000)), 8)
+                count = struct.unpack(f"{order}2I", head)[1]
+            size += count
+            file.seek(after)
+    return size
+
+
 # Names of signals are no names of variables in MATLAB: they are strings, in the order of the columns.
 def _write_mat(result: Result, path: Path) -> None:
     from scipy.io import savemat
@@ -174,6 +196,7 @@ def _write_mat(result: Result, path: Path) -> None:
 def _read_mat(path: Path) -> Result:
     from scipy.io import loadmat, whosmat
 
+    _check_size(path, _size_in_mat(path))
     variables = [(name, shape) for name, shape, _ in whosmat(path) if name in _MAT_VARIABLES]
     _check_size(path, sum(8 * math.prod(shape) for _, shape in variables))
     content: Mapping[str, Any] = loadmat(path, variable_names=list(_MAT_VARIABLES))
