@@ -20,7 +20,7 @@ FREE_SIZE = 50_000_000  # bytes that any FMU may have unpacked
 MAX_COMPRESSION = 100  # of a larger FMU; libraries and descriptions are compressed by 2 to 30
 MAX_TEXT = 100_000_000  # bytes of a description or scene; 2 kB of description for each body are usual
 MAX_FILES = 20_000
-MAX_NAME = 200  # bytes of a part of a name, and 1000 of all of it
+MAX_NAME = 255  # bytes of a part of a name, as in file systems; five times that of all of it
 _FAULTS = (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError, ValueError)
 
 
