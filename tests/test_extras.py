@@ -17,6 +17,44 @@ from gelenk.io.urdf import import_urdf
 from gelenk.simulation import progress
 
 
+def read_mesh() -> None:
+    scene = gelenk.load(Path(__file__).parent.parent / "scenes" / "four_bar.yaml").to_dict()
+    scene["bodies"]["crank"]["shapes"] = {"s": {"mesh": "m.stl"}}
+    Path("m.stl").touch()
+    gelenk.load(scene)
+
+
+@pytest.mark.parametrize(
+    ("ending", "package"),
+    [
+        (".parquet", "pandas"),
+        (".parquet", "pyarrow"),
+        (".nc", "xarray"),
+        (".nc", "h5py"),
+        (".nc", "h5netcdf"),
+    ],
+)
+def test_readers_of_results_name_their_extra(
+    ending: str, package: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Also if the file is missing, or no result."""
+    monkeypatch.setitem(sys.modules, package, None)
+    for path in (tmp_path / f"none{ending}", tmp_path / f"some{ending}"):
+        (tmp_path / f"some{ending}").write_bytes(b"nothing of use")
+        with pytest.raises(gelenk.UsageError) as caught:
+            gelenk.Result.read(path)
+        assert str(caught.value) == (
+            f"{ending} files are read and written with {package}: pip install 'gelenk[tables]'"
+        )
+
+
+def test_meshes_name_their_extra(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setitem(sys.modules, "trimesh", None)
+    with pytest.raises(gelenk.SceneError, match=r"trimesh: pip install 'gelenk\[mesh\]'"):
+        read_mesh()
+
+
 @pytest.mark.parametrize(
     ("package", "use", "sentence"),
     [

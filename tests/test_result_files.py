@@ -95,7 +95,9 @@ def test_errors(result: gelenk.Result, tmp_path: Path) -> None:
     with pytest.raises(gelenk.UsageError, match=r"other\.csv: .*found no column named time first"):
         gelenk.Result.read(other)
     other.write_text("time,x\n0,one\n")
-    with pytest.raises(gelenk.UsageError, match=r"other\.csv: could not convert string to float"):
+    with pytest.raises(
+        gelenk.UsageError, match=r"other\.csv:2: could not convert string to float: 'one'; expected"
+    ):
         gelenk.Result.read(other)
     with pytest.raises(FileNotFoundError):
         gelenk.Result.read(tmp_path / "missing.csv")

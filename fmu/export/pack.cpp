@@ -8,6 +8,7 @@
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <random>
 #include <set>
 #include <string_view>
 #include <system_error>
@@ -121,10 +122,13 @@ std::vector<double> poses_of_bodies(Simulation& simulation) {
   return out;
 }
 
-// A temporary file next to its final location, deleted unless it is moved there.
+// A temporary file next to its final location, deleted unless it is moved there. Two processes may write the same FMU.
 class DraftFile {
  public:
-  explicit DraftFile(fs::path final_path) : final_(std::move(final_path)), draft_(final_) { draft_ += ".part"; }
+  explicit DraftFile(fs::path final_path) : final_(std::move(final_path)), draft_(final_) {
+    std::random_device random;
+    draft_ += "." + std::to_string(random()) + std::to_string(random()) + ".part";
+  }
   DraftFile(const DraftFile&) = delete;
   DraftFile& operator=(const DraftFile&) = delete;
   ~DraftFile() {

@@ -18,6 +18,7 @@ import numpy as np
 
 import gelenk
 from gelenk.extras import pyplot
+from gelenk.file_writing import writing
 
 STOP, STEP = 5.0, 1e-3  # s
 CLOSURE_ERRORS = ("constraints.position", "constraints.velocity")
@@ -116,7 +117,8 @@ def draw(result: gelenk.Result, path: Path) -> None:
         axis.legend(loc="center left", bbox_to_anchor=(1, 0.5))
     axes[3].set_xlabel("time [s]")
     axes[0].set_title("Four-bar: joint states of the FMU under a time-varying motor torque")
-    figure.savefig(path, dpi=110)
+    with writing(path) as file:
+        figure.savefig(file, format="png", dpi=110)
     plt.close(figure)
 
 

@@ -84,6 +84,10 @@ class SceneWarning(UserWarning):
     """
 
 
+class FileWarning(UserWarning):
+    """A file was read that is not complete. The message says what is missing."""
+
+
 class StartWarning(UserWarning):
     """The start is at or near a singular configuration, the run will not keep its tolerance, or something is
     probably not intended: guesses that are changed a lot, tables of inputs that end early, nothing that

@@ -63,7 +63,7 @@ def test_non_numeric_cell_is_refused_with_its_line(
     )
     lines[at] = ",".join(cells)
     path = tmp_path / "x.csv"
-    path.write_text("\n".join(lines), "utf-8")
+    path.write_text("\n".join(lines) + "\n", "utf-8")
     with pytest.raises(UsageError) as error:
         read_csv(path)
     assert str(error.value).startswith(f"{path}:{at + 1}: {['time', *result.names][k]}: found ")
@@ -78,7 +78,7 @@ def test_row_of_wrong_length_is_refused_with_its_line(
     at = data.draw(st.integers(1, len(lines) - 1))
     lines[at] = lines[at] + ",1" if more else lines[at].rpartition(",")[0]
     path = tmp_path / "x.csv"
-    path.write_text("\n".join(lines), "utf-8")
+    path.write_text("\n".join(lines) + "\n", "utf-8")
     with pytest.raises(UsageError) as error:
         read_csv(path)
     width = 1 + len(result.names)

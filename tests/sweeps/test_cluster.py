@@ -90,6 +90,23 @@ def test_a_local_cluster_is_made_for_the_sweep(four_bar: gelenk.Scene) -> None:
     assert same(found, gelenk.sweep(four_bar, {"crank.m": [0.9, 1.0]}, outputs={"A.w": "last"}, stop=0.01))
 
 
+def test_a_local_cluster_is_reached_from_this_machine_only(four_bar: gelenk.Scene) -> None:
+    """Whoever reaches a port of it can run code: all of them are on the loopback interface."""
+    psutil = pytest.importorskip("psutil")
+
+    def addresses() -> set[Any]:
+        me = psutil.Process()
+        all_of_them = [c for p in (me, *me.children(recursive=True)) for c in p.net_connections(kind="inet")]
+        return {c.laddr for c in all_of_them if c.status == psutil.CONN_LISTEN}
+
+    before, found = addresses(), set()
+    gelenk.sweep(
+        four_bar, {"crank.m": [0.9, 1.0]}, outputs={"A.w": "last"}, stop=0.01, cluster="local", workers=1,
+        progress=lambda *_: found.update(addresses() - before),
+    )  # fmt: skip
+    assert {address.ip for address in found} == {"127.0.0.1"}
+
+
 def crash_or_hang(_: Any, x: Any) -> float:
     """Of the initial angle: end the process, wait, or return it."""
     if x[0] > 1.6:

@@ -3,8 +3,10 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
+import time
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +16,7 @@ import xarray as xr
 
 import gelenk
 from gelenk.sweeps import driver
+from gelenk.sweeps.store import OLD
 from sweeps.test_runs import same
 
 RUNS = 60
@@ -103,10 +106,14 @@ def test_a_damaged_part_is_made_again(
     content = bytearray(part.read_bytes())
     content[len(content) // 2] ^= 1
     part.write_bytes(content)
-    (tmp_path / ".writing-0123").write_bytes(b"of a process that was killed")
+    old, new = (tmp_path / f".sweep-{k:016x}.part.json" for k in range(2))
+    for draft in (old, new):
+        draft.write_bytes(b"of a process that was killed, or is writing")
+    os.utime(old, (0, time.time() - 2 * OLD))
     assert same(made(four_bar, tmp_path), first)
     assert f"{part}: damaged, its checksum is another one; its runs are made again" in caplog.text
-    assert not list(tmp_path.glob(".writing-*"))
+    assert not old.exists()
+    assert new.exists()
 
 
 def test_another_sweep_is_refused(four_bar: gelenk.Scene, tmp_path: Path) -> None:

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import socket
 import threading
 import time
 import urllib.error
@@ -151,3 +153,35 @@ def test_old_frames_are_forgotten(four_bar: gelenk.Scene, monkeypatch: pytest.Mo
 def test_wrong_choices(choice: dict[str, float], four_bar: gelenk.Scene) -> None:
     with pytest.raises(gelenk.UsageError, match=r"(rate|speed): found .*, expected more than 0"):
         live_view(started(four_bar), browser=False, **choice)
+
+
+def test_connections_are_bounded(four_bar: gelenk.Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each has a thread; those in excess are closed, and those that send nothing after a while, too."""
+    monkeypatch.setattr(live, "MAX_CONNECTIONS", 8)
+    before = threading.active_count()
+    with live_view(started(four_bar), browser=False) as view:
+        address = ("127.0.0.1", int(view.url.split(":")[2].strip("/")))
+        with contextlib.ExitStack() as stack:
+            sockets = [stack.enter_context(socket.create_connection(address)) for _ in range(100)]
+            for excess in sockets[8:]:
+                excess.settimeout(10.0)
+                assert excess.recv(1) == b""  # closed
+            assert threading.active_count() <= before + 1 + 8
+        deadline = time.monotonic() + 10.0
+        while True:
+            try:
+                assert "<html" in messages(view.url)
+                break
+            except (urllib.error.URLError, ConnectionError):  # the threads of the others are ending
+                assert time.monotonic() < deadline
+                time.sleep(0.01)
+
+
+def test_a_connection_that_sends_nothing_is_closed(
+    four_bar: gelenk.Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(live, "TIMEOUT", 0.2)
+    with live_view(started(four_bar), browser=False) as view:
+        address = ("127.0.0.1", int(view.url.split(":")[2].strip("/")))
+        with socket.create_connection(address, timeout=10.0) as silent:
+            assert silent.recv(1) == b""

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -67,6 +68,10 @@ def test_an_fmu_contains_its_scene(four_bar: gelenk.Scene, four_bar_fmu: Path, t
     assert scene_of(four_bar_fmu).to_dict()["bodies"] == four_bar.to_dict()["bodies"]
     other = tmp_path / "other.fmu"
     other.write_bytes(b"no archive")
+    with pytest.raises(gelenk.UsageError, match=r"other\.fmu: not an FMU"):
+        scene_of(other)
+    with zipfile.ZipFile(other, "w") as archive:
+        archive.writestr("modelDescription.xml", "<fmiModelDescription/>")
     with pytest.raises(gelenk.UsageError, match="found no scene in it, expected an FMU made by Gelenk"):
         scene_of(other)
 

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import csv
+import io
 import math
 import statistics
 from collections.abc import Callable, Sequence
@@ -17,6 +18,7 @@ from gelenk.chart import tables
 from gelenk.chart.cone_problems import COUNT, ConeProblem, cone_problem
 from gelenk.chart.recorded_cones import RecordedScene, record
 from gelenk.errors import UsageError
+from gelenk.file_writing import write_text
 from gelenk.model.values import unknown
 
 KINDS = ("dense", "chain", "redundant", "spheres", "boxes", "loops")  # the last three: recorded from scenes
@@ -149,11 +151,12 @@ def table(runs: Sequence[ConeRun]) -> str:
 
 def write(runs: Sequence[ConeRun], path: Path) -> None:
     """Write the work at each level as CSV; empty cells: not reached. Raises OSError."""
-    with path.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(["problem", "kind", "solver", "residual", "products", "seconds"])
-        for run in runs:
-            for level in LEVELS:
-                products, seconds = run.work(level)
-                cells = ["", ""] if math.isinf(products) else [f"{products:.0f}", f"{seconds:.3g}"]
-                writer.writerow([run.problem, run.kind, run.solver, f"{level:.3g}", *cells])
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(["problem", "kind", "solver", "residual", "products", "seconds"])
+    for run in runs:
+        for level in LEVELS:
+            products, seconds = run.work(level)
+            cells = ["", ""] if math.isinf(products) else [f"{products:.0f}", f"{seconds:.3g}"]
+            writer.writerow([run.problem, run.kind, run.solver, f"{level:.3g}", *cells])
+    write_text(path, text.getvalue())

@@ -4,12 +4,14 @@
 from __future__ import annotations
 
 import csv
+import io
 import math
 from collections.abc import Iterable
 from dataclasses import fields
 from pathlib import Path
 
 from gelenk.chart.measure import Run
+from gelenk.file_writing import write_text
 
 COLUMNS = tuple(field.name for field in fields(Run))
 WORDS = ("scene", "method", "formulation", "integrator", "outcome", "reason")
@@ -17,11 +19,12 @@ WORDS = ("scene", "method", "formulation", "integrator", "outcome", "reason")
 
 def write(runs: Iterable[Run], path: Path) -> None:
     """Write runs; missing numbers are empty cells. Raises OSError."""
-    with path.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(COLUMNS)
-        for run in runs:
-            writer.writerow([_cell(getattr(run, name)) for name in COLUMNS])
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(COLUMNS)
+    for run in runs:
+        writer.writerow([_cell(getattr(run, name)) for name in COLUMNS])
+    write_text(path, text.getvalue())
 
 
 def read(path: Path) -> list[Run]:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from gelenk.chart.methods import AUTO, DEFAULT, Method
+from gelenk.file_writing import writing
 
 # Colors distinguish integrators (after Okabe & Ito), lines and markers distinguish formulations.
 COLORS = {
@@ -44,4 +45,5 @@ def save(figure: Any, path: Path, dpi: int) -> None:
     figure.savefig(whole, format="png", dpi=dpi)
     # Quantization by coverage keeps rare colors.
     few = Image.open(whole).convert("RGB").quantize(PALETTE_SIZE, Image.Quantize.MAXCOVERAGE)
-    few.save(path, optimize=True)
+    with writing(path) as file:
+        few.save(file, "PNG", optimize=True)

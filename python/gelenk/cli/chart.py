@@ -18,6 +18,7 @@ from gelenk.cli import completion
 from gelenk.cli.command import Report, command
 from gelenk.errors import UsageError
 from gelenk.extras import pyplot
+from gelenk.file_writing import write_text
 from gelenk.model.values import number, unknown
 
 if TYPE_CHECKING:
@@ -207,7 +208,7 @@ def stability(
     output.mkdir(parents=True, exist_ok=True)
     table, page = output / "stability.csv", output / "stability.md"
     runs_csv.write(found.runs, table)
-    page.write_text(tables.stability(found, settings.tolerances), encoding="utf-8")
+    write_text(page, tables.stability(found, settings.tolerances))
     pictures = []
     for tolerance in settings.tolerances:
         pictures.append(output / f"stability-{tolerance:.0e}.png".replace("e-0", "e-"))

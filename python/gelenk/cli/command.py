@@ -17,9 +17,9 @@ from typing import Annotated, Any, NoReturn, get_type_hints
 
 import typer
 
-from gelenk.errors import GelenkError, SceneWarning, StartWarning
+from gelenk.errors import FileWarning, GelenkError, SceneWarning, StartWarning
 
-REPORTED_WARNINGS = (SceneWarning, StartWarning)
+REPORTED_WARNINGS = (FileWarning, SceneWarning, StartWarning)
 LEVELS = (logging.WARNING, logging.INFO, logging.DEBUG)  # by the number of -v
 
 AsJson = Annotated[
@@ -166,7 +166,7 @@ def log_messages(verbose: int) -> Iterator[None]:
 
 @contextmanager
 def plain_warnings() -> Iterator[None]:
-    """Print warnings about a scene and its start as lines on stderr, each once."""
+    """Print warnings about files, a scene and its start as lines on stderr, each once."""
     with warnings.catch_warnings():
         for category in REPORTED_WARNINGS:
             warnings.simplefilter("once", category)

@@ -6,11 +6,9 @@ It never fails: a line that is being typed may name no file yet, or a scene that
 
 from __future__ import annotations
 
-import csv
 import json
 import logging
 import warnings
-import zipfile
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
@@ -58,8 +56,9 @@ def _scene(ctx: typer.Context) -> Any:
     path = _subject(ctx)
     if path.suffix.lower() != ".fmu":
         return gelenk.load(path)
-    with zipfile.ZipFile(path) as archive:
-        return gelenk.load(json.loads(archive.read("resources/scene.json")))
+    from gelenk.simulation.fmu_file import SCENE, text_in
+
+    return gelenk.load(json.loads(text_in(path, SCENE)))
 
 
 def _inputs(ctx: typer.Context) -> list[str]:
@@ -69,12 +68,12 @@ def _inputs(ctx: typer.Context) -> list[str]:
 
 def _signals(ctx: typer.Context) -> list[str]:
     import gelenk
+    from gelenk.simulation.csv_file import csv_rows
     from gelenk.simulation.files import ENDINGS
 
     path = _subject(ctx)
     if path.suffix.lower() == ".csv":  # may be large: the first line is enough
-        with path.open(encoding="utf-8", newline="") as file:
-            return next(csv.reader(file))[1:]
+        return next(csv_rows(path))[1][1:]
     if path.suffix.lower() in ENDINGS:
         return list(gelenk.Result.read(path).names)
     return [signal.name for signal in gelenk.Simulation(_scene(ctx)).outputs]

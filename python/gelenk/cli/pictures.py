@@ -24,10 +24,13 @@ from gelenk.cli.arguments import (
 )
 from gelenk.cli.command import Report, command
 from gelenk.errors import StepError, UsageError
+from gelenk.file_writing import writing
 from gelenk.simulation.progress import terminal_bar
 from gelenk.viewer.endings import PICTURES, is_picture
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from gelenk.model.values import Value
     from gelenk.viewer import View
 
@@ -68,11 +71,17 @@ def plot(
     else:
         with terminal_bar(sys.stderr) as progress:
             result = gelenk.simulate(run, progress=progress)
-    result.plot(signals or (), degrees=degrees).savefig(file, dpi=150)
+    save_figure(result.plot(signals or (), degrees=degrees), file)
     return Report(
         f"{file}: {len(result)} rows, to {result.time[-1]:g} s",
         {"file": str(file), "rows": len(result), "stop": float(result.time[-1])},
     )
+
+
+def save_figure(figure: Figure, file: Path) -> None:
+    """Write a figure of matplotlib in the format of the file's ending. Raises OSError."""
+    with writing(file) as picture:
+        figure.savefig(picture, format=file.suffix.lower()[1:], dpi=150)
 
 
 @command

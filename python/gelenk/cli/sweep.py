@@ -16,6 +16,7 @@ from gelenk.cli.arguments import InputTable, ParametersAndInputs, Without, parse
 from gelenk.cli.command import Report, command
 from gelenk.errors import UsageError
 from gelenk.extras import extra
+from gelenk.file_writing import writing
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -147,14 +148,16 @@ def write(found: xr.Dataset, output: Path) -> None:
     """
     if output.suffix.lower() == ".nc":
         extra("h5netcdf", "NetCDF files are written with h5netcdf")
-        found.to_netcdf(output, engine="h5netcdf")
+        with writing(output) as file:
+            found.to_netcdf(file, engine="h5netcdf")
         return
     extra("pandas", "tables are written with pandas")
     table = found.to_dataframe().reset_index()
-    if output.suffix.lower() == ".csv":
-        table.to_csv(output, index=False)
-    else:
-        table.to_parquet(output, index=False)
+    with writing(output) as file:
+        if output.suffix.lower() == ".csv":
+            table.to_csv(file, index=False)
+        else:
+            table.to_parquet(file, index=False)
 
 
 def _failures(found: xr.Dataset) -> list[str]:

@@ -8,13 +8,14 @@ import logging
 import platform
 import sys
 import zlib
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from importlib import import_module, resources
 from os import PathLike
 from pathlib import Path
 
 from gelenk import _core
 from gelenk.errors import ExportError, UsageError
+from gelenk.file_writing import replacing
 from gelenk.model.scene import Source, load
 
 log = logging.getLogger(__name__)
@@ -74,9 +75,25 @@ def export_fmu(
     if outputs is not None:
         loaded = loaded.with_outputs(outputs)
     with loaded.located():
-        _core.export_fmu(loaded._core, runtimes, target, licenses(), zlib.compress, _view if view else None)
+        _export(loaded._core, runtimes, target, _view if view else None)
     log.info("%s: %.2f MB, %s", target, target.stat().st_size / 1e6, ", ".join(names))
     return target
+
+
+def _export(
+    scene: _core.Scene,
+    runtimes: list[tuple[str, Path]],
+    target: Path,
+    view: Callable[[str, list[float]], str] | None,
+) -> None:
+    try:
+        with replacing(target) as draft:
+            try:
+                _core.export_fmu(scene, runtimes, draft, licenses(), zlib.compress, view)
+            except ExportError as e:
+                raise ExportError(str(e).replace(str(draft), str(target))) from None
+    except OSError as e:
+        raise ExportError(f"{target}: the FMU could not be written: {e.strerror}") from None
 
 
 def _view(scene: str, poses: list[float]) -> str:

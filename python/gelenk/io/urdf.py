@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from gelenk.errors import SceneError
 from gelenk.extras import extra
+from gelenk.file_reading import read_bytes, usable_name
 from gelenk.io.urdf_ignored import ignored
 from gelenk.io.urdf_inertia import impossible_inertias, notes_on_missing, repaired
 from gelenk.io.urdf_limits import bounds_of, limit_notes, start_within
@@ -36,6 +37,7 @@ KINDS = {
     "planar": "planar",
 }
 DRIVEN = ("revolute", "prismatic")
+MAX_BYTES = 16_000_000  # of a file; robots have up to 1 MB
 GRAVITY = 9.81  # m/s2 along -z; URDF does not specify gravity, its tools assume this value
 
 
@@ -69,7 +71,7 @@ def import_urdf(
         UsageError: the URDF reader is not installed.
         OSError: the file cannot be read.
     """
-    file = Path(path)
+    file = usable_name(path)
     root = _check(file)
     scene, name, notes = _convert(file, _read(file), floating, limits)
     notes += ignored(root)
@@ -90,13 +92,18 @@ def import_urdf(
 
 def _check(file: Path) -> ET.Element:
     """Return the element <robot>; report faults that the URDF reader ignores or does not explain."""
+    content = read_bytes(file, MAX_BYTES)
+    if b"<!ENTITY" in content or b"\0" in content:
+        raise SceneError(f"{file}: found entities or zero bytes, expected plain XML in UTF-8")
     try:
-        root = ET.fromstring(file.read_bytes())
+        root = ET.fromstring(content)
     except ET.ParseError as e:
         line, column = e.position
         raise SceneError(f"{file}:{line}:{column + 1}: not XML: {str(e).split(':')[0]}") from None
+    except (ValueError, LookupError) as e:  # encodings
+        raise SceneError(f"{file}: not XML in UTF-8: {e}") from None
     if root.tag != "robot":
-        foreign.refuse_content(file.read_bytes(), str(file), "a URDF robot description (<robot>)")
+        foreign.refuse_content(content, str(file), "a URDF robot description (<robot>)")
         raise SceneError(f"{file}: found <{root.tag}>, expected <robot>")
     if any(element.tag.startswith("{http://www.ros.org/wiki/xacro}") for element in root.iter()):
         raise SceneError(f"{file}: contains xacro macros; expand it with xacro first")

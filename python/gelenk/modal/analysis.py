@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import warnings
-import zipfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from os import PathLike
@@ -24,15 +23,13 @@ from gelenk.modal.shapes import CoordinateRows, coordinate_rows, modes_of, with_
 from gelenk.modal.table import table
 from gelenk.model.scene import Scene, load
 from gelenk.model.values import Value
+from gelenk.simulation.fmu_file import SCENE, text_in
 from gelenk.simulation.inputs import Inputs
 
 if TYPE_CHECKING:
     import control
 
     from gelenk.viewer.pages import View
-
-
-SCENE_IN_FMU = "resources/scene.json"  # of FMUs exported by Gelenk
 
 
 @dataclass(frozen=True)
@@ -204,9 +201,8 @@ def _opened(source: Any) -> tuple[Scene | str, Scene | None, bool]:
         scene = load(source).wanted_part()
         return scene, scene, False
     try:
-        with zipfile.ZipFile(source) as archive:
-            return str(source), load(archive.read(SCENE_IN_FMU).decode()).wanted_part(), True
-    except (zipfile.BadZipFile, KeyError):  # not exported by Gelenk, or damaged, which model_at reports
+        return str(source), load(text_in(source, SCENE).decode()).wanted_part(), True
+    except (UsageError, KeyError, ValueError):  # not exported by Gelenk, or damaged, which model_at reports
         return str(source), None, True
 
 

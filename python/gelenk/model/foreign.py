@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import NoReturn
 
 from gelenk.errors import SceneError
+from gelenk.file_reading import read_start
 
 _IMPORT = "convert it to a scene with `gelenk import`"
 _BY_URDF = "convert it to URDF and use `gelenk import`, or write a scene (docs/scene-format.md)"
@@ -61,12 +62,12 @@ def refuse_ending(path: Path) -> NoReturn:
         path: the file; its content determines the message.
 
     Raises:
-        SceneError: always.
+        SceneError: always, except for a pipe or device.
+        UsageError: it is a pipe or device.
         OSError: the file cannot be read.
     """
     ending = path.suffix.lower()
-    with path.open("rb") as file:
-        content = file.read(10_000)
+    content = read_start(path, 10_000)
     if not (ending in _ENDINGS and content.startswith(b"PK")):
         refuse_content(content, str(path))
     if ending in _ENDINGS:

@@ -13,8 +13,10 @@ import numpy as np
 
 from gelenk.errors import UsageError
 from gelenk.extras import extra
+from gelenk.file_reading import read_bytes
 
 ENDINGS = (".stl", ".obj", ".ply", ".off")
+MAX_BYTES = 60_000_000  # of a file: text of 200,000 triangles
 MAX_TRIANGLES = 200_000  # with more, the scene would be larger than scenes may be
 # Takes the place of a mesh with faults, so that the rest of the scene is checked, too.
 _ANY_SOLID = {
@@ -147,10 +149,11 @@ def _load(path: Path, name: str, scale: float) -> dict[str, Any]:
     if path.suffix.lower() not in ENDINGS:
         raise _FaultError(f"'{name}'", f"a file of triangles: {', '.join(ENDINGS)}")
     try:
-        content = path.read_bytes()
-    except OSError as e:
+        content = read_bytes(path, MAX_BYTES)
+    except (OSError, UsageError) as e:
+        why = e.strerror if isinstance(e, OSError) else str(e).partition(": ")[2]
         raise _FaultError(
-            f"'{name}', which cannot be read ({e.strerror})", "a file in the folder of the scene"
+            f"{name!r}, which cannot be read ({why})", "a file in the folder of the scene"
         ) from None
     try:
         reader = extra("trimesh", "files of meshes are read by trimesh")

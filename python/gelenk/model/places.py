@@ -8,7 +8,6 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
-import yaml
 from yaml.nodes import MappingNode, Node, ScalarNode
 
 from gelenk.model import yaml12
@@ -115,6 +114,8 @@ def _first_field(rest: str, at: int, fields: dict[str, _Field]) -> tuple[_Field,
 
 def _printable(name: str) -> str:
     """Return a name as in messages (text::printable): control characters escaped, about 60 bytes at most."""
+    if len(name) < 60 and name.isascii() and name.isprintable():
+        return name
     out = ""
     for c in name:
         if len(out.encode()) >= 60:
@@ -132,7 +133,7 @@ def _put(fields: dict[str, _Field], name: str, line: int, value: _Value) -> None
 
 
 def _yaml_tree(text: str) -> _Value | None:
-    root = yaml.compose(text, Loader=yaml12.Loader)
+    root = yaml12.compose(text)
     made: dict[int, _Value] = {}  # by identity, as aliases repeat nodes
 
     def tree(node: Node) -> _Value:

@@ -16,6 +16,8 @@ import numpy as np
 
 from gelenk import _core, _html
 from gelenk.errors import AssemblyError, MissingFileError, SceneError, SceneWarning, UsageError
+from gelenk.file_reading import read_start, usable_name
+from gelenk.file_writing import write_text
 from gelenk.model import foreign, yaml12
 from gelenk.model.given import Given
 from gelenk.model.meshes import Meshes
@@ -23,6 +25,7 @@ from gelenk.model.places import Places
 from gelenk.model.values import Value, number, unknown
 
 LANGUAGES = {".yaml": "yaml", ".yml": "yaml", ".json": "json"}  # language of scene files by ending
+MAX_BYTES = 50_000_000  # that are read; scenes may be smaller only
 type Source = Scene | str | PathLike[str] | Mapping[str, Any]
 
 
@@ -211,14 +214,14 @@ class Scene:
 
         Raises:
             SceneError: the file name has another ending.
-            OSError: the file cannot be written.
+            OSError: the file cannot be written; it is as it was before.
         """
         target = Path(path)
         language = LANGUAGES.get(target.suffix.lower())
         if language is None:
             found = target.suffix or "none"
             raise SceneError(f"{target}: found the ending {found}, expected .yaml, .yml or .json")
-        target.write_bytes(self._given.written(self._core, language, target.parent).encode("utf-8"))
+        write_text(target, self._given.written(self._core, language, target.parent))
 
     def __repr__(self) -> str:
         return f"<Scene {self.name}: {self._counts()}>"
@@ -269,6 +272,7 @@ def load(source: Source) -> Scene:
 
     Raises:
         SceneError: the scene is invalid; the message lists all faults, one per line.
+        UsageError: the source is neither a scene nor the name of a file.
         OSError: the file cannot be read; MissingFileError: it does not exist.
 
     Warns:
@@ -293,14 +297,15 @@ def load(source: Source) -> Scene:
     if isinstance(source, str) and ("\n" in source or source.lstrip().startswith(("{", "<"))):
         foreign.refuse_content(source.encode("utf-8", "replace"), "scene")
         return _read(source, "yaml", "")
-    path = Path(source)
+    path = usable_name(source)
     if not path.exists():
         raise MissingFileError(path)
     _core.check_size(path.stat().st_size, str(path))
     language = LANGUAGES.get(path.suffix.lower())
     if language is None:
         foreign.refuse_ending(path)
-    content = path.read_bytes()
+    content = read_start(path, MAX_BYTES, pipes=True)
+    _core.check_size(len(content), str(path))
     foreign.refuse_content(content, str(path))
     try:
         text = content.decode("utf-8-sig")

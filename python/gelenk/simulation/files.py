@@ -6,9 +6,13 @@ All numbers are kept to the bit, and all formats but CSV contain the units.
 
 from __future__ import annotations
 
-import csv
 import json
+import math
+import os
+import struct
+import zlib
 from collections.abc import Callable, Mapping
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,7 +20,10 @@ import numpy as np
 
 from gelenk.errors import GelenkError, UsageError
 from gelenk.extras import extra
+from gelenk.file_reading import check_file
+from gelenk.file_writing import writing
 from gelenk.model.scene import known_parameters
+from gelenk.simulation.csv_file import csv_table
 from gelenk.simulation.result import Result
 
 if TYPE_CHECKING:
@@ -25,6 +32,10 @@ if TYPE_CHECKING:
 
 DIMENSIONLESS = "1"
 SCENE = "gelenk_scene"  # attribute, or variable of .mat files
+_MAT_COMPRESSED = 15  # kind of an element
+_MAT_VARIABLES = ("time", "values", "names", "units", SCENE)
+FREE_SIZE = 50_000_000  # bytes of numbers that any compressed file may contain
+MAX_COMPRESSION = 1000  # bytes of numbers for each byte of a larger file, as of many constant signals
 
 
 def to_pandas(result: Result) -> pd.DataFrame:
@@ -78,12 +89,21 @@ def read_result(path: Path) -> Result:
     Raises:
         UsageError: the ending is unknown, the file is not such a result, or a package is not installed.
         OSError: the file cannot be read.
+
+    Warns:
+        FileWarning: it is a CSV file that was cut off.
     """
     check_format(path)
+    check_file(path)
     try:
         return _READERS[path.suffix.lower()](path)
-    except (KeyError, ValueError) as e:
-        raise UsageError(f"{path}: {e}; expected a result with `time` and signals") from None
+    except GelenkError:
+        raise
+    except KeyError as e:
+        raise UsageError(f"{path}: found no {e.args[0]}; expected a result with `time` and signals") from None
+    except Exception as e:  # readers of the formats raise anything for faulty files, MemoryError included
+        why = " ".join(str(e).split()) or type(e).__name__
+        raise UsageError(f"{path}: {why}; expected a result with `time` and signals") from None
 
 
 def _format[T](path: Path, formats: Mapping[str, T]) -> T:
@@ -97,13 +117,17 @@ def _format[T](path: Path, formats: Mapping[str, T]) -> T:
 def _write_parquet(result: Result, path: Path) -> None:
     frame = to_pandas(result)
     frame.attrs |= _scene_text(result)
-    frame.to_parquet(path, engine="pyarrow")
+    with writing(path) as file:
+        frame.to_parquet(file, engine="pyarrow")
 
 
 def _read_parquet(path: Path) -> Result:
+    parquet = import_module("pyarrow.parquet")
+    with parquet.ParquetFile(path) as file:
+        _check_size(path, 8 * file.metadata.num_rows * file.metadata.num_columns)
     frame = extra("pandas", "tables are read with pandas").read_parquet(path, engine="pyarrow")
     if frame.index.name != "time":
-        raise KeyError("found no index named time")
+        raise KeyError("index named time")
     rows = np.column_stack([frame.index.to_numpy(float), frame.to_numpy(float)])
     return _with_scene(
         Result(list(frame.columns), rows, _without_time(frame.attrs.get("units", {}))), frame.attrs.get(SCENE)
@@ -111,17 +135,47 @@ def _read_parquet(path: Path) -> Result:
 
 
 def _write_netcdf(result: Result, path: Path) -> None:
-    to_xarray(result).assign_attrs(_scene_text(result)).to_netcdf(path, engine="h5netcdf")
+    dataset = to_xarray(result).assign_attrs(_scene_text(result))
+    with writing(path) as file:
+        dataset.to_netcdf(file, engine="h5netcdf")
 
 
 def _read_netcdf(path: Path) -> Result:
     xarray = extra("xarray", "NetCDF files are read with xarray")
     with xarray.open_dataset(path, engine="h5netcdf", decode_times=False) as dataset:
         names = [str(name) for name in dataset.data_vars]
+        _check_size(path, sum(8 * dataset[name].size for name in (*names, "time")))
         columns = [dataset["time"].to_numpy(), *(dataset[name].to_numpy() for name in names)]
         units = {name: str(dataset[name].attrs.get("units", DIMENSIONLESS)) for name in names}
         scene = dataset.attrs.get(SCENE)
     return _with_scene(Result(names, np.column_stack(columns), units), scene)
+
+
+def _check_size(path: Path, size: int) -> None:
+    """Check that the numbers of a file are in proportion to it.
+
+    Args:
+        path: the file, which may be compressed.
+        size: of the numbers that it states to contain [bytes].
+    """
+    if size > max(FREE_SIZE, MAX_COMPRESSION * path.stat().st_size):
+        raise ValueError(f"found {size / 1e6:.0f} MB of numbers in a file of {path.stat().st_size} bytes")
+
+
+def _size_in_mat(path: Path) -> int:
+    """Return the size of the variables in a .mat file of version 5 [bytes], which may be compressed."""
+    size = 0
+    with path.open("rb") as file:
+        order = {b"IM": "<", b"MI": ">"}.get(file.read(128)[126:])
+        while order and len(head := file.read(8)) == 8:
+            kind, count = struct.unpack(f"{order}2I", head)
+            after = file.seek(0, os.SEEK_CUR) + count
+            if kind == _MAT_COMPRESSED:
+                head = zlib.decompressobj().decompress(file.read(min(count, 1000)), 8)
+                count = struct.unpack(f"{order}2I", head)[1]
+            size += count
+            file.seek(after)
+    return size
 
 
 # Names of signals are no names of variables in MATLAB: they are strings, in the order of the columns.
@@ -135,13 +189,17 @@ def _write_mat(result: Result, path: Path) -> None:
         "time": result.time[:, None], "values": values,
         "names": np.array(names, dtype=object), "units": np.array(units, dtype=object),
     }  # fmt: skip
-    savemat(path, content | _scene_text(result), oned_as="row")
+    with writing(path) as file:
+        savemat(file, content | _scene_text(result), oned_as="row")
 
 
 def _read_mat(path: Path) -> Result:
-    from scipy.io import loadmat
+    from scipy.io import loadmat, whosmat
 
-    content: Mapping[str, Any] = loadmat(path)
+    _check_size(path, _size_in_mat(path))
+    variables = [(name, shape) for name, shape, _ in whosmat(path) if name in _MAT_VARIABLES]
+    _check_size(path, sum(8 * math.prod(shape) for _, shape in variables))
+    content: Mapping[str, Any] = loadmat(path, variable_names=list(_MAT_VARIABLES))
 
     def strings(key: str) -> list[str]:
         return [str(np.ravel(cell)[0]) for cell in np.ravel(content[key])]
@@ -157,13 +215,7 @@ def _write_csv(result: Result, path: Path) -> None:
 
 
 def _read_csv(path: Path) -> Result:
-    with path.open(newline="", encoding="utf-8") as file:
-        lines = csv.reader(file)
-        header = next(lines, [])
-        if header[:1] != ["time"]:
-            raise KeyError("found no column named time first")
-        rows = np.array([[float(x) for x in line] for line in lines]).reshape(-1, len(header))
-    return Result(header[1:], rows, {})
+    return Result(*csv_table(path), {})
 
 
 def _scene_text(result: Result) -> dict[str, str]:
@@ -188,7 +240,10 @@ def _scene_text(result: Result) -> dict[str, str]:
 
 def _with_scene(result: Result, text: Any) -> Result:
     if text:
-        result.scene = json.loads(str(text))
+        scene = json.loads(str(text))
+        if not isinstance(scene, Mapping):
+            raise ValueError(f"found {SCENE} that is not a scene")
+        result.scene = scene
     return result
 
 

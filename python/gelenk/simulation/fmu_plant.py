@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import io
 import logging
 import math
 import re
@@ -11,7 +12,6 @@ import tempfile
 import warnings
 import xml.etree.ElementTree as ET
 import zipfile
-import zlib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from ctypes import c_double, c_int, c_uint
@@ -29,6 +29,7 @@ from gelenk.model.scales import Scales
 from gelenk.model.scene import Scene, load
 from gelenk.model.values import Value, number
 from gelenk.simulation.derivatives import Derivatives, differentiated_name
+from gelenk.simulation.fmu_file import DESCRIPTION, extract, text_in
 from gelenk.simulation.fmu_slave import instantiated
 from gelenk.simulation.plant import Plant
 
@@ -50,10 +51,8 @@ class FmuPlant(Plant):
             raise MissingFileError(path)
         self._description = _description(path)
         self._variables = {v.name: v for v in self._description.modelVariables}
-        experiment = self._description.defaultExperiment
         self.name = str(self._description.modelName)
-        self.stop = float(getattr(experiment, "stopTime", None) or 1.0)
-        self.step = float(getattr(experiment, "stepSize", None) or 1e-3)
+        self.stop, self.step = _experiment(path, self._description.defaultExperiment)
         self.inputs = self._names("input")
         self.outputs = self._names("output")
         self.parameters = self._names("parameter")
@@ -70,8 +69,8 @@ class FmuPlant(Plant):
         self._log = _core.FmuLog()
         self._slave: Any = None
         try:
-            _extract(path, self._folder)
-            self._annotations = _annotations(self._folder)
+            extract(path, self._folder)
+            self._annotations = _annotations(path, self._folder)
             with self._reporting(UsageError):
                 self._slave = instantiated(
                     self._folder, self._description, self._log, verbose=log.isEnabledFor(logging.INFO)
@@ -317,11 +316,15 @@ class FmuPlant(Plant):
 
 
 def _description(path: Path) -> Any:
-    path.open("rb").close()  # raises OSError if the file cannot be read
+    text = text_in(path, DESCRIPTION)
+    if b"<!ENTITY" in text or b"\0" in text:
+        raise UsageError(f"{path}: its modelDescription.xml is not plain UTF-8 text without entities")
+    # As the only file of an archive: fmpy reads FMUs.
+    only = io.BytesIO()
+    with zipfile.ZipFile(only, "w") as archive:
+        archive.writestr(DESCRIPTION, text)
     try:
-        found = fmpy.read_model_description(str(path), validate=False)
-    except (zipfile.BadZipFile, KeyError):
-        raise UsageError(f"{path}: not an FMU (a zip file with a modelDescription.xml)") from None
+        found = fmpy.read_model_description(only, validate=False)
     except Exception as e:  # exceptions of the XML parser and of fmpy
         raise UsageError(
             f"{path}: its modelDescription.xml cannot be read: {' '.join(str(e).split())}"
@@ -331,16 +334,27 @@ def _description(path: Path) -> Any:
     return found
 
 
-def _extract(path: Path, folder: str) -> None:
+def _experiment(path: Path, experiment: Any) -> tuple[float, float]:
+    """Return the stop time and the step size of an FMU [s]."""
+    given = [getattr(experiment, name, None) for name in ("stopTime", "stepSize")]
     try:
-        fmpy.extract(str(path), folder)
-    except (zipfile.BadZipFile, zlib.error) as e:
-        raise UsageError(f"{path}: the zip file is damaged: {e}") from None
+        stop, step = (float(value or default) for value, default in zip(given, (1.0, 1e-3), strict=True))
+    except ValueError:
+        stop = step = math.nan
+    if not (math.isfinite(stop) and math.isfinite(step) and step > 0):
+        raise UsageError(
+            f"{path}: found the stop time {given[0]} and the step size {given[1]}, expected numbers"
+        )
+    return stop, step
 
 
-def _annotations(folder: str) -> ET.Element | None:
+def _annotations(path: Path, folder: str) -> ET.Element | None:
     """Return Gelenk's vendor annotations in modelDescription.xml, which fmpy does not read."""
-    return ET.parse(Path(folder, "modelDescription.xml")).find("VendorAnnotations/Tool[@name='Gelenk']")
+    try:
+        root = ET.parse(Path(folder, DESCRIPTION))
+    except (ET.ParseError, ValueError, LookupError) as e:
+        raise UsageError(f"{path}: its modelDescription.xml cannot be read: {e}") from None
+    return root.find("VendorAnnotations/Tool[@name='Gelenk']")
 
 
 def _unit(variable: Any) -> str:

@@ -6,20 +6,22 @@ Within a communication step an input is a polynomial: plants accept the time der
 
 from __future__ import annotations
 
-import csv
 import itertools
 import math
+from array import array
+from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from os import PathLike
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gelenk.errors import MissingFileError, UsageError
+from gelenk.file_reading import usable_name
 from gelenk.model.values import Value, number, unknown
+from gelenk.simulation.csv_file import csv_rows
 
 if TYPE_CHECKING:
     from gelenk.simulation.plant import Plant
@@ -38,6 +40,7 @@ _BETWEEN = np.vander(_CHECK_POINTS, len(_INNER_POINTS), increasing=True) @ _INNE
 # Largest deviation there, relative to that of the value at the start of the step. If a step function jumps
 # between two points, it is 0.27 or more.
 _LARGEST_DEVIATION = 0.25
+MAX_FAULTS = 20  # of a table that are reported
 _FACTORIALS = (1.0, 1.0, 2.0, 6.0, 24.0)
 
 type InputFunction = Callable[[float], float]
@@ -298,35 +301,48 @@ def read_csv(path: str | PathLike[str]) -> NDArray[np.void]:
             message gives the lines.
         OSError: the file cannot be read.
     """
-    if not Path(path).exists():
-        raise MissingFileError(path)
-    try:
-        with Path(path).open(encoding="utf-8-sig", newline="") as file:
-            lines = [(i, row) for i, row in enumerate(csv.reader(file), 1) if row]
-    except (UnicodeDecodeError, csv.Error) as e:
-        raise UsageError(f"{path}: not a CSV file: {e}") from None
-    if len(lines) < 2:
-        raise UsageError(
-            f"{path}: found {len(lines)} lines, expected a header line and at least one line of numbers"
-        )
-    names = [name.strip() for name in lines[0][1]]
+    file = usable_name(path)
+    if not file.exists():
+        raise MissingFileError(file)
+    lines = csv_rows(file, pipes=True)
+    names = [name.strip() for name in next(lines, (0, []))[1]]
     faults = [
         f"{path}:1: found column {name!r} twice, expected it once"
-        for name in dict.fromkeys(names)
-        if names.count(name) > 1
+        for name, count in Counter(names).items()
+        if count > 1
     ]
     if "" in names:
         faults.append(f"{path}:1: found column {names.index('') + 1} without a name, expected one")
-    rows = []
-    for line, cells in lines[1:]:
+    numbers = array("d")
+    rows = 0
+    for line, cells in lines:
+        rows += 1
         if len(cells) != len(names):
             faults.append(f"{path}:{line}: found {len(cells)} cells, expected {len(names)}")
-            continue
-        rows.append(tuple(_cell(f"{path}:{line}: {name}", cell, faults)
-                          for name, cell in zip(names, cells, strict=True)))  # fmt: skip
+        else:
+            numbers.extend(_numbers(f"{path}:{line}", names, cells, faults))
+        if len(faults) >= MAX_FAULTS:
+            break
+    if not rows:
+        found = min(len(names), 1)
+        raise UsageError(
+            f"{path}: found {found} lines, expected a header line and at least one line of numbers"
+        )
     if faults:
-        raise UsageError("\n".join(faults[:20]))
-    return np.array(rows, dtype=[(name, np.float64) for name in names])
+        raise UsageError("\n".join(faults[:MAX_FAULTS]))
+    table = np.frombuffer(numbers).reshape(rows, len(names))
+    return table.view(np.dtype([(name, np.float64) for name in names])).reshape(-1)
+
+
+def _numbers(where: str, names: Sequence[str], cells: Sequence[str], faults: list[str]) -> list[float]:
+    """Return the numbers of a line; what is not a number is added to the faults."""
+    try:
+        values = [float(cell) for cell in cells]
+        if all(map(math.isfinite, values)):
+            return values
+    except ValueError:
+        pass
+    return [_cell(f"{where}: {name}", cell, faults) for name, cell in zip(names, cells, strict=True)]
 
 
 def _cell(where: str, text: str, faults: list[str]) -> float:

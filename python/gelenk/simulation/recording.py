@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import json
-import zipfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from os import PathLike
@@ -17,6 +16,7 @@ from numpy.typing import NDArray
 from gelenk.errors import StepError, UsageError
 from gelenk.model.scene import Scene, known_parameters, load
 from gelenk.model.skeleton import constraining_joints
+from gelenk.simulation.fmu_file import SCENE, text_in
 from gelenk.simulation.inputs import functions_and_constants
 from gelenk.simulation.loads import Motion, arrows_of
 from gelenk.simulation.result import Result
@@ -78,10 +78,12 @@ def scene_of(plant: Scene | str | PathLike[str] | Mapping[str, Any]) -> Scene:
     """
     if isinstance(plant, str | PathLike) and str(plant).endswith(".fmu"):
         try:
-            with zipfile.ZipFile(plant) as archive:
-                return load(json.loads(archive.read("resources/scene.json")))
-        except (zipfile.BadZipFile, KeyError):
-            raise UsageError(f"{Path(plant)}: found no scene in it, expected an FMU made by Gelenk") from None
+            content = json.loads(text_in(plant, SCENE))
+        except (KeyError, ValueError, RecursionError):
+            content = None
+        if not isinstance(content, Mapping):
+            raise UsageError(f"{Path(plant)}: found no scene in it, expected an FMU made by Gelenk")
+        return load(content)
     return plant if isinstance(plant, Scene) else load(plant)
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gelenk.errors import UsageError
+from gelenk.file_writing import write_text
 from gelenk.model.values import unknown
 
 if TYPE_CHECKING:
@@ -87,13 +88,13 @@ class Result:
 
     def to_csv(self, path: str | PathLike[str]) -> None:
         """Write `time` and the signals to a CSV file, all numbers with full precision. Raises OSError."""
-        Path(path).write_text(self.csv(), encoding="utf-8")
+        write_text(path, self.csv())
 
     def csv(self) -> str:
-        """Return the text of the CSV file that `to_csv` writes."""
-        lines = [",".join(self._column)]
-        lines.extend(",".join(map(repr, row)) for row in self._rows.tolist())
-        return "\n".join(lines) + "\n"
+        """Return the text of the CSV file that `to_csv` writes; two marks say that it is complete."""
+        from gelenk.simulation.csv_file import csv_text
+
+        return csv_text(list(self._column), self._rows)
 
     def save(self, path: str | PathLike[str]) -> None:
         """Write all signals to a file; the ending determines the format, all numbers keep their bits.
@@ -118,6 +119,9 @@ class Result:
         Raises:
             UsageError: the file is no such result, or a package for its format is not installed.
             OSError: the file cannot be read.
+
+        Warns:
+            FileWarning: a CSV file was cut off, as by a full disk of the program that copied it.
         """
         from gelenk.simulation.files import read_result
 

@@ -6,7 +6,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from os import PathLike
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,9 +13,11 @@ from numpy.typing import NDArray
 
 from gelenk import _core
 from gelenk.errors import UsageError
+from gelenk.file_reading import read_bytes
 from gelenk.model.scene import Scene, load
 from gelenk.model.settable import with_listed
 from gelenk.model.values import Value, number, unknown
+from gelenk.simulation.fmu_file import MAX_SIZE
 from gelenk.simulation.inputs import Inputs, functions_and_constants, sampled
 from gelenk.simulation.plant import Plant
 from gelenk.simulation.run import MAX_NUMBERS, configure, grid, open_plant
@@ -100,7 +101,7 @@ class Request:
             active = {name: signal for name, signal in signals.items() if name not in opened.idle}
             several = times if len(times) > 1 else np.array([0.0, opened.step])
             plan = Plan(
-                Path(str(plant)).read_bytes() if is_fmu else _kept(opened, settings),
+                read_bytes(str(plant), MAX_SIZE) if is_fmu else _kept(opened, settings),
                 settings if is_fmu else {},
                 parameters, inputs, times, sampled(active, several, opened.held), tuple(signal_names),
                 tuple(variables), self.max_run_time,

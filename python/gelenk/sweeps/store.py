@@ -11,10 +11,10 @@ import hashlib
 import io
 import json
 import logging
-import os
 import re
-import uuid
+import time
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +22,8 @@ import numpy as np
 
 from gelenk.errors import UsageError
 from gelenk.extras import extra
+from gelenk.file_reading import check_file, read_bytes
+from gelenk.file_writing import is_draft, write_bytes
 from gelenk.sweeps.driver import Range
 from gelenk.sweeps.outputs import Output
 from gelenk.sweeps.plan import Chunk
@@ -31,7 +33,8 @@ log = logging.getLogger(__name__)
 FORMAT = 1
 DESCRIPTION = "sweep.json"
 _PART = re.compile(r"runs-(\d+)-(\d+)-([0-9a-f]{16})\.parquet")
-_TEMPORARY = ".writing-"
+MOST_BYTES = 2_000_000_000  # of a part, which is read into memory
+OLD = 3600.0  # s after which a file that is being written is considered left by a killed process
 
 
 class Store:
@@ -56,10 +59,12 @@ class Store:
         folder.mkdir(parents=True, exist_ok=True)
         identity = {"format": FORMAT, "runs": runs, **description}
         file = folder / DESCRIPTION
+        # Another process may open the same store now: files are listed before the description is looked for.
+        others = [path for path in folder.iterdir() if not is_draft(path.name)]
         if file.exists():
             _compare(file, json.loads(json.dumps(identity)))
         else:
-            if any(not path.name.startswith(_TEMPORARY) for path in folder.iterdir()):
+            if others:
                 raise UsageError(
                     f"{folder}: found other files, expected an empty folder or a store of this sweep"
                 )
@@ -70,14 +75,16 @@ class Store:
         covered = 0
         found = []
         for path in self._folder.iterdir():
-            if path.name.startswith(_TEMPORARY):  # of an interrupted process
-                path.unlink(missing_ok=True)
+            if is_draft(path.name):
+                with suppress(OSError):  # renamed or removed by another process
+                    if time.time() - path.stat().st_mtime > OLD:
+                        path.unlink()
             elif name := _PART.fullmatch(path.name):
                 found.append(((int(name[1]), int(name[2]) + 1), name[3], path))
         for (first, last), checksum, path in sorted(found):
-            if _checksum(path.read_bytes()) != checksum:
+            if _checksum(read_bytes(path, MOST_BYTES)) != checksum:
                 log.warning("%s: damaged, its checksum is another one; its runs are made again", path)
-                path.unlink()
+                path.unlink(missing_ok=True)
             elif first >= covered:  # otherwise two processes have made the same runs
                 self._parts[first, last] = path
                 covered = last
@@ -116,15 +123,9 @@ class Store:
         return sorted(self._parts.items())
 
     def _write(self, path: Path, content: bytes) -> None:
-        temporary = self._folder / f"{_TEMPORARY}{uuid.uuid4().hex}"
         try:
-            with temporary.open("wb") as file:
-                file.write(content)
-                file.flush()
-                os.fsync(file.fileno())
-            temporary.replace(path)
+            write_bytes(path, content)
         except OSError as e:
-            temporary.unlink(missing_ok=True)
             stored = sum(last - first for first, last in self._parts)
             raise OSError(
                 e.errno,
@@ -137,24 +138,53 @@ def read_part(path: Path, first: int, columns: Sequence[str]) -> Chunk:
     """Return the chunk in a file.
 
     Args:
-        path: the file.
+        path: the file, named after its runs.
         first: number of its first run.
         columns: variables to read.
+
+    Raises:
+        UsageError: the content is not that of such a part.
+        OSError: the file cannot be read.
     """
+    name = _PART.fullmatch(path.name)
+    assert name is not None
+    runs = int(name[2]) + 1 - int(name[1])
+    check_file(path)
+    try:
+        return _read_part(path, first, columns, runs)
+    except Exception as e:  # exceptions of pyarrow for faulty files, MemoryError
+        why = " ".join(str(e).split()) or type(e).__name__
+        raise UsageError(
+            f"{path}: not what a sweep has written ({why}); delete it, and its runs are made again"
+        ) from None
+
+
+def _read_part(path: Path, first: int, columns: Sequence[str], runs: int) -> Chunk:
     from pyarrow import parquet
 
-    table = parquet.read_table(path, columns=["error", "warning", *columns])
+    with parquet.ParquetFile(path) as file:
+        found = file.metadata.num_rows
+        if found != runs:
+            raise ValueError(f"found {found} rows, expected {runs}")
+        missing = [
+            column for column in ("error", "warning", *columns) if column not in file.schema_arrow.names
+        ]
+        if missing:
+            raise ValueError(f"found no column {missing[0]}")
+        table = file.read(columns=["error", "warning", *columns])
     values = {}
-    for name in table.column_names:
+    for name in columns:
         column = table[name].combine_chunks()
-        if name in ("error", "warning"):
-            continue
-        if hasattr(column, "flatten"):
-            points = column.type.list_size
-            values[name] = column.flatten().to_numpy(zero_copy_only=False).reshape(-1, points)
-        else:
-            values[name] = column.to_numpy(zero_copy_only=False)
-    return Chunk(first, values, table["error"].to_pylist(), table["warning"].to_pylist())
+        points = column.type.list_size if hasattr(column, "flatten") else None
+        flat = column if points is None else column.flatten()
+        numbers = flat.to_numpy(zero_copy_only=False)
+        if numbers.dtype != np.float64 or len(numbers) != runs * (1 if points is None else points):
+            raise ValueError(f"{name}: found {column.type}, expected a number or a list for each run")
+        values[name] = numbers if points is None else numbers.reshape(runs, points)
+    errors, warnings = table["error"].to_pylist(), table["warning"].to_pylist()
+    if not all(isinstance(text, str) for text in (*errors, *warnings)):
+        raise ValueError("found errors or warnings that are no texts")
+    return Chunk(first, values, errors, warnings)
 
 
 def fingerprint(*contents: bytes) -> str:
@@ -211,8 +241,10 @@ def _parquet(chunk: Chunk) -> bytes:
 def _compare(file: Path, identity: dict[str, Any]) -> None:
     """Check that a description is that of this sweep."""
     try:
-        found = json.loads(file.read_text("utf-8"))
-    except ValueError:
+        found = json.loads(read_bytes(file, MOST_BYTES))
+    except (ValueError, RecursionError):
+        found = None
+    if not isinstance(found, dict):
         raise UsageError(f"{file}: found no description of a sweep; expected an empty folder") from None
     names = [name for name in {**identity, **found} if found.get(name) != identity.get(name)]
     if names:

@@ -27,6 +27,7 @@ PROCESS_SECONDS = (
     1.0  # s in another process, and with a store; a chunk costs milliseconds, and is a file there
 )
 RETRIES = 3  # of a chunk whose worker has died, before its runs are repeated one by one
+LOOPBACK = "127.0.0.1"  # only processes of this machine reach a local cluster, whose scheduler runs any code
 CONNECT = 10.0  # s to wait for an answer of the scheduler
 RESTART = 30.0  # s to wait for a scheduler that was lost and may be started again
 GRACE = 5.0  # s beyond its longest time after which a run that does not return is ended with its process
@@ -206,7 +207,11 @@ def restarted(cluster: Any) -> str | None:
 def _client(distributed: Any, stack: contextlib.ExitStack, cluster: str, count: int | None) -> Any:
     if cluster == "local":
         local = distributed.LocalCluster(
-            n_workers=count or processors(), threads_per_worker=1, processes=True, dashboard_address=":0"
+            n_workers=count or processors(),
+            threads_per_worker=1,
+            processes=True,
+            host=LOOPBACK,
+            dashboard_address=f"{LOOPBACK}:0",
         )
         return distributed.Client(stack.enter_context(local))
     try:

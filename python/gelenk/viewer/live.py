@@ -13,7 +13,7 @@ from collections import deque
 from collections.abc import Mapping
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
-from typing import Any
+from typing import Any, override
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,8 @@ from gelenk.viewer.page import packed, page_of
 
 HOST = "127.0.0.1"
 MAX_FRAMES = 5000  # that are kept for pages opened later
+MAX_CONNECTIONS = 32  # at the same time, each of which needs a thread; pages have two or three
+TIMEOUT = 10.0  # s; how long a connection may take to send its request, or to receive a part of an answer
 POLL = 1.0  # s; how often a connection without new frames is checked
 LINGER = 2.0  # s; how long pages may take to receive the last frames
 POLICY = "img-src data:"  # end of the page's content security policy
@@ -39,8 +41,7 @@ class LiveServer:
         #: Number of frames that have been added, of the connections that are open, and of all there were.
         self.count = self.open = self.opened = 0
         self.ended = False
-        self._server = ThreadingHTTPServer((HOST, 0), _handler(self))
-        self._server.daemon_threads = True
+        self._server = _Server((HOST, 0), _handler(self))
         self._thread = threading.Thread(
             target=self._server.serve_forever, kwargs={"poll_interval": 0.1}, daemon=True
         )
@@ -91,8 +92,38 @@ class LiveServer:
         self._thread.join()
 
 
+class _Server(ThreadingHTTPServer):
+    """A server that closes connections in excess at once."""
+
+    daemon_threads = True
+
+    def __init__(self, *arguments: Any) -> None:
+        self._free = threading.BoundedSemaphore(MAX_CONNECTIONS)
+        super().__init__(*arguments)
+
+    @override
+    def process_request(self, request: Any, client_address: Any) -> None:
+        if not self._free.acquire(blocking=False):
+            self.shutdown_request(request)
+            return
+        try:
+            super().process_request(request, client_address)
+        except BaseException:  # no thread can be started
+            self._free.release()
+            raise
+
+    @override
+    def process_request_thread(self, request: Any, client_address: Any) -> None:
+        try:
+            super().process_request_thread(request, client_address)
+        finally:
+            self._free.release()
+
+
 def _handler(live: LiveServer) -> type[BaseHTTPRequestHandler]:
     class Handler(BaseHTTPRequestHandler):
+        timeout = TIMEOUT
+
         def do_GET(self) -> None:
             # A page of another site, whose name was made to point here, sends that name.
             if self.headers.get("Host") != live.url.split("/")[2]:

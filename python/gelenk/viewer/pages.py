@@ -9,7 +9,9 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from gelenk import _core
 from gelenk.errors import UsageError
+from gelenk.file_writing import write_text
 from gelenk.viewer.data import page_data
 from gelenk.viewer.degrees import with_degrees
 from gelenk.viewer.endings import PICTURES, is_picture
@@ -83,7 +85,7 @@ class View:
             raise UsageError(
                 f"{out}: found {', '.join(given)}, which only pictures have: {', '.join(PICTURES)}"
             )
-        out.write_text(self.html, encoding="utf-8")
+        write_text(out, self.html)
         return out
 
     def overlay(self, other: View, names: Sequence[str] = ()) -> View:
@@ -108,7 +110,7 @@ class View:
         import webbrowser
 
         with tempfile.NamedTemporaryFile(
-            "w", suffix=".html", prefix=f"{self._name}-", delete=False, encoding="utf-8"
+            "w", suffix=".html", prefix=f"{_core.file_stem(self._name)}-", delete=False, encoding="utf-8"
         ) as file:
             file.write(self.html)
         webbrowser.open(Path(file.name).as_uri())

@@ -7,11 +7,12 @@ import shutil
 import subprocess
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 
 from gelenk.errors import UsageError
+from gelenk.file_writing import replacing, writing
 from gelenk.viewer.drawing.options import PictureOptions
 from gelenk.viewer.drawing.painter import Painter
 
@@ -46,7 +47,8 @@ def write_picture(data: Mapping[str, Any], path: Path, **choices: Any) -> Path:
     first, last = options.span_in(float(data["time"][0]), float(data["time"][-1]))
     painter = Painter(data, options)
     if not is_film:
-        painter.frame(first).save(path, optimize=True)
+        with writing(path) as file:
+            painter.frame(first).save(file, "PNG", optimize=True)
         return path
     speed = options.speed_for(last - first)
     # GIF files count in 1/100 s.
@@ -63,27 +65,41 @@ def write_picture(data: Mapping[str, Any], path: Path, **choices: Any) -> Path:
         )
     frames = [painter.frame(t) for t in times]
     if path.suffix.lower() == ".gif":
-        _write_gif(frames, path, 10 * delay, 0 if is_periodic else LAST_PAUSE)
+        with writing(path) as file:
+            _write_gif(frames, file, 10 * delay, 0 if is_periodic else LAST_PAUSE)
     else:
-        _write_mp4(frames, path, 10 * delay, REPEATS if is_periodic else 1)
+        with replacing(path) as draft:
+            _write_mp4(frames, draft, path, 10 * delay, REPEATS if is_periodic else 1)
     return path
 
 
-def _write_mp4(frames: list[Picture], path: Path, delay: int, repeats: int) -> None:
-    """Write frames that last `delay` [ms] with ffmpeg, several times. Raises UsageError."""
+def _write_mp4(frames: list[Picture], draft: Path, path: Path, delay: int, repeats: int) -> None:
+    """Write frames that last `delay` [ms] with ffmpeg, several times.
+
+    Args:
+        frames: the frames.
+        draft: the file to write.
+        path: the file that it will be, for messages.
+        delay: of each frame [ms].
+        repeats: how many times they are shown.
+
+    Raises:
+        UsageError: ffmpeg fails.
+    """
     width, height = frames[0].size
     command = [
         shutil.which("ffmpeg") or "", "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24",
         "-s", f"{width}x{height}", "-r", f"{1000 / delay:g}", "-i", "-", "-pix_fmt", "yuv420p",
-        "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", str(path),
+        "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-f", "mp4", str(draft.absolute()),
     ]  # fmt: skip
     pixels = b"".join(frame.tobytes() for frame in frames) * repeats
     done = subprocess.run(command, input=pixels, capture_output=True, check=False)
     if done.returncode:
-        raise UsageError(f"{path}: ffmpeg failed: {done.stderr.decode(errors='replace').strip()}")
+        why = done.stderr.decode(errors="replace").strip().replace(str(draft.absolute()), str(path))
+        raise UsageError(f"{path}: ffmpeg failed: {why}")
 
 
-def _write_gif(frames: list[Picture], path: Path, delay: int, pause: float) -> None:
+def _write_gif(frames: list[Picture], file: BinaryIO, delay: int, pause: float) -> None:
     """Write frames that last `delay` [ms] and a pause [s] at the end.
 
     All have one palette, so that what does not move costs nothing.
@@ -102,7 +118,7 @@ def _write_gif(frames: list[Picture], path: Path, delay: int, pause: float) -> N
     images = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
     durations = [delay] * (len(images) - 1) + [delay + round(1000 * pause)]
     images[0].save(
-        path, save_all=True, append_images=images[1:], duration=durations, loop=0, disposal=1,
+        file, "GIF", save_all=True, append_images=images[1:], duration=durations, loop=0, disposal=1,
         palette=bytes(colors), transparency=COLORS, optimize=True,
     )  # fmt: skip
 

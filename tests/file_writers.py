@@ -1,0 +1,165 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Writers of all kinds of files, killed or stopped by a full disk; as a program: how often what remained.
+
+python file_writers.py (kills | full) KIND COUNT FOLDER
+"""
+
+from __future__ import annotations
+
+import functools
+import json
+import os
+import random
+import resource
+import signal
+import sys
+import time
+from collections import Counter
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import gelenk
+from gelenk.cli.sweep import write
+
+FOUR_BAR = Path(__file__).parent.parent / "scenes" / "four_bar.yaml"
+REPEATS = 3  # writings in a process that is killed at a random time
+
+
+def _plot(result: gelenk.Result, path: Path) -> None:
+    from gelenk.cli.pictures import save_figure
+
+    save_figure(result.plot(["A"]), path)
+
+
+KINDS: dict[str, Callable[[Any, Path], object]] = {
+    "csv": gelenk.Result.save, "parquet": gelenk.Result.save, "nc": gelenk.Result.save,
+    "mat": gelenk.Result.save, "yaml": gelenk.Scene.save, "json": gelenk.Scene.save,
+    "html": gelenk.View.save, "gif": gelenk.View.save, "png": gelenk.View.save, "svg": _plot,
+    "fmu": functools.partial(gelenk.export_fmu, view=False),
+    "sweep.csv": write, "sweep.parquet": write, "sweep.nc": write,
+}  # fmt: skip
+
+
+def new_and_old(kind: str, folder: Path) -> tuple[Path, Any, Any]:
+    """A file that has been written, and what to write to it: the same, and something else."""
+    random_numbers = np.random.default_rng(0)
+    scene = gelenk.load(FOUR_BAR)
+    found: list[Any]
+    if KINDS[kind] in (gelenk.Result.save, _plot):
+        rows = random_numbers.normal(size=(2, 2000, 3))
+        found = [gelenk.Result(["A", "B"], values, {"A": "m", "B": "m"}) for values in rows]
+    elif KINDS[kind] is write:
+        import xarray
+
+        values = random_numbers.normal(size=(2, 20, 100))
+        found = [xarray.Dataset({"x": (("run", "time"), x), "error": ("run", ["none"] * 20)}) for x in values]
+    elif KINDS[kind] is gelenk.View.save:
+        found = [gelenk.view(scene, stop=stop) for stop in (0.05, 0.1)]
+    else:
+        found = [scene, gelenk.load({**scene.to_dict(), "name": "Another"})]
+    path = folder / f"file.{kind}"
+    KINDS[kind](found[0], path)
+    return path, found[0], found[1]
+
+
+def contents(kind: str, path: Path, what: Any) -> bytes:
+    """What a file contains to which something is written."""
+    other = path.with_name(f"other.{kind}")
+    KINDS[kind](what, other)
+    content = other.read_bytes()
+    other.unlink()
+    return content
+
+
+def _in_a_child(function: Callable[[], None]) -> int:
+    """Call a function in a forked process; return its number."""
+    child = os.fork()
+    if child:
+        return child
+    code = 1
+    try:
+        function()
+        code = 0
+    except OSError:
+        code = 2
+    finally:
+        os._exit(code)
+
+
+class _Case:
+    def __init__(self, kind: str, folder: Path) -> None:
+        self.kind = kind
+        self.folder = folder
+        self.path, self.old, self.new = new_and_old(kind, folder)
+        self.before = self.path.read_bytes()
+        start = time.perf_counter()
+        KINDS[kind](self.new, self.path)
+        self.seconds = time.perf_counter() - start
+        self.size = self.path.stat().st_size
+
+    def found(self) -> str:
+        content = self.path.read_bytes()
+        if content == self.before:
+            return "old"
+        # Pictures and HDF5 contain times and identifiers: what can be read and has the size is the new file.
+        return "new" if self.is_new(content) else f"{len(content)} of {self.size} bytes"
+
+    def is_new(self, content: bytes) -> bool:
+        return len(content) == self.size
+
+    def restore(self) -> None:
+        for file in self.folder.iterdir():
+            file.unlink()
+        self.path.write_bytes(self.before)
+
+
+def kills(kind: str, count: int, folder: Path) -> Counter[str]:
+    """Kill processes that write a file, at random times."""
+    case = _Case(kind, folder)
+    outcomes: Counter[str] = Counter()
+    for _ in range(count):
+        case.restore()
+
+        def writing() -> None:
+            for _ in range(REPEATS):
+                KINDS[kind](case.new, case.path)
+
+        child = _in_a_child(writing)
+        time.sleep(random.uniform(0.0, 1.5 * case.seconds))
+        os.kill(child, signal.SIGKILL)
+        os.waitpid(child, 0)
+        outcomes[case.found()] += 1
+    return outcomes
+
+
+def full(kind: str, count: int, folder: Path) -> Counter[str]:
+    """Let writing fail after a random number of bytes; the process must end by itself, with an OSError."""
+    case = _Case(kind, folder)
+    outcomes: Counter[str] = Counter()
+    for _ in range(count):
+        case.restore()
+        limit = random.randrange(case.size)
+
+        def writing(limit: int = limit) -> None:
+            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+            resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
+            try:
+                KINDS[kind](case.new, case.path)
+            except gelenk.ExportError as e:
+                raise OSError from e
+
+        _, status = os.waitpid(_in_a_child(writing), 0)
+        left = [file.name for file in folder.iterdir()]
+        if status != 2 << 8 or left != [case.path.name]:
+            outcomes[f"status {status}, files {left}"] += 1
+        outcomes[case.found()] += 1
+    return outcomes
+
+
+if __name__ == "__main__":
+    job, kind, count, folder = sys.argv[1:]
+    random.seed(0)
+    print(json.dumps({"kills": kills, "full": full}[job](kind, int(count), Path(folder))))
