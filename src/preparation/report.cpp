@@ -372,9 +372,9 @@ std::string describe_undetermined(const Scene& scene, const NotDifferentiablePoi
 }
 
 std::string describe_exhausted_budget(double t, double end, long evaluations, const std::string& obstacle) {
-  return "t = " + text::rounded(t) + " s: the step to " + text::rounded(end) + " s ended here, after " +
-         std::to_string(evaluations) + " evaluations (solver.max_evaluations)" +
-         (obstacle.empty() ? "" : ": " + obstacle) +
+  const std::string why =
+      std::to_string(evaluations) + " evaluations (solver.max_evaluations)" + (obstacle.empty() ? "" : ": " + obstacle);
+  return "t = " + text::rounded(t) + " s: the step to " + text::rounded(end) + " s ended here, after " + why +
          ". The simulation can continue from the state at t = " + text::number(t) +
          " s. Allow more evaluations, or use shorter steps, a larger solver.tolerance or another solver.integrator.";
 }

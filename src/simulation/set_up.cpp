@@ -33,7 +33,9 @@ const Inputs& Simulation::Impl::inputs_at_start(const std::vector<Signal>& signa
   for (std::size_t i = 0; i < signals.size(); ++i) {
     std::size_t last = i;
     while (signals[i].motion_order == 0 && last + 1 < signals.size() && signals[last + 1].motion_order > 0) ++last;
-    if (signals[i].motion_order == 0) u.add_motion(static_cast<int>(i), static_cast<int>(last - i));
+    const auto derivatives = static_cast<int>(last - i);
+    const int all = signals[i].stage == Stage::position ? 2 : 1;
+    if (signals[i].motion_order == 0) u.add_motion(static_cast<int>(i), derivatives, derivatives == all);
     u.set(static_cast<int>(i), signals[i].start);
   }
   return u;

@@ -67,8 +67,8 @@ def test_derivatives_as_variables_need_an_input_that_has_them() -> None:
 def test_linear_model_has_columns_for_speed_and_acceleration() -> None:
     """By m (x'' + y'') = -k y - d y', y'' depends on x'' by -1, and on x and x' not at all."""
     model = gelenk.linearize(driven_mass("erk", derivatives="acceleration"), states=["y.s", "y.v"])
-    assert list(model.input_labels) == ["pos.s_ref", "pos.v_ref", "pos.a_ref"]
+    assert list(model.input_labels) == ["pos_s_ref", "pos_v_ref", "pos_a_ref"]
     assert np.asarray(model.B) == pytest.approx(np.array([[0, 0, 0], [0, 0, -1]]), abs=1e-14)
-    row = list(model.output_labels).index("pos.f")
+    row = list(model.output_labels).index("pos_f")
     force = np.asarray(model.D)[row]
     assert force == pytest.approx([0, 0, 1.0], abs=1e-13)  # the load is free: only the end is accelerated
