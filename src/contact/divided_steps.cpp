@@ -104,6 +104,7 @@ bool TimeStepper::attempt(double h, const double* u, double* y, bool last) {
   collect(h);
   vm_ = v0_;
   if (!converge(h, u, last)) return false;
+  add_passed_limits(h);
   for (std::size_t k = 0; k < v1_.size(); ++k) dq_[k] = h / 2 * v1_[k];
   rotation_.set_rest(h, v0_.data(), v1_.data(), dynamics_.readings(), dq_.data());
   correct_position(h, dq_.data());
@@ -128,7 +129,8 @@ bool TimeStepper::converge(double h, const double* u, bool last) {
     }
     const Forces forces = update_forces(h, u, most_turned);
     if (forces == Forces::too_fast) return false;
-    if (!set_sliding_friction(h) && forces == Forces::as_before) break;
+    const bool turns = stop_turning_points();
+    if (!set_sliding_friction(h) && !turns && forces == Forces::as_before) break;
     solved_.residual = largest;  // of the results that count
     if (!respond(h)) return false;
     const double enough = small_change(done.count == 0 ? notable : settled);

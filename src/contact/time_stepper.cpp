@@ -19,6 +19,9 @@ constexpr double max_correction = 0.1;
 // bodies without loops permit, are as fast with a hundred rows, but their factors ask for memory in every step.
 constexpr int max_dense_rows = 400;
 constexpr int max_dense_rows_with_root = 200;
+// Of each row, relative to that of the bodies; and part of the size of impulses below which others are smaller.
+constexpr double compliance = 1e-4;
+constexpr double less = 1 - 1e-6;
 // Rows for which memory is taken at the start: some MB.
 constexpr std::size_t max_reserved_rows = 200;
 
@@ -50,6 +53,18 @@ class TimeStepper::Operator final : public ConeOperator {
     for (int j = 0; j < n; ++j) {
       for (int i = 0; i < j; ++i) G(i, j) = G(j, i) = (G(i, j) + G(j, i)) / 2;
     }
+  }
+  // Adds this part of it to the diagonal of the matrix, until update().
+  void soften(double part) {
+    Eigen::Map<Eigen::MatrixXd> G(numbers_.data(), size(), size());
+    G.diagonal() *= 1 + part;
+  }
+  // Of impulses: the sum of the energies that each row alone would exchange.
+  double size_of(const std::vector<double>& x) const {
+    double sum = 0;
+    for (int i = 0; i < size(); ++i)
+      sum += matrix()(i, i) * x[static_cast<std::size_t>(i)] * x[static_cast<std::size_t>(i)];
+    return sum;
   }
   int size() const override { return rows_.count(); }
   void apply(const double* x, double* y) const override {
@@ -121,13 +136,14 @@ void TimeStepper::reserve() {
   finder_.reserve(points);
   points_.reserve(points);
   frames_.reserve(points);
+  turning_.reserve(points);
   for (auto* of : {&state_.contacts, &kept_.contacts, &second_.contacts, &last_contacts_}) of->reserve(points);
   cones_.reserve(rows);
   correction_cones_.reserve(rows);
   lock_rows_.reserve(rows);
   strikes_.reserve(rows);
   for (std::vector<double>* of : {&b_, &x_, &speeds_, &free_speeds_, &belts_, &compression_, &least_, &after_,
-                                  &displacing_, &correction_b_, &correction_})
+                                  &displacing_, &correction_b_, &correction_, &relieved_})
     of->reserve(rows);
   correction_rows_.reserve(rows);
   normal_operator_.reserve(rows);
@@ -156,19 +172,25 @@ void TimeStepper::collect(double h) {
   points_.clear();
   if (!mechanism_.shapes.empty())
     points_ = finder_.find(dynamics_.readings(), h, h * loads_.gravity.norm(), 2 * touch_tolerance);
+  turning_.assign(points_.size(), Turning::no);
   for (const TouchPoint& point : points_) add_contact(point);
   add_locks(h);
-  const auto n = static_cast<std::size_t>(rows_.count());
-  for (std::vector<double>* of :
-       {&b_, &x_, &speeds_, &free_speeds_, &belts_, &compression_, &least_, &after_, &displacing_})
-    of->assign(n, 0.0);
-  if (n == 0) return;
+  for (std::vector<double>* of : all_by_row()) of->assign(static_cast<std::size_t>(rows_.count()), 0.0);
+  strikes_.clear();
+  if (cones_.empty()) return;
   operator_->update();
   rows_.speeds(v0_.data(), speeds_.data());
   set_belts();
   set_friction();
   guess(h);
   find_strikes(h);
+}
+
+// Of rows that have been added after collect().
+void TimeStepper::extend_rows() {
+  for (std::vector<double>* of : all_by_row()) of->resize(static_cast<std::size_t>(rows_.count()), 0.0);
+  strikes_.resize(cones_.size(), 0);
+  operator_->update();
 }
 
 void TimeStepper::add_contact(const TouchPoint& point) {
@@ -185,29 +207,6 @@ void TimeStepper::add_contact(const TouchPoint& point) {
   for (int i = 0; i < cone.roll; ++i) rows_.add(a, b, point.p, axes.col(1 + i), true);
   frames_.push_back(axes);
   cones_.push_back(cone);
-}
-
-// What slid in the last step, or strikes with a tangential speed, has sliding friction.
-void TimeStepper::set_friction() {
-  for (std::size_t i = 0; i < points_.size(); ++i) {
-    const ContactLaw& law = loads_.contacts[static_cast<std::size_t>(points_[i].contact)];
-    if (law.static_friction == law.sliding_friction) continue;
-    const RememberedContact* before = state_.find(points_[i]);
-    const bool slides = before != nullptr ? before->slides : slip(i, speeds_).norm() > rest_speed;
-    if (slides) cones_[i].friction = law.sliding_friction;
-  }
-}
-
-// The tangential velocity of the second surface relative to the first at a point. speeds: by row.
-Eigen::Vector3d TimeStepper::slip(std::size_t point, const std::vector<double>& speeds) const {
-  const ContactLaw& law = loads_.contacts[static_cast<std::size_t>(points_[point].contact)];
-  const Eigen::Vector3d belt = finder_.pose(points_[point].b).R * law.belt_velocity;
-  Eigen::Vector3d out = belt - belt.dot(points_[point].normal) * points_[point].normal;
-  const auto first = static_cast<std::size_t>(cones_[point].first) + 1;
-  for (int k = 0; k < cones_[point].tangential; ++k) {
-    out += frames_[point].col(1 + k) * speeds[first + static_cast<std::size_t>(k)];
-  }
-  return out;
 }
 
 void TimeStepper::set_belts() {
@@ -273,6 +272,7 @@ void TimeStepper::solve_impulses() {
     for (std::size_t r = 0; r < x_.size(); ++r) x_[r] -= least_[r];
   }
   solve(cones_, x_);
+  if (may_be_prestressed()) relieve();
   if (has_compression_) {
     for (std::size_t r = 0; r < x_.size(); ++r) x_[r] += least_[r];
   }
@@ -280,13 +280,48 @@ void TimeStepper::solve_impulses() {
 
 // x <- the impulses in these cones, for the velocities b_.
 void TimeStepper::solve(const std::vector<Cone>& cones, std::vector<double>& x) {
+  if (recorded_ != nullptr) recorded_->emplace_back(ConeProblem{*operator_, b_, cones, true});
+  const ConeResult result = solve_for(cones, x);
+  solved_.residual = std::max(solved_.residual, result.residual);
+  solved_.iterations = std::max(solved_.iterations, result.iterations);
+}
+
+ConeResult TimeStepper::solve_for(const std::vector<Cone>& cones, std::vector<double>& x) {
   ConeOptions options;
   options.tolerance = velocity_tolerance();
   options.max_iterations = max_iterations;
-  const ConeProblem problem{*operator_, b_, cones, true};
-  if (recorded_ != nullptr) recorded_->emplace_back(problem);
-  const ConeResult result = solver_->solve(problem, options, x.data());
-  solved_.residual = std::max(solved_.residual, result.residual);
+  return solver_->solve({*operator_, b_, cones, true}, options, x.data());
+}
+
+// Whether a limit or a one-way clutch and a point with friction push, and one of them has not in the last step. They
+// may push against each other; the friction of such a prestress could hold what would slide without it.
+bool TimeStepper::may_be_prestressed() const {
+  if (operator_->dense() == nullptr) return false;
+  bool any_limit = false, any_point = false, any_new = strikes_any_;
+  for (std::size_t i = 0; i < cones_.size(); ++i) {
+    const Cone& cone = cones_[i];
+    if (x_[static_cast<std::size_t>(cone.first)] == 0) continue;
+    if (i < points_.size()) {
+      any_point = any_point || cone.size() > 1;
+      any_new = any_new || state_.find(points_[i]) == nullptr;
+    } else if (const LockRow& row = lock_rows_[i - points_.size()]; row.side != 0) {
+      any_limit = true;
+      any_new = any_new || state_.locks[static_cast<std::size_t>(row.lock)].limit == 0;
+    }
+  }
+  return any_limit && any_point && any_new;
+}
+
+// Rigid bodies permit any prestress: x_ <- the impulses that are found from those of slightly compliant ones, which
+// have none, if they are smaller.
+void TimeStepper::relieve() {
+  relieved_.assign(x_.size(), 0.0);
+  operator_->soften(compliance);
+  solve_for(cones_, relieved_);
+  operator_->update();
+  const ConeResult result = solve_for(cones_, relieved_);
+  if (!result.converged || operator_->size_of(relieved_) > less * operator_->size_of(x_)) return;
+  x_.swap(relieved_);
   solved_.iterations = std::max(solved_.iterations, result.iterations);
 }
 

@@ -10,6 +10,7 @@
 // displacement in the mass metric, which does not change velocities.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -82,7 +83,9 @@ class TimeStepper final : public ContactReadings {
     int side = 0;  // of a limit; 0: friction
     double depth = 0;
     bool is_of_speed = false;  // of a one-way clutch, which bounds no position
-    bool slides = false;       // friction in motion
+    int slides = 0;            // friction in motion, in this direction
+    bool turns_back = false;   // it moves in the other direction at the end of the step
+    double at_rest = 0;        // N m s, N s: the impulse of static friction
   };
 
   void reserve();
@@ -97,8 +100,15 @@ class TimeStepper final : public ContactReadings {
   void collect(double h);
   void add_contact(const TouchPoint& point);
   void add_locks(double h);
+  static void set_friction_of(const LockRow& row, double sliding, Cone& cone);
   bool set_sliding_friction(double h);
+  void add_passed_limits(double h);
+  void extend_rows();
+  std::array<std::vector<double>*, 9> all_by_row() {
+    return {&b_, &x_, &speeds_, &free_speeds_, &belts_, &compression_, &least_, &after_, &displacing_};
+  }
   void set_friction();
+  bool stop_turning_points();
   Eigen::Vector3d slip(std::size_t point, const std::vector<double>& speeds) const;
   double restitution(std::size_t cone) const;
   bool is_poisson(std::size_t cone) const;
@@ -116,6 +126,9 @@ class TimeStepper final : public ContactReadings {
   double velocity_tolerance() const;
   void solve_impulses();
   void solve(const std::vector<Cone>& cones, std::vector<double>& x);
+  ConeResult solve_for(const std::vector<Cone>& cones, std::vector<double>& x);
+  bool may_be_prestressed() const;
+  void relieve();
   struct Gap {
     double gap = 0;  // m, rad
     int sign = 0;    // of its rate for a positive speed of the row; 0: the row has no gap
@@ -144,6 +157,8 @@ class TimeStepper final : public ContactReadings {
 
   std::vector<TouchPoint> points_;       // of this step
   std::vector<Eigen::Matrix3d> frames_;  // by point: normal and tangential axes, in columns
+  enum class Turning : char { no, may_be_held, turns };
+  std::vector<Turning> turning_;  // by point
   std::vector<LockRow> lock_rows_;
   std::vector<Cone> cones_;
   std::vector<double> b_, x_, speeds_, free_speeds_;
@@ -151,7 +166,7 @@ class TimeStepper final : public ContactReadings {
   bool strikes_any_ = false, has_compression_ = false;
   std::vector<double> belts_;                // by row: their velocities
   std::vector<double> compression_, least_;  // by row: impulses of Poisson's law, where it applies
-  std::vector<double> after_;
+  std::vector<double> after_, relieved_;
   // The problem of positions, in the normal rows alone, and its solution in all rows.
   std::vector<int> correction_rows_;
   std::vector<Cone> correction_cones_;

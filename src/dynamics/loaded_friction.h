@@ -14,13 +14,14 @@
 
 #include "dynamics/branching.h"
 #include "dynamics/load_dependence.h"
+#include "dynamics/seizing.h"
 #include "kinematics/friction_loads.h"
 #include "linear/dense_factor.h"
 
 namespace gelenk {
 
 template <class A>
-class LoadedFriction final : public LoadDependence {
+class LoadedFriction final : public LoadDependence, public Seizing {
  public:
   // What slips against friction that depends on loads.
   struct Slipping {
@@ -115,6 +116,7 @@ class LoadedFriction final : public LoadDependence {
   const std::vector<double>& torque() const { return torque_; }
   void freeze(bool on) override { is_frozen_ = on; }
   int undetermined() const override { return undetermined_; }
+  int seized() const override { return seized_; }
   int unloaded() const override {
     for (const Slipping& slips : slipping_) {
       for (const Load& load : loads_) {
@@ -132,7 +134,7 @@ class LoadedFriction final : public LoadDependence {
   template <class Respond>
   void solve(const std::vector<Slipping>& slipping, Respond respond) {
     slipping_ = slipping;
-    undetermined_ = -1;
+    undetermined_ = seized_ = -1;
     if (is_frozen_) return;
     respond(-1, vdot_, lambda_, unused_);
     kernels::wrenches_of(model_, ws_, vdot_.data(), lambda_.data(), false, wrenches_);
@@ -298,6 +300,12 @@ class LoadedFriction final : public LoadDependence {
       }
     }
     undetermined_ = slipping_.front().force;
+    // With the load of one mesh there are two linear equations, and Newton's method finds a solution if one of them has
+    // a solution for which it holds.
+    const auto owner = [](const Load& load) { return load.is.force; };
+    const auto own = std::ranges::find(loads_, undetermined_, owner);
+    if (n == 1 && own->is.of == FrictionLoad::Of::mesh && std::ranges::count(loads_, undetermined_, owner) == 1)
+      seized_ = undetermined_;
   }
   static void add_to(double* to, const std::vector<double>& what, double factor) {
     for (std::size_t i = 0; i < what.size(); ++i) to[i] += factor * what[i];
@@ -318,7 +326,7 @@ class LoadedFriction final : public LoadDependence {
   kernels::JointWrenches<A> wrenches_;
   double force_size_ = 0;
   bool is_frozen_ = false;
-  int undetermined_ = -1;
+  int undetermined_ = -1, seized_ = -1;
 };
 
 }  // namespace gelenk

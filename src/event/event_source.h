@@ -29,9 +29,10 @@ class EventSource {
   // The earliest time after that t at which the equations were evaluated outside the held mode [s]; infinite: never.
   virtual double mode_exit_time() const { return INFINITY; }
 
-  // Whether modes that end and begin again before an event within the same step are searched for. Contacts between
-  // shapes have no smooth indicators beyond a mode, so that false alarms would cut steps again and again.
-  virtual bool finds_touches_before_events() const { return true; }
+  // How many indicators, the first ones, are smooth beyond a mode, so that modes that end and begin again before an
+  // event within the same step are searched for. Those of contacts between shapes are not: false alarms would cut steps
+  // again and again.
+  virtual int smooth_indicators() const { return indicators(); }
 
   // The earliest time [s] within a step from (t0, y0), where it began, to (t1, y1), the state of the last
   // indicator_values(), at which a mode may have ended and begun again without a trace in the indicators at both ends;

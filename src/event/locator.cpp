@@ -101,7 +101,7 @@ Step Locator::end_step(Stepping& method) {
 
 Locator::Trial Locator::end_without_event(Stepping& method) {
   const double end = method.time();
-  double touch = has_left_mode(end) ? source_.mode_exit_time() : course_.touch();
+  double touch = has_left_mode(end) ? source_.mode_exit_time() : course_.touch(course_.size());
   if (is_resolved(end)) touch = std::min(touch, touch_within(end, method.state()));
   if (!is_before(touch, end)) return {Step::made, true};
   const Step step = repeat_step(method, touch);
@@ -110,13 +110,14 @@ Locator::Trial Locator::end_without_event(Stepping& method) {
 
 Locator::Trial Locator::end_before_event(Stepping& method) {
   if (const Step step = search_all(method); step != Step::made) return {step, true};
-  const bool looks_before = source_.finds_touches_before_events();
+  const auto smooth = static_cast<std::size_t>(source_.smooth_indicators());
   if (!course_.any_changed()) {
     const double end = method.time();
-    const bool touches = is_resolved(end) && is_before(touch_within(end, method.state()), end);
-    return {Step::made, !looks_before && !touches};
+    const bool touches =
+        is_resolved(end) && is_before(std::min(course_.touch(smooth), touch_within(end, method.state())), end);
+    return {Step::made, smooth < course_.size() && !touches};
   }
-  double touch = looks_before ? course_.touch() : INFINITY;
+  double touch = course_.touch(smooth);
   if (is_resolved(high_t_)) touch = std::min(touch, touch_within(high_t_, high_y_.data()));
   if (!is_before(touch, high_t_)) return {end_at_event(method), true};
   if (const Step step = repeat_step(method, touch); step != Step::made) return {step, true};

@@ -52,9 +52,9 @@ Cubic StepCourse::cubic(std::size_t i) const {
 
 double StepCourse::zero(std::size_t i) const { return start_t_ + cubic(i).zero() * (t_ - start_t_); }
 
-double StepCourse::touch() const {
+double StepCourse::touch(std::size_t count) const {
   double first = INFINITY;
-  for (std::size_t i = 0; i < size(); ++i) {
+  for (std::size_t i = 0; i < count; ++i) {
     if (std::abs(start_g_[i]) <= smallest || changed(i)) continue;  // its mode begins here, or ends
     const bool approaches = before_[i] ? start_gdot_[i] < 0 : start_gdot_[i] > 0;
     const Cubic course = cubic(i);

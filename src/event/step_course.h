@@ -34,8 +34,9 @@ class StepCourse {
   // s: zero of indicator i, which has changed its sign, by the cubic through its values and rates at both ends, or
   // linear if rates are unknown.
   double zero(std::size_t i) const;
-  // s: earliest time at which an indicator with the same sign at both ends may have reached zero; infinite: none.
-  double touch() const;
+  // s: earliest time at which one of the first indicators with the same sign at both ends may have reached zero;
+  // infinite: none.
+  double touch(std::size_t count) const;
 
  private:
   Cubic cubic(std::size_t i) const;

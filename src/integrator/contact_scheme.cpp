@@ -84,7 +84,11 @@ class ContactScheme final : public Integrator {
  private:
   Integrator& present() { return impulses_.are_used() ? *with_impulses_ : *between_events_; }
 
+  // Events are left before a step, not after one: at a communication point, the outputs are those of the located events
+  // that have led to it, since steps have no forces before the first one.
   void locate_towards(double end) {
+    const SchemeChange::Cause cause = watch_.too_many(impulses_.activity().closed);
+    if (cause != SchemeChange::Cause::none) return leave_events(cause);
     const ImpulseEquations::Activity before = impulses_.activity();
     const double start = t_;
     std::ranges::copy(y_, start_.begin());
@@ -104,8 +108,6 @@ class ContactScheme final : public Integrator {
     if (were_apart && !impulses_.can_be_located_at(y_.data())) return step_instead(start, before);
     const ImpulseEquations::Activity now = impulses_.activity();
     watch_.located(t_ - start, now.events.contacts - before.events.contacts);
-    const SchemeChange::Cause cause = watch_.too_many(now.closed);
-    if (cause != SchemeChange::Cause::none) leave_events(cause);
   }
 
   // An event has been missed, so that shapes overlap.

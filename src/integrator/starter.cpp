@@ -132,7 +132,8 @@ class StartedMultistep final : public Integrator {
     const HeldMode held(system_.modes(), t_, course_.mode());
     t_ = multistep_->advance_some(end, y_.data(), 1);
     course_.end(t_, y_.data());
-    if (system_.modes().mode_exit_time() < t_ || course_.any_changed() || course_.touch() < t_) return true;
+    if (system_.modes().mode_exit_time() < t_ || course_.any_changed() || course_.touch(course_.size()) < t_)
+      return true;
     return system_.modes().touch_within(course_.start(), y_before_.data(), t_, y_.data()) < t_;
   }
 

@@ -81,7 +81,7 @@ class EventModes final : public EventSource {
   const std::vector<int>& recorded_sides() const { return recorded_sides_; }
 
  private:
-  bool finds_touches_before_events() const override { return others_ == nullptr; }
+  int smooth_indicators() const override { return others_ == nullptr ? indicators() : own_indicators(); }
   double touch_within(double t0, const double* y0, double t1, const double* y1) override {
     return others_ == nullptr ? INFINITY : others_->touch_within(t0, y0, t1, y1);
   }

@@ -17,18 +17,14 @@ constexpr double unlimited = std::numeric_limits<double>::infinity();
 
 // Of the terms of the energy of an impact.
 constexpr double energy_rounding = 1e-12;
+// Of the part of the restitution that adds no energy.
+constexpr int most_bisections = 50;
 
-// Newton's law may add energy where contacts with different restitutions are struck together; inelastic impulses never
-// do. Of the impulses between both, returns those nearest to the law that do not. speeds: before the impact.
-VectorXd without_gain(const Eigen::MatrixXd& W, const VectorXd& speeds, const VectorXd& inelastic,
-                      const VectorXd& elastic) {
-  const VectorXd d = elastic - inelastic;
-  // Kinetic energy gained by inelastic + s d, a parabola in s that is not positive at 0.
-  const double a = d.dot(W * d) / 2;
-  const double b = d.dot(speeds + W * inelastic);
-  const double c = std::min(0.0, inelastic.dot(speeds + W * inelastic / 2));
-  if (!(a + b + c > energy_rounding * (a + std::abs(b) - c))) return elastic;
-  return inelastic + (-b + std::sqrt(b * b - 4 * a * c)) / (2 * a) * d;
+// Whether impulses add energy, at these speeds before them.
+bool gain(const Eigen::MatrixXd& W, const VectorXd& speeds, const VectorXd& impulses) {
+  const double before = impulses.dot(speeds);
+  const double change = impulses.dot(W * impulses) / 2;
+  return before + change > energy_rounding * (std::abs(before) + change);
 }
 
 }  // namespace
@@ -45,19 +41,37 @@ Impact solve_impact(const Eigen::MatrixXd& W, const std::vector<StruckContact>& 
     upper[i] = contact.side < 0 || contact.held ? unlimited : 0;
   }
   const BoxSolution inelastic = solve_in_box(W, -speeds, lower, upper);
-  VectorXd least = VectorXd::Zero(n);  // impulses of Poisson's law, which others may exceed
-  VectorXd b = -speeds;
-  for (Index i = 0; i < n; ++i) {
-    const StruckContact& contact = contacts[static_cast<std::size_t>(i)];
-    if (contact.poisson) {
-      least[i] = (1 + contact.restitution) * inelastic.x[i];
-    } else {
-      b[i] -= contact.side * contact.restitution * std::max(0.0, contact.side * contact.speed);
+  const auto with_restitution = [&](double part) {
+    VectorXd least = VectorXd::Zero(n);  // impulses of Poisson's law, which others may exceed
+    VectorXd b = -speeds;
+    for (Index i = 0; i < n; ++i) {
+      const StruckContact& contact = contacts[static_cast<std::size_t>(i)];
+      const double restitution = part * contact.restitution;
+      if (contact.poisson) {
+        least[i] = (1 + restitution) * inelastic.x[i];
+      } else {
+        b[i] -= contact.side * restitution * std::max(0.0, contact.side * contact.speed);
+      }
     }
-  }
-  const BoxSolution elastic = solve_in_box(W, b - W * least, lower, upper);
+    BoxSolution out = solve_in_box(W, b - W * least, lower, upper);
+    out.x += least;
+    return out;
+  };
+  BoxSolution elastic = with_restitution(1);
   if (!elastic.found) return {inelastic.x, false, inelastic.found};
-  return {without_gain(W, speeds, inelastic.x, least + elastic.x), true, inelastic.found};
+  if (!gain(W, speeds, elastic.x)) return {elastic.x, true, inelastic.found};
+  // Newton's law may add energy where contacts with different restitutions are struck together; inelastic impulses
+  // never do. Restitution is reduced to what does not, as in ContactImpact.
+  double low = 0, high = 1;
+  VectorXd impulses = inelastic.x;
+  for (int k = 0; k < most_bisections; ++k) {
+    const double middle = (low + high) / 2;
+    elastic = with_restitution(middle);
+    const bool gains = !elastic.found || gain(W, speeds, elastic.x);
+    if (!gains) impulses = elastic.x;
+    (gains ? high : low) = middle;
+  }
+  return {impulses, true, inelastic.found};
 }
 
 }  // namespace gelenk

@@ -140,6 +140,10 @@ bool LockModes::recall(double t, double* y) {
   find_events_at_start(t, y);
   bool changed = change_any(t, y);
   const bool settled = update(t, y, jumped_, Recording::all) || started_;
+  if (forces_.loads().signed_count() > 0) {
+    const bool doubtful = load_signs_changed() || changed || settled || jumped_;
+    changed = (doubtful && seize(t, y)) || changed;
+  }
   jumped_ = started_ = false;
   if (!settled || !any_wrong_speed(y + nq_)) return changed;
   equations_.accelerations_at(t, y, vdot_.data());  // with factors of this position
@@ -383,6 +387,7 @@ void LockModes::serialize(Archive& archive) {
   if (!archive.reading()) return;
   std::ranges::fill(triggered_, nothing);  // a step may have been given up between an event and what follows
   doubtful_.clear();
+  load_signs_.clear();
   hold();
 }
 

@@ -133,6 +133,8 @@ class LockModes {
   void decide_with_loads(State& next, const std::vector<int>& undecided, bool breaks_away, double t, const double* y);
   void decide(State& next, const std::vector<int>& undecided, bool breaks_away);
   bool change_any(double t, double* y);
+  bool load_signs_changed();
+  bool seize(double t, double* y);
   void force_away(double t);
   bool has_wrong_speed(int lock, const double* v) const;
   bool any_wrong_speed(const double* v) const;
@@ -162,7 +164,9 @@ class LockModes {
   State modes_;
   std::vector<Trigger> triggered_;  // by lock: which indicator has changed its sign
   std::vector<double> holding_, vdot_;
-  double resolution_ = 0;  // of displacements that do not matter
+  std::vector<double> load_indicators_;  // of the loads of meshes
+  std::vector<char> load_signs_;         // where a step began last
+  double resolution_ = 0;                // of displacements that do not matter
   bool any_friction_ = false;
   bool any_at_rest_ = false;
   bool jumped_ = false, started_ = false;  // since the last recall()

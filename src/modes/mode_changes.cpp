@@ -5,6 +5,7 @@
 #include <iterator>
 #include <utility>
 
+#include "dynamics/seizing.h"
 #include "linear/box_complementarity.h"
 #include "modes/lock_modes.h"
 
@@ -46,6 +47,41 @@ void LockModes::record_changes(double t, const State& before) {
     if (lock.one_way && before.contacts[i] == 0 && modes_.contacts[i] != 0)
       log_.add({t, limit_indicator(i, modes_.contacts[i]), true});
   }
+}
+
+// Whether the loads of meshes have other signs than at the last call, or are not known.
+bool LockModes::load_signs_changed() {
+  constexpr char unknown = 2;
+  const auto count = static_cast<std::size_t>(forces_.loads().signed_count());
+  load_indicators_.resize(count);
+  load_signs_.resize(count, unknown);
+  forces_.loads().indicators(load_indicators_.data());
+  bool changed = false;
+  for (std::size_t i = 0; i < count; ++i) {
+    const char sign = load_indicators_[i] > 0 ? 1 : 0;
+    changed = changed || sign != load_signs_[i];
+    load_signs_[i] = sign;
+  }
+  return changed;
+}
+
+// Where friction of a mesh in motion depends so much on its load that no motion agrees with it, as where a load
+// decelerates a self-locking gear, the load rises without limit, and the motion stops at once: an impact without a
+// collision (Painleve 1895; Le Suan An 1990). The impulses that stop it agree with the law of the mesh. Returns whether
+// there is such a friction.
+bool LockModes::seize(double t, double* y) {
+  const auto* const loads = dynamic_cast<const Seizing*>(&forces_.loads());
+  if (loads == nullptr) return false;
+  equations_.accelerations_at(t, y, vdot_.data());
+  if (loads->seized() < 0) return false;
+  const State before = state();
+  const int lock = lock_of_[static_cast<std::size_t>(loads->seized())];
+  triggered_[lock] = by_friction;
+  strike(t, y, {lock}, before);
+  settle(t, y, false, Recording::doubts);
+  finish_change(y);
+  record_changes(t, before);
+  return true;
 }
 
 // Lets go what is no longer held, where rounding hides it.

@@ -17,6 +17,7 @@ ROUNDING, STEPS_ROUNDING = 1e-6, 1e-2
 MOVES, STEPS_MOVES = 1e-4, 0.05  # rad/s, m/s
 PENETRATION = 1e-7  # rad, m
 AT_LIMIT = 1e-6  # rad, m; rad/s, m/s
+LONGEST_STEP = 5e-4  # s: half of solver.step, of `auto`
 
 
 def _effort(joint: dict[str, Any]) -> str:
@@ -61,14 +62,18 @@ def value_before(course: Any, t: float) -> float:
 
 
 def laws_broken(trial: Trial, run: Run, steps: float = 0.0) -> list[str]:
-    """What reported forces and positions contradict, in words; steps: length of time steps [s], 0: events."""
+    """What reported forces and positions contradict, in words; steps: length of time steps [s], 0: `auto`.
+
+    Forces of time steps, which `auto` makes where contacts pile up, too, are means over the last one.
+    """
     out: list[str] = []
     names = motion_names(trial.scene)
     for k, forces in enumerate(run.outputs[: len(run.values) - 1], 1):
         if not np.isfinite(run.values[k]).all():
             out.append(f"not finite at {k * STEP:.2f} s")
             continue
-        at = Moment(trial, k * STEP, forces, dict(zip(names, run.values[k], strict=True)), steps)
+        length = LONGEST_STEP if run.stepped[k - 1] and not steps else steps
+        at = Moment(trial, k * STEP, forces, dict(zip(names, run.values[k], strict=True)), length)
         out += [f"{words} at {k * STEP:.2f} s" for words in at.broken()]
     return out
 

@@ -32,6 +32,7 @@ class Run:
         said: warnings of a singular start, and events after which the motion is uncertain.
         seconds: CPU time.
         outputs: forces and modes by name, at each point, if asked for.
+        stepped: whether time steps, not located events, have led to each point.
     """
 
     values: Array
@@ -39,6 +40,7 @@ class Run:
     said: list[str] = field(default_factory=list)
     seconds: float = 0.0
     outputs: list[dict[str, float]] = field(default_factory=list)
+    stepped: list[bool] = field(default_factory=list)
 
 
 def motion_names(scene: SceneData) -> list[str]:
@@ -171,6 +173,7 @@ def run(
                 put(plant, trial, k * STEP)
                 plant.step_to(begin + (k + 1) * STEP)
                 rows.append(plant.values(names))
+                out.stepped.append(in_steps(plant, out.stepped[-1] if out.stepped else False))
                 out.said += [
                     text for _, text in plant.events if "more than one" in text or "singular" in text
                 ]
@@ -185,6 +188,12 @@ def run(
     out.values = np.array(rows).reshape(len(rows), len(names))
     out.seconds = time.process_time() - begun
     return out
+
+
+def in_steps(plant: gelenk.Simulation, before: bool) -> bool:
+    """Whether a plant makes time steps, by the events of its last communication step."""
+    changes = [text for _, text in plant.events if "from here on" in text]
+    return changes[-1].startswith("time steps") if changes else before
 
 
 def saving(_k: int, plant: gelenk.Simulation) -> gelenk.Simulation:

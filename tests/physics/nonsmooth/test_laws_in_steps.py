@@ -131,6 +131,9 @@ def clutch() -> Case:
 CASES: dict[str, Callable[[], Case]] = {
     "friction": lambda: block(pulses, v=0.21, friction={"coulomb": 0.5}),
     "static friction": lambda: block(pulses, v=0.21, friction={"coulomb": 0.5, "static": 1.1}),
+    "more than static friction turns back": lambda: block(
+        lambda _: -1.3, v=0.77, friction={"coulomb": 0.5, "static": 1.1}
+    ),
     "Stribeck's curve": lambda: stribeck(2),
     "Stribeck's curve, exponent 1": lambda: stribeck(1),
     "brake": braked,
@@ -151,6 +154,17 @@ CASES: dict[str, Callable[[], Case]] = {
         one_way={"free": "positive"}, friction={"coulomb": 0.2, "static": 0.4}
     ),
 }
+
+
+def stopped(v: float, **law: float) -> Case:
+    """A force between sliding and static friction stops the block for good, a larger one turns it back."""
+    return block(lambda t: -0.8 if t < 0.8 else -1.3, v=v, friction={"coulomb": 0.5, "static": 1.1, **law})
+
+
+# The block stops at any place within a step: it loses 1 mm/s in one.
+for _v in (0.31, 0.3102, 0.3104, 0.3106, 0.3108):
+    CASES[f"static friction stops at {_v}"] = partial(stopped, _v)
+    CASES[f"Stribeck's curve stops at {_v}"] = partial(stopped, _v, stribeck=1e-5)
 
 
 def struck_together(law: str) -> dict[str, Callable[[], Case]]:
@@ -224,3 +238,23 @@ def test_every_law_of_joints_is_compared() -> None:
     compared = {key for case in CASES.values() for J in case().source["joints"].values() for key in J}
     laws = {"friction", "limit", "one_way"}
     assert laws <= compared
+
+
+@pytest.mark.parametrize("restitution", [0.0, 0.5])
+@pytest.mark.parametrize("bound", [1e-5, 1e-4, 4e-4])
+def test_no_bound_is_passed_where_an_impact_drives_a_joint_to_it(bound: float, restitution: float) -> None:
+    """A block stops; a load, at rest on it until then, meets its limit in the same step."""
+    case = chain("newton", (0.0, restitution), (1.0, 0.0), (0.0503, bound))
+    plant = gelenk.Simulation({**case.source, "solver": {"integrator": "moreau-jean", "step": 1e-3}})
+    plant.initialize()
+    reached = False
+    for k in range(60):
+        plant.step_to((k + 1) * 1e-3)
+        # m: what counts as contact.
+        assert plant.output("J1.s") <= bound + 1e-9
+        assert plant.output("J0.s") <= 0.0503 + 1e-9
+        reached = reached or plant.output("J1.s") >= bound - 1e-9
+    assert reached
+    if restitution > 0:
+        # The load leaves its limit with half its speed, relative to the block, which remains at its own.
+        assert plant.output("J1.v") + plant.output("J0.v") == pytest.approx(-0.5, abs=2e-3)

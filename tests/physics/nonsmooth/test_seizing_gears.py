@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A self-locking gear seizes where it would have to slow down its load: no deceleration agrees with it."""
+
+from __future__ import annotations
+
+import pytest
+from mechanisms import Scene, body, frame, joint, scene
+
+import gelenk
+
+RATIO, EFFICIENCY = 2.0, 0.4  # 1
+WORM, COULOMB = 0.063, 0.5  # kg m2, N m
+# Friction per force that the mesh exerts on the worm. With a load of this moment of inertia friction takes
+# as much as the inertia of the worm: I0 = (losses - 1) I1 / ratio^2.
+LOSSES = 1 / EFFICIENCY - 1
+SEIZING = WORM * RATIO**2 / (LOSSES - 1)  # kg m2: 0.504
+W = 2.0  # rad/s
+
+
+def worm(load: float, w: float = W) -> Scene:
+    """Two shafts with a gear; the first one has a motor."""
+
+    def shaft(name: str, **laws: object) -> dict[str, object]:
+        start = {"phi": 0.0, "w": w, "fixed": True} if name == "worm" else {"phi": 0.0}
+        return joint(
+            "revolute",
+            frame("ground"),
+            frame("a" if name == "worm" else "b"),
+            axis=[1, 0, 0],
+            start=start,
+            **laws,
+        )
+
+    return scene(
+        {"a": body(1.0, inertia=(WORM,) * 3), "b": body(1.0, inertia=(load,) * 3)},
+        {"worm": shaft("worm", friction={"coulomb": COULOMB}), "wheel": shaft("wheel")},
+        constraints={
+            "mesh": {
+                "type": "gear", "joint": "worm", "with": "wheel", "ratio": RATIO, "efficiency": EFFICIENCY,
+            }
+        },
+        motors={"drive": {"joint": "worm"}, "brake": {"joint": "wheel"}},
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("w", [W, -W])
+@pytest.mark.parametrize("integrator", ["auto", "cvode", "ida", "dirk"])
+def test_a_gear_seizes_where_no_motion_agrees_with_its_friction(integrator: str, w: float) -> None:
+    """Both shafts stop at once, and rest, held by friction."""
+    plant = gelenk.Simulation({**worm(1.1 * SEIZING, w), "solver": {"integrator": integrator}})
+    plant.initialize()
+    plant.step_to(0.01)
+    assert plant.events == [(0.0, "worm.phi sticks")]
+    assert plant.output("worm.w") == pytest.approx(0, abs=1e-12)
+    assert plant.output("wheel.w") == pytest.approx(0, abs=1e-12)
+    assert plant.output("worm.phi") == pytest.approx(0, abs=1e-12)
+    assert plant.output("worm.friction.mode") == 0
+
+
+def test_below_that_load_it_decelerates() -> None:
+    """(I0 - (losses - 1) I1 / ratio^2) a0 = -coulomb: the more, the nearer the load is to that of seizing."""
+    for part in (0.0, 0.5, 0.9):
+        load = max(part * SEIZING, 1e-9)
+        plant = gelenk.Simulation(worm(load))
+        plant.initialize()
+        exact = -COULOMB / (WORM - (LOSSES - 1) * load / RATIO**2)
+        assert plant.output("worm.a") == pytest.approx(exact, rel=1e-9)
+        plant.step_to(0.01)
+        assert plant.output("worm.w") == pytest.approx(max(0.0, W + 0.01 * exact), abs=1e-9)
+
+
+def test_it_seizes_where_the_motor_ceases_to_drive_the_load() -> None:
+    """Where the load would begin to drive: at tau = 3 - 20 t = coulomb, where a0 = 0."""
+    plant = gelenk.Simulation(worm(1.1 * SEIZING, 0.0))
+    plant.set_input("drive.tau", 3.0)
+    plant.set_input_derivative("drive.tau", 1, -20.0)
+    plant.initialize(tolerance=1e-9)
+    plant.step_to(0.15)
+    (time, text), *more = plant.events[1:] if "slips" in plant.events[0][1] else plant.events
+    assert more == []
+    assert text == "worm.phi sticks"
+    assert time == pytest.approx((3.0 - COULOMB) / 20, abs=1e-9)
+    assert plant.output("worm.w") == pytest.approx(0, abs=1e-12)
+    # Until then: (I0 + (1 + losses) I1 / ratio^2) a0 = tau - coulomb.
+    inertia = WORM + (1 + LOSSES) * 1.1 * SEIZING / RATIO**2
+    exact = (2.5 * time**2 / 2 - 20 * time**3 / 6) / inertia
+    assert plant.output("worm.phi") == pytest.approx(exact, abs=1e-9)
+
+
+def test_a_gear_that_has_seized_is_driven_on() -> None:
+    """A motor that overcomes its friction sets it in motion again."""
+    plant = gelenk.Simulation(worm(1.1 * SEIZING))
+    plant.initialize()
+    plant.step_to(0.01)
+    plant.set_input("drive.tau", 3.0)
+    plant.step_to(0.02)
+    inertia = WORM + (1 + LOSSES) * 1.1 * SEIZING / RATIO**2
+    assert plant.output("worm.w") == pytest.approx(0.01 * (3.0 - COULOMB) / inertia, rel=1e-6)
