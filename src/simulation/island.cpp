@@ -213,10 +213,13 @@ void Island::enforce_given_motions() {
 // Only where something is held: what moves freely has no force that modes decide on. Outputs of this state use the same
 // evaluation.
 void Island::audit() {
-  if (!equations_->holds_by_modes()) return;
-  const Drives::AtEndOfStep reading(equations_->drives());
-  realize(Stage::acceleration);
-  const std::optional<BrokenLaw> broken = equations_->broken_law(y_.data());
+  std::optional<BrokenLaw> broken = equations_->contacts().broken_law();
+  if (!broken) {
+    if (!equations_->holds_by_modes()) return;
+    const Drives::AtEndOfStep reading(equations_->drives());
+    realize(Stage::acceleration);
+    broken = equations_->broken_law(y_.data());
+  }
   if (broken) throw IntegrationError(at_time(time_) + describe_broken_law(scene_, loads_, *broken));
 }
 
