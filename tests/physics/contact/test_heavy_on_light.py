@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A heavy body on a light one on the floor: right, or refused by name, whatever the ratio of their masses.
 
-The effect of the heavy body on the relative acceleration of the two is that of the light one, 1 / m, plus 1 / M, of
-which numbers of 16 digits keep M / m x 1e-16: from some ratio on, nothing says how heavy it is.
+Per force between them, their relative acceleration is 1 / m + 1 / M. Numbers of 16 digits keep 1 / M with a
+relative error of M / m x 1e-16: from some ratio on, nothing says how heavy it is.
 """
 
 from typing import Any
