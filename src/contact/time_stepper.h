@@ -65,10 +65,18 @@ class TimeStepper final : public ContactReadings {
     int iterations = 0;   // the most for one problem
   };
   const Solved& solved() const { return solved_; }
+  // What approaches although it touches, at the end of a step since the last begin_part(): its impulses have not been
+  // found, as where a body rests on one of 1e-10 of its mass.
+  struct Missed {
+    int contact = -1;  // of the scene; -1: none
+    double speed = 0;  // natural units
+  };
+  const Missed& missed() const { return missed_; }
   // Where to append the problems that are solved; null: nowhere.
   void record(std::vector<RecordedProblem>* to) { recorded_ = to; }
   // At the start of each part of a communication step; continues: of a later one.
   void begin_part(bool continues) {
+    missed_ = {};
     if (!continues) solved_ = {};
   }
   // Steps in which points have opened or closed, begun or ceased to slide.
@@ -137,6 +145,7 @@ class TimeStepper final : public ContactReadings {
   double most_corrected(std::size_t cone) const;
   void correct_position(double h, double* dq);
   void remember(double h);
+  void find_missed(double h);
   void remember_locks(double h);
 
   const Mechanism& mechanism_;
@@ -153,6 +162,7 @@ class TimeStepper final : public ContactReadings {
   std::vector<RememberedContact> last_contacts_;  // those before the last step
   long changes_ = 0;
   Solved solved_;
+  Missed missed_;
   std::vector<RecordedProblem>* recorded_ = nullptr;
 
   std::vector<TouchPoint> points_;       // of this step

@@ -4,11 +4,13 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "formulation/equations.h"
 #include "formulation/impulse_steps.h"
+#include "modes/law_audit.h"
 #include "modes/run_counts.h"
 #include "scene/scene.h"
 #include "util/archive.h"
@@ -46,6 +48,8 @@ class ContactMotion final : public ImpulseEquations {
   // What outputs of contacts show.
   ContactReadings& readings() { return readings_; }
   void count(RunCounts& counts) const;
+  // What breaks a law in the present time steps.
+  std::optional<BrokenLaw> broken_law();
 
   // At the start of a run.
   void start();

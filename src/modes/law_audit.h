@@ -26,6 +26,7 @@ struct BrokenLaw {
     contact_pulls,          // found: the normal force
     contact_friction,       // found: the friction; bound: what the law permits
     contact_moment,         // found: the moment of friction; bound: what the law permits
+    contact_approaches,     // found: the speed at which closed surfaces approach each other
   };
   Kind kind;
   int index;                    // of the force with modes; of the contact in the scene

@@ -37,13 +37,16 @@ std::string of_joint(const Scene& scene, const Loads& loads, const BrokenLaw& br
 
 bool is_of_contact(BrokenLaw::Kind kind) {
   return kind == BrokenLaw::Kind::contact_pulls || kind == BrokenLaw::Kind::contact_friction ||
-         kind == BrokenLaw::Kind::contact_moment;
+         kind == BrokenLaw::Kind::contact_moment || kind == BrokenLaw::Kind::contact_approaches;
 }
 
 std::string of_contact(const Scene& scene, const BrokenLaw& broken) {
   const std::string law = "contacts." + scene.contacts[static_cast<std::size_t>(broken.index)].name;
   if (broken.kind == BrokenLaw::Kind::contact_pulls)
     return law + ": the normal force would pull with " + shown(scene, -broken.found, "N");
+  if (broken.kind == BrokenLaw::Kind::contact_approaches)
+    return law + ": surfaces that touch would approach each other with " + shown(scene, broken.found, "m/s") +
+           ", since no impulses were found that prevent it (as where a heavy body rests on one of far less mass)";
   const bool is_moment = broken.kind == BrokenLaw::Kind::contact_moment;
   const std::string unit = is_moment ? "N m" : "N";
   return law + (is_moment ? ": the moment of friction would be " : ": the friction would be ") +

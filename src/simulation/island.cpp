@@ -219,9 +219,12 @@ LawAudit Island::law_audit() {
 }
 
 void Island::audit() {
-  const Drives::AtEndOfStep reading(equations_->drives());
-  if (const std::optional<BrokenLaw> broken = law_audit().broken())
-    throw IntegrationError(at_time(time_) + describe_broken_law(scene_, loads_, *broken));
+  std::optional<BrokenLaw> broken = equations_->contacts().broken_law();
+  if (!broken) {
+    const Drives::AtEndOfStep reading(equations_->drives());
+    broken = law_audit().broken();
+  }
+  if (broken) throw IntegrationError(at_time(time_) + describe_broken_law(scene_, loads_, *broken));
 }
 
 // A motion of unknown start velocity changes its coordinate alone, and its velocity by that at the start: joints that

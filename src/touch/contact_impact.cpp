@@ -25,6 +25,10 @@ constexpr double redundant_pivot = 1e-9;
 // What redundant contacts yield relative to how the bodies do: as little as leaves their impulses well determined,
 // since the velocities are solved for to rounding; and the iterations that remove it, of which each gains three digits.
 constexpr double yielding_fraction = 1e-4;
+// Where a heavy body strikes a light one, what redundant contacts yield is more than how the heavy one does: it is
+// reduced by this factor in each iteration, down to this part, where the rounding of the impulses would decide.
+constexpr double yielding_reduction = 0.1;
+constexpr double least_yielding = 1e-6;
 constexpr int most_proximal_iterations = 20;
 
 }  // namespace
@@ -131,16 +135,19 @@ double ContactImpact::solve_cones(ConeSolver& solver, const Eigen::MatrixXd& mat
 // norm; what they yield is removed by proximal iterations (Rockafellar 1976).
 double ContactImpact::solve_redundant(ConeSolver& solver, const VectorXd& b) {
   const double enough = cone_tolerance * b.cwiseAbs().maxCoeff();
-  Eigen::MatrixXd yielding = G_;
-  yielding.diagonal() += weights_;
   x_.setZero();
   double residual = 0;
+  double part = 1;
   for (int k = 0; k < most_proximal_iterations; ++k) {
     const VectorXd before = x_;
-    residual = solve_cones(solver, yielding, b - weights_.cwiseProduct(before));
-    const double yields = weights_.cwiseProduct(x_ - before).cwiseAbs().maxCoeff();
+    const VectorXd weights = part * weights_;
+    Eigen::MatrixXd yielding = G_;
+    yielding.diagonal() += weights;
+    residual = solve_cones(solver, yielding, b - weights.cwiseProduct(before));
+    const double yields = weights.cwiseProduct(x_ - before).cwiseAbs().maxCoeff();
     if (yields <= enough) break;
     residual = std::max(residual, yields);
+    if (k > 0) part = std::max(least_yielding, yielding_reduction * part);
   }
   return residual;
 }

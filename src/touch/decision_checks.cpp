@@ -93,9 +93,14 @@ bool ContactDecision::obeys(std::size_t i, const SpotMode& mode, const VectorXd&
   const TouchEquations::Entry& entry = rows_.entries[i];
   const double tolerance = acceleration_tolerance * scale_;
   if (!mode.closed) return !(relative[entry.first] < -tolerance);
+  if (std::abs(relative[entry.first]) > tolerance) return false;
   for (int group = 0; group < contact_groups; ++group) {
     const auto g = static_cast<std::size_t>(group);
-    if (entry.rows[g] < 0 || !mode.groups[g].moves) continue;
+    if (entry.rows[g] < 0) continue;
+    if (!mode.groups[g].moves) {
+      if (relative.segment(entry.rows[g], entry.kept(group)).cwiseAbs().maxCoeff() > tolerance) return false;
+      continue;
+    }
     double along = 0;
     for (Index k = 0; k < entry.kept(group); ++k)
       along += relative[entry.rows[g] + k] * entry.axes.col((group == 1 ? 0 : 1) + k).dot(mode.groups[g].direction);

@@ -76,7 +76,12 @@ void TouchModes::strike(double t, double* y, const std::vector<int>& returning, 
 
 void TouchModes::record_impacts(double t, const double* y, const std::vector<int>& struck, const ContactImpact& impact,
                                 bool found) {
-  if (!found) ++counts_.ambiguous;
+  if (!found) {
+    ++counts_.ambiguous;
+    refusal_ = log_.report({t, first_indicator_ + per_spot * struck.front(), true}).text +
+               ", and no impulses were found that agree with the laws of impact (as where a heavy body strikes one of "
+               "far less mass)";
+  }
   const double rest = slow(y + mechanism_.nq);
   for (std::size_t i = 0; i < struck.size(); ++i) {
     if (!(impact.approach()[static_cast<Index>(i)] < -rest)) continue;
