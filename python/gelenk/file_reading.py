@@ -11,7 +11,7 @@ from os import PathLike
 from pathlib import Path
 from typing import BinaryIO
 
-from gelenk.errors import UsageError
+from gelenk.errors import MissingFileError, UsageError
 
 
 def usable_name(path: str | PathLike[str]) -> Path:
@@ -20,6 +20,14 @@ def usable_name(path: str | PathLike[str]) -> Path:
     if "\0" in text:
         raise UsageError(f"{text!r}: found a zero byte in the name of a file, expected none")
     return Path(text)
+
+
+def existing(path: str | PathLike[str]) -> Path:
+    """Return the path of a name. Raises UsageError as usable_name(); MissingFileError: nothing is there."""
+    name = usable_name(path)
+    if not name.exists():
+        raise MissingFileError(name)
+    return name
 
 
 @contextmanager

@@ -175,20 +175,10 @@ void ConstrainedSensitivity::differentiate_targets(const MatrixXd& du) {
   set_targets(dual_state_, [&](std::size_t i, int order) {
     const CoordinateRow& row = mechanism_.coordinate_rows[i];
     Dual s(targets_[i][order]);
-    const int input = row.input_of(order);
-    if (input < 0) return s;
-    for (Index k = 0; k < du.cols(); ++k) s.derivatives()[k] = du(input, k);
+    if (row.input < 0 || order != (row.holds_position ? 0 : 1)) return s;
+    for (Index k = 0; k < du.cols(); ++k) s.derivatives()[k] = du(row.input, k);
     return s;
   });
-}
-
-// Subtracts the changes of the derivatives of this order of the targets, those of inputs, from residuals.
-template <class Residuals>
-void ConstrainedSensitivity::subtract_targets(int order, const MatrixXd& du, Residuals& residuals) const {
-  for (std::size_t i = 0; i < mechanism_.coordinate_rows.size(); ++i) {
-    const int input = mechanism_.coordinate_rows[i].input_of(order);
-    if (input >= 0) residuals.row(mechanism_.first_coordinate_row() + static_cast<Index>(i)) -= du.row(input);
-  }
 }
 
 // Completes dq: the independent coordinates change by dq, the dependent ones as the constraints require.
@@ -198,7 +188,11 @@ MatrixXd ConstrainedSensitivity::complete_dq(const MatrixXd& dq, const MatrixXd&
   for (const int k : of_positions_.dependent) z.row(k).setZero();
   if (mechanism_.rows > 0) {
     MatrixXd residuals = J_ * z;  // minus the change of the targets
-    subtract_targets(0, du, residuals);
+    for (std::size_t i = 0; i < mechanism_.coordinate_rows.size(); ++i) {
+      const CoordinateRow& row = mechanism_.coordinate_rows[i];
+      if (row.input < 0 || !row.holds_position) continue;
+      residuals.row(mechanism_.first_coordinate_row() + static_cast<Index>(i)) -= du.row(row.input);
+    }
     z += of_positions_.solve(residuals, mechanism_.nv);
   }
   MatrixXd moved(mechanism_.nq, n);
@@ -250,13 +244,16 @@ MovedState ConstrainedSensitivity::state_derivative(const MatrixXd& dq, const Ma
   RowMatrix c(mechanism_.rows, n);
   if (mechanism_.rows > 0) {
     MatrixXd rates = jacobians_.rate_q * q + J_ * v;  // minus the change of the targets
-    subtract_targets(1, du, rates);
+    for (std::size_t i = 0; i < mechanism_.coordinate_rows.size(); ++i) {
+      const CoordinateRow& row = mechanism_.coordinate_rows[i];
+      if (row.input < 0 || row.holds_position) continue;
+      rates.row(mechanism_.first_coordinate_row() + static_cast<Index>(i)) -= du.row(row.input);
+    }
     v += of_speeds_.solve(rates, nv);
   }
   v = stopped(v);
   if (mechanism_.rows > 0) {
     c.noalias() = jacobians_.c * out.y.topRows(nq + nv);
-    subtract_targets(2, du, c);
   }
   add_product(jacobians_.r, out.y, nq + nv, r);
   add_product(jacobians_.r_u, du, inputs_, r);

@@ -14,9 +14,9 @@ namespace {
 constexpr double missed_fraction = 1e-2;
 constexpr double missed_speed = 1e-3;
 constexpr double missed_tolerances = 10;
-// Ratio of the masses of two bodies that touch from which rounding hides the heavy one: how it responds is the last five
-// digits of how the light one does, so that no later step finds its impulses either. Below it, what solvers miss is
-// shown by their residual.
+// Ratio of the masses of two bodies that touch from which rounding hides the heavy one: how it responds is the last
+// five digits of how the light one does, so that no later step finds its impulses either. Below it, what solvers miss
+// is shown by their residual.
 constexpr double hiding_ratio = 1e11;
 
 }  // namespace

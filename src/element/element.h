@@ -62,9 +62,6 @@ struct SignalGroup {
   std::string_view unit, text;
   Stage stage = Stage::acceleration;
   enum class Start { zero, coordinate, speed } start = Start::zero;  // start value of an input
-  // Of an input: 0: it prescribes a motion; 1, 2: a derivative of the motion that the first input of the element
-  // prescribes; otherwise -1.
-  int motion_order = -1;
 
   constexpr int count() const { return size == 0 ? 1 : size; }
 };

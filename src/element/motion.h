@@ -18,13 +18,12 @@ struct Motion {
                                     .has_coordinate = true,
                                     .fits = [](const JointKind& kind) { return kind.springs(); }}};
   static constexpr std::string_view sources[] = {"position", "speed"};
-  static constexpr std::string_view rates[] = {"speed", "acceleration"};
 
   std::vector<double> polynomial;  // c0 + c1 t + c2 t^2 + ...
   std::optional<Sine> sine;        // added to the polynomial
   std::optional<Table> table;
   double speed = std::numeric_limits<double>::quiet_NaN();  // constant speed; NaN if not given
-  Choice input, derivatives;
+  Choice input;
 
   static std::span<const Field> fields() {
     static constexpr Field all[] = {
@@ -47,12 +46,7 @@ struct Motion {
         field<&Motion::input>({.name = "input",
                                .text = "quantity that an input of the model prescribes",
                                .alternative = 4,
-                               .words = sources}),
-        field<&Motion::derivatives>({.name = "derivatives",
-                                     .text = "highest time derivative of the input that is an input of its own, with "
-                                             "those below it",
-                                     .alternative = 4,
-                                     .words = rates})};
+                               .words = sources})};
     return all;
   }
 
@@ -61,34 +55,16 @@ struct Motion {
   // Otherwise only the speed is prescribed, and the start value is free.
   bool holds_position() const { return input.index != 1 && !gives_speed(); }
 
-  // Number of derivatives of the input that are inputs, too.
-  int derivative_inputs() const {
-    if (derivatives.index == Choice::none) return 0;
-    return holds_position() ? derivatives.index + 1 : 1;
-  }
-
-  std::optional<ElementFault> fault(const Coordinate&) const {
-    if (derivatives.index != Choice::none && (!follows_input() || (!holds_position() && derivatives.index == 0)))
-      return ElementFault{"derivatives", std::string(rates[derivatives.index]),
-                          follows_input() ? "acceleration, with input: speed" : "it only with input"};
-    return table ? fault(*table) : std::nullopt;
-  }
+  std::optional<ElementFault> fault(const Coordinate&) const { return table ? fault(*table) : std::nullopt; }
 
   std::span<const SignalGroup> inputs() const {
-    static constexpr SignalGroup position[] = {
-        {"{coordinate}_ref", 0, "{q}", "prescribed value of {joint}.{coordinate}", Stage::position,
-         SignalGroup::Start::coordinate, 0},
-        {"{speed}_ref", 0, "{v}", "time derivative of the prescribed value of {joint}.{coordinate}", Stage::velocity,
-         SignalGroup::Start::speed, 1},
-        {"a_ref", 0, "{a}", "second time derivative of the prescribed value of {joint}.{coordinate}",
-         Stage::acceleration, SignalGroup::Start::zero, 2}};
+    static constexpr SignalGroup position[] = {{"{coordinate}_ref", 0, "{q}",
+                                                "prescribed value of {joint}.{coordinate}", Stage::position,
+                                                SignalGroup::Start::coordinate}};
     static constexpr SignalGroup rate[] = {
-        {"{speed}_ref", 0, "{v}", "prescribed value of {joint}.{speed}", Stage::velocity, SignalGroup::Start::speed, 0},
-        {"a_ref", 0, "{a}", "time derivative of the prescribed value of {joint}.{speed}", Stage::acceleration,
-         SignalGroup::Start::zero, 1}};
+        {"{speed}_ref", 0, "{v}", "prescribed value of {joint}.{speed}", Stage::velocity, SignalGroup::Start::speed}};
     if (!follows_input()) return {};
-    const std::span<const SignalGroup> all = holds_position() ? std::span<const SignalGroup>(position) : rate;
-    return all.first(static_cast<std::size_t>(1 + derivative_inputs()));
+    return holds_position() ? position : rate;
   }
   static constexpr SignalGroup outputs[] = {
       {"{effort}", 0, "{f}", "{torque} that enforces the motion of {joint}.{coordinate}"}};

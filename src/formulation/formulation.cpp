@@ -147,6 +147,11 @@ bool Formulation::keep_limits(double t, double* y) {
   return true;
 }
 
+void Formulation::set_evaluation_budget(long evaluations) {
+  const long now = dynamics_.evaluations();
+  last_evaluation_ = evaluations < LONG_MAX - now ? now + evaluations : LONG_MAX;
+}
+
 bool Formulation::accelerate(double t, const double* y, double* vdot) {
   projector().refactorize();
   dynamics_.set_velocity(y + mechanism_.nq);
@@ -216,7 +221,6 @@ bool Formulation::project(double, double* y) {
 }
 
 void Formulation::accepted(double t, const double* y) {
-  budget_.reached(dynamics_.evaluations(), t);
   if (!mechanism_.cuts.empty()) revolutions_.count(t, y);
   if (mechanism_.rows == 0) return;
   const long before = singularity_monitor_.count();

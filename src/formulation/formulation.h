@@ -21,7 +21,6 @@
 #include "formulation/contact_motion.h"
 #include "formulation/drives.h"
 #include "formulation/equations.h"
-#include "formulation/evaluation_budget.h"
 #include "formulation/revolution_counter.h"
 #include "formulation/row_domain.h"
 #include "modes/event_modes.h"
@@ -65,16 +64,14 @@ class Formulation : public Equations, private ModeEquations, private TouchedEqua
   bool project(double t, double* y) override;
   void accepted(double t, const double* y) override;
   ContactMotion* impulses() final { return &contacts_; }
-  bool budget_exhausted() const final { return budget_.is_exhausted(dynamics_.evaluations()); }
+  bool budget_exhausted() const final { return dynamics_.evaluations() >= last_evaluation_; }
   EventModes& modes() final { return modes_; }
   // Those of the equations, not of the integrator.
   RunCounts mode_counts();
   ContactMotion& contacts() { return contacts_; }
 
-  // Limits the number of solutions of the equations of motion from t to `end` [s].
-  void begin_budget(const Allowance& allowed, double t, double end) {
-    budget_.begin(allowed, dynamics_.evaluations(), t, end);
-  }
+  // Limits the number of solutions of the equations of motion from now on; LONG_MAX: unlimited.
+  void set_evaluation_budget(long evaluations);
   // Starts or restarts the run at (t, y). cut_q: the angles of the cut joints are unwrapped to the nearest values.
   virtual void start(const std::vector<double>& cut_q, double t, const double* y);
   // Call when inputs have changed discontinuously at (t, y), the present state of the run.
@@ -143,7 +140,7 @@ class Formulation : public Equations, private ModeEquations, private TouchedEqua
   RevolutionCounter revolutions_;
   SingularityMonitor singularity_monitor_;
   long jacobian_count_ = 0;
-  EvaluationBudget budget_;
+  long last_evaluation_ = LONG_MAX;
   bool takes_differences_ = false;
   bool reads_outputs_ = false;  // targets are as outputs show them
   std::vector<double> dv_, ydot_;

@@ -26,8 +26,8 @@ class Inputs {
   // `count` inputs, all zero, at t = 0.
   explicit Inputs(std::size_t count);
   // Declares that input `i` prescribes a motion, and that the `derivatives` inputs that follow it, at most 2, are the
-  // values of its first derivatives. complete: up to the acceleration, so that none is estimated.
-  void add_motion(int i, int derivatives, bool complete);
+  // values of its first derivatives.
+  void add_motion(int i, int derivatives);
 
   // Inputs at the time of the last go_to(); the reference remains valid.
   const std::vector<double>& now() const { return now_; }
@@ -90,7 +90,6 @@ class Inputs {
   // A motion: its input, which may be followed by inputs that are its derivatives.
   struct Motion {
     int first = 0, last = 0;
-    bool complete = false;
     bool by_values = true;     // it is known by values only
     bool interrupted = false;  // its step has ended early, and no value has been set since
     MotionSamples samples;     // of `last`

@@ -7,10 +7,10 @@
 
 namespace gelenk {
 
-void Inputs::add_motion(int i, int derivatives, bool complete) {
+void Inputs::add_motion(int i, int derivatives) {
   flags_.resize(count());
   for (int k = 0; k <= derivatives; ++k) flags_[i + k].motion = static_cast<int>(motions_.size());
-  motions_.push_back({.first = i, .last = i + derivatives, .complete = complete, .samples = {}});
+  motions_.push_back({.first = i, .last = i + derivatives, .samples = {}});
 }
 
 double Inputs::given(int i) const {
@@ -40,7 +40,7 @@ bool Inputs::estimate(Motion& m) {
   if (flags_[m.first].derivative_set) return false;
   const double first = at(m.first, 1);
   const double second = at(m.first, 2);
-  if (!flags_[m.last].derivative_set && !m.complete) {
+  if (!flags_[m.last].derivative_set && m.last - m.first < 2) {
     clear_derivatives(m.last);
     const MotionSamples::Derivatives found = m.samples.add(start_, at(m.last, 0));
     at(m.last, 1) = found.first;

@@ -138,7 +138,7 @@ struct LoadCollector {
   void motions() {
     for (std::size_t i = 0; i < reduced.islands.size(); ++i) {
       for (const CoordinateRow& row : reduced.islands[i].coordinate_rows) {
-        for (int k = 0; row.input >= 0 && k <= row.derivative_inputs; ++k) out[i].inputs.push_back(row.input + k);
+        if (row.input >= 0) out[i].inputs.push_back(row.input);
       }
     }
   }

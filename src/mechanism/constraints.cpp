@@ -65,7 +65,6 @@ struct CoordinateRowBuilder {
     if constexpr (requires { element.holds_position(); }) row.holds_position = element.holds_position();
     if constexpr (requires { element.follows_input(); }) {
       if (element.follows_input()) row.input = input;
-      row.derivative_inputs = element.derivative_inputs();
     }
   }
 

@@ -64,8 +64,7 @@ struct CoordinateRow {
   bool holds_position = true;    // otherwise nonholonomic: only the rates
   std::optional<MotionLaw> law;  // s; none: s is constant or an input
   double constant = 0;
-  int derivative_inputs = 0;  // inputs after `input` that are its derivatives
-  int input = -1;             // index in the scene: s, or its rate if positions are not held
+  int input = -1;  // index in the scene: s, or its rate if positions are not held
   // Friction along the coordinate of one of the terms per force of the constraint on it, if that coordinate drives, and
   // if it is driven.
   std::array<double, 2> losses{};
@@ -74,11 +73,6 @@ struct CoordinateRow {
   bool has_losses() const { return losses != std::array<double, 2>{}; }
   // Whether the constraint is rheonomic.
   bool moves() const { return law || input >= 0; }
-  // The input that is the derivative of s of this order; -1: none is.
-  int input_of(int order) const {
-    const int k = order - (holds_position ? 0 : 1);
-    return input >= 0 && k >= 0 && k <= derivative_inputs ? input + k : -1;
-  }
 };
 
 // A shape fixed in a link.

@@ -362,9 +362,8 @@ std::string describe_undetermined(const Scene& scene, const NotDifferentiablePoi
            " coincide, so that the direction of its force is undefined: derivatives do not exist there";
   }
   if (fault.reason() == NotDifferentiablePoint::What::rows) {
-    return when +
-           "a loop is in or close to a singular configuration, where branches of motion meet: derivatives do not exist "
-           "there or are inaccurate";
+    return when + "a loop is in or close to a singular configuration, where branches of motion meet: derivatives do " +
+           "not exist there or are inaccurate";
   }
   return when + "the states " + text::list(states) +
          " do not determine the other coordinates here (a loop is at a dead center with respect to them): derivatives "
@@ -372,9 +371,9 @@ std::string describe_undetermined(const Scene& scene, const NotDifferentiablePoi
 }
 
 std::string describe_exhausted_budget(double t, double end, long evaluations, const std::string& obstacle) {
-  const std::string why =
-      std::to_string(evaluations) + " evaluations (solver.max_evaluations)" + (obstacle.empty() ? "" : ": " + obstacle);
-  return "t = " + text::rounded(t) + " s: the step to " + text::rounded(end) + " s ended here, after " + why +
+  const std::string why = obstacle.empty() ? "" : ": " + obstacle;
+  return "t = " + text::rounded(t) + " s: the step to " + text::rounded(end) + " s ended here, after " +
+         std::to_string(evaluations) + " evaluations (solver.max_evaluations)" + why +
          ". The simulation can continue from the state at t = " + text::number(t) +
          " s. Allow more evaluations, or use shorter steps, a larger solver.tolerance or another solver.integrator.";
 }

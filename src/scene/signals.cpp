@@ -111,7 +111,6 @@ void add_section(std::vector<Signal>& signals, const Scene& scene, int section,
       of.element = static_cast<int>(i);
       of.group = static_cast<int>(g);
       of.start = start_of(all[g].start, scene, elements[i]);
-      of.motion_order = all[g].motion_order;
       add_group(signals, all[g], elements[i], coordinate, of);
     }
   }

@@ -15,7 +15,6 @@ struct Signal {
   std::string unit;         // spelled as in FMI; "" or "1" if dimensionless
   std::string description;  // one sentence
   double start = 0;         // start value of an input
-  int motion_order = -1;    // of an input: SignalGroup::motion_order
   Stage stage = Stage::position;
   // Signals of joints only: joint; level 0 (coordinate), 1 (velocity), 2 (acceleration) or 3 (of an element along it);
   // index within the joint. Else -1.

@@ -123,7 +123,7 @@ void Island::keep_start() {
   serialize(replay_.beginning);
 }
 
-double Island::advance(double end, const Allowance& allowed, bool continues) {
+double Island::advance(double end, long max_evaluations, bool continues) {
   keep_start();
   realized_ = Stage::position;
   shown_ = false;
@@ -145,7 +145,7 @@ double Island::advance(double end, const Allowance& allowed, bool continues) {
     if (!continues) integrator_->begin();
     if (will_have_history() && !continues_history) replay_.begin(integrator_->steps());
     ReplayStep leg{end, dynamics_->evaluations(), inputs_jumped_};
-    equations_->begin_budget(allowed, time_, end);
+    equations_->set_evaluation_budget(max_evaluations);
     time_ = integrator_->advance(end, y_.data());
     inputs_jumped_ = loads_changed_ = false;
     if (follows_) equations_->drives().targets_at(time_, followed_);
@@ -179,7 +179,7 @@ void Island::replay(const ReplayStep& leg) {
   inputs_jumped_ = leg.jumped;
   if (!(leg.end > time_)) throw std::invalid_argument("it is not of this plant, or damaged");
   try {
-    advance(leg.end, {leg.evaluations});
+    advance(leg.end, leg.evaluations);
   } catch (const IntegrationError&) {
     throw std::invalid_argument("it is not of this plant, or damaged");
   } catch (const SingularMass&) {

@@ -26,10 +26,10 @@ class Island {
 
   // Creates the integrator. tolerance: relative.
   void start_integrator(double tolerance);
-  // Advances to `end` [s], or to the end of the first integrator step after which no more is permitted; returns the
-  // time reached. continues: resumes an advance that ended early, without resetting anything. Throws
+  // Advances to `end` [s], or to the end of the first integrator step after which max_evaluations is exceeded; returns
+  // the time reached. continues: resumes an advance that ended early, without resetting anything. Throws
   // IntegrationError and SingularMass; the caller must then call roll_back().
-  double advance(double end, const Allowance& allowed, bool continues = false);
+  double advance(double end, long max_evaluations, bool continues = false);
   // Returns to the state before the last advance(), with all memory, as if that had not been made. For a method with a
   // history, to the state at its last restart: the caller then calls replay() for each leg of the path returned, with
   // the inputs of that step, and finish_replay().

@@ -31,11 +31,7 @@ ModelSize size_of(const ReducedScene& reduced) {
 
 const Inputs& Simulation::Impl::inputs_at_start(const std::vector<Signal>& signals, Inputs& u) {
   for (std::size_t i = 0; i < signals.size(); ++i) {
-    std::size_t last = i;
-    while (signals[i].motion_order == 0 && last + 1 < signals.size() && signals[last + 1].motion_order > 0) ++last;
-    const auto derivatives = static_cast<int>(last - i);
-    const int all = signals[i].stage == Stage::position ? 2 : 1;
-    if (signals[i].motion_order == 0) u.add_motion(static_cast<int>(i), derivatives, derivatives == all);
+    if (signals[i].name.ends_with("_ref")) u.add_motion(static_cast<int>(i), 0);
     u.set(static_cast<int>(i), signals[i].start);
   }
   return u;

@@ -31,12 +31,12 @@ void Simulation::Impl::check_inputs(double end) const {
 }
 
 // Unless a number is given, long communication steps may take more evaluations than those of a control loop.
-Allowance Simulation::Impl::allowance(double span) const {
-  if (scene.solver.max_evaluations != Solver::default_evaluations) return {scene.solver.max_evaluations};
+long Simulation::Impl::permitted_evaluations(double span) const {
+  if (scene.solver.max_evaluations != Solver::default_evaluations) return scene.solver.max_evaluations;
   constexpr double steps = 1000;
   const double step = scene.solver.step > 0 ? scene.solver.step : scene.experiment.step;
   const double most = scene.solver.max_evaluations * std::max(1.0, span / std::min(1.0, steps * step));
-  return {most < static_cast<double>(LONG_MAX) ? static_cast<long>(most) : LONG_MAX, true};
+  return most < static_cast<double>(LONG_MAX) ? static_cast<long>(most) : LONG_MAX;
 }
 
 // A step to `end` that ended at t.
@@ -53,17 +53,16 @@ std::string Simulation::Impl::describe_cut_step(double t, double end) const {
 // Advances all islands to `end`, or to the time at which the first of them exhausts its evaluation budget; returns the
 // time reached. moved: number of islands that may have left the start of the step.
 double Simulation::Impl::advance_islands(double end, bool continues, bool logged, std::size_t& moved) {
-  const Allowance allowed = allowance(end - time);
+  const long evaluations = permitted_evaluations(end - time);
   for (const auto& island : islands) {
     ++moved;
-    end = island->advance(end, allowed, continues);
+    end = island->advance(end, evaluations, continues);
   }
   // Islands that went further go there again. Steps to another end may take more evaluations than before, and those of
   // a motion that has become chaotic far more: then all go half as far.
   constexpr int most_repetitions = 6;
   constexpr long least = 1000;
-  const Allowance enough{allowed.evaluations < LONG_MAX / 4 ? 2 * allowed.evaluations + least : LONG_MAX,
-                         allowed.at_pace};
+  const long enough = evaluations < LONG_MAX / 4 ? 2 * evaluations + least : LONG_MAX;
   for (int i = 0; i < most_repetitions; ++i) {
     const double common = end;
     for (const auto& island : islands) {

@@ -17,6 +17,8 @@ using Eigen::VectorXd;
 constexpr double leaving_fraction = 0.1;
 // A series of impacts ends in contact when its rebounds are lower than this times what counts as contact.
 constexpr double lowest_rebound = 2;
+// Part of the fastest approach with which something may still approach after an impact.
+constexpr double approaching_fraction = 1e-3;
 
 // Whether a rebound at this speed is lost in the rounding of the position, for this acceleration back.
 bool is_lost(double speed, double acceleration) {
@@ -76,8 +78,11 @@ void TouchModes::strike(double t, double* y, const std::vector<int>& returning, 
 
 void TouchModes::record_impacts(double t, const double* y, const std::vector<int>& struck, const ContactImpact& impact,
                                 bool found) {
-  if (!found) {
-    ++counts_.ambiguous;
+  if (!found) ++counts_.ambiguous;
+  // Impulses that miss their laws by little are used; none is found at all where what touches still approaches.
+  const VectorXd rebounds = impact.rebounds();
+  const double permitted = approaching_fraction * impact.approach().cwiseAbs().maxCoeff();
+  if (!found && rebounds.head(static_cast<Index>(struck.size())).minCoeff() < -permitted) {
     refusal_ = log_.report({t, first_indicator_ + per_spot * struck.front(), true}).text +
                ", and no impulses were found that agree with the laws of impact (as where a heavy body strikes one of "
                "far less mass)";

@@ -58,8 +58,9 @@ class Start:
 
     @property
     def warned_of_singularity(self) -> str:
-        """Warnings of the start, except those about loops that can be closed in two ways."""
-        return " ".join(w for w in self._warnings if "equally close" not in w)
+        """Warnings of the start, except about loops that can be closed in two ways, and about guesses."""
+        others = ("equally close", "a guess with which the loops cannot be closed")
+        return " ".join(w for w in self._warnings if not any(text in w for text in others))
 
     @property
     def _warnings(self) -> list[str]:

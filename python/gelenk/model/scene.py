@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import json
-import re
 import warnings
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
@@ -15,14 +14,15 @@ from typing import Any
 import numpy as np
 
 from gelenk import _core, _html
-from gelenk.errors import AssemblyError, MissingFileError, SceneError, SceneWarning, UsageError
-from gelenk.file_reading import read_start, usable_name
+from gelenk.errors import AssemblyError, SceneError, SceneWarning, UsageError
+from gelenk.file_reading import existing, read_start
 from gelenk.file_writing import write_text
 from gelenk.model import foreign, yaml12
 from gelenk.model.given import Given
 from gelenk.model.meshes import Meshes
 from gelenk.model.places import Places
 from gelenk.model.values import Value, number, unknown
+from gelenk.model.yaml_faults import without_quotes
 
 LANGUAGES = {".yaml": "yaml", ".yml": "yaml", ".json": "json"}  # language of scene files by ending
 MAX_BYTES = 50_000_000  # that are read; scenes may be smaller only
@@ -297,9 +297,7 @@ def load(source: Source) -> Scene:
     if isinstance(source, str) and ("\n" in source or source.lstrip().startswith(("{", "<"))):
         foreign.refuse_content(source.encode("utf-8", "replace"), "scene")
         return _read(source, "yaml", "")
-    path = usable_name(source)
-    if not path.exists():
-        raise MissingFileError(path)
+    path = existing(source)
     _core.check_size(path.stat().st_size, str(path))
     language = LANGUAGES.get(path.suffix.lower())
     if language is None:
@@ -330,19 +328,9 @@ def from_dict(data: Mapping[str, Any], file: str = "", report: Iterable[str] = (
     try:
         core, plain, doubts = _read_plain(data, file, meshes)
     except SceneError as e:
-        raise SceneError(map(_without_quotes, e.lines)) from None
+        raise SceneError(map(without_quotes, e.lines)) from None
     _warn(doubts)
     return Scene(core, Given(core, plain, meshes=meshes), report)
-
-
-def _without_quotes(line: str) -> str:
-    """Return a message about plain data, in which a text has no quotes that could be left out."""
-    advised = line.removesuffix("; leave out the quotes")
-    if advised == line:
-        return line
-    from_pyyaml = re.search(r"found '[-+]?\d+[eE][-+]?\d+'", line)
-    hint = "; PyYAML reads 1e-4 as a text and 1.0e-4 as a number: read the file with gelenk.load"
-    return f"{advised}, not a text{hint if from_pyyaml else ''}"
 
 
 def _read_plain(

@@ -252,3 +252,13 @@ def _place(text: str, index: int) -> tuple[int, int]:
 
 def _at(file: str, line: int, column: int, what: str) -> str:
     return f"{file}:{line + 1}:{column + 1}: {what}"
+
+
+def without_quotes(line: str) -> str:
+    """Return a message about plain data, in which a text has no quotes that could be left out."""
+    advised = line.removesuffix("; leave out the quotes")
+    if advised == line:
+        return line
+    from_pyyaml = re.search(r"found '[-+]?\d+[eE][-+]?\d+'", line)
+    hint = "; PyYAML reads 1e-4 as a text and 1.0e-4 as a number: read the file with gelenk.load"
+    return f"{advised}, not a text{hint if from_pyyaml else ''}"

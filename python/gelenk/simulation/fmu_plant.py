@@ -24,7 +24,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gelenk import _core
-from gelenk.errors import AssemblyError, GelenkError, MissingFileError, StartWarning, StepError, UsageError
+from gelenk.errors import AssemblyError, GelenkError, StartWarning, StepError, UsageError
+from gelenk.file_reading import existing
 from gelenk.model.scales import Scales
 from gelenk.model.scene import Scene, load
 from gelenk.model.values import Value, number
@@ -43,12 +44,10 @@ class FmuPlant(Plant):
     """An FMI 2.0 co-simulation FMU as a plant; see `gelenk.simulation.plant.Plant`."""
 
     def __init__(self, path: Path) -> None:
-        self._file = path
+        self._file = existing(path)
         self._messages: list[str] = []
         self._warnings: list[str] = []
         self._warnings_in_steps: list[str] = []
-        if not path.exists():
-            raise MissingFileError(path)
         self._description = _description(path)
         self._variables = {v.name: v for v in self._description.modelVariables}
         self.name = str(self._description.modelName)

@@ -18,8 +18,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gelenk.errors import MissingFileError, UsageError
-from gelenk.file_reading import usable_name
+from gelenk.errors import UsageError
+from gelenk.file_reading import existing
 from gelenk.model.values import Value, number, unknown
 from gelenk.simulation.csv_file import csv_rows
 
@@ -301,10 +301,7 @@ def read_csv(path: str | PathLike[str]) -> NDArray[np.void]:
             message gives the lines.
         OSError: the file cannot be read.
     """
-    file = usable_name(path)
-    if not file.exists():
-        raise MissingFileError(file)
-    lines = csv_rows(file, pipes=True)
+    lines = csv_rows(existing(path), pipes=True)
     names = [name.strip() for name in next(lines, (0, []))[1]]
     faults = [
         f"{path}:1: found column {name!r} twice, expected it once"

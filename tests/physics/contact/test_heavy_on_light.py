@@ -19,7 +19,7 @@ SHAPES = [("ball", "cube"), ("cube", "cube"), ("cube", "ball")]
 def stacked(ratio: float, heavy: str, light: str, integrator: str, drop: float = 0.0) -> dict[str, Any]:
     """A body of sqrt(ratio) kg on one of 1 / sqrt(ratio) kg, and the floor; gaps [m] between them."""
     masses = {"heavy": ratio**0.5, "light": ratio**-0.5}
-    shapes = {"ball": {"sphere": EDGE / 2}, "cube": {"box": [EDGE] * 3}}
+    shapes: dict[str, dict[str, Any]] = {"ball": {"sphere": EDGE / 2}, "cube": {"box": [EDGE] * 3}}
     kinds = {"heavy": heavy, "light": light}
     moments = {"ball": EDGE**2 / 10, "cube": EDGE**2 / 6}
     heights = {"heavy": 1.5 * EDGE + 2 * drop, "light": EDGE / 2 + drop}

@@ -204,36 +204,3 @@ def test_failed_continuation_restores_the_interrupted_state() -> None:
     plant.set_input("drive.tau", 0.0)
     assert (plant.time, plant.values().tolist()) == (time, values)
     continue_to(plant)
-
-
-def vibration(omega: float) -> dict[str, Any]:
-    slide = joint("prismatic", frame("ground"), frame("sled"), axis=[1, 0, 0], stiffness=2.0 * omega**2)
-    slide["start"] = {"s": 0.1, "v": 0, "fixed": True}
-    return scene({"sled": body(2.0)}, {"S": slide})
-
-
-@pytest.mark.parametrize(("omega", "spent"), [(1e4, 296_905), (1.5e5, 1_000_000), (1e6, 50_000)])
-def test_a_step_that_hardly_progresses_ends_soon(omega: float, spent: float) -> None:
-    """An explicit method needs some 30 evaluations in each radian of a vibration.
-
-    By default a step of 1 s may take a million of them. One that needs fewer is made, one that needs
-    4.5 million is made as far as they go, and one that needs 30 million, more than ten times what is allowed,
-    ends at the first review.
-    """
-    plant = start(vibration(omega), 1e-6, integrator="erk")
-    left = []
-    try:
-        plant.step_to(1.0)
-    except StepBudgetError:
-        left.append(plant.time)
-    assert bool(left) == (omega > 1e4)
-    assert plant.diagnostic("solver.evaluations") == pytest.approx(spent, rel=1e-2)
-    amplitude = 0.1
-    s, v = plant.values(["S.s", "S.v"])
-    assert np.hypot(s, v / omega) == pytest.approx(amplitude, rel=0.2)
-
-
-def test_a_bound_that_is_given_is_used_up() -> None:
-    plant = start(vibration(1e6), 1e-6, integrator="erk", max_evaluations=100_000)
-    with pytest.raises(StepBudgetError, match="after 10000"):
-        plant.step_to(1.0)
