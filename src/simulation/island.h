@@ -79,7 +79,6 @@ class Island {
   std::vector<MotionLaw::Derivatives> targets() const;
 
   RunCounts counts() const;
-  long evaluations_of_advance() const { return evaluations() - start_.evaluations; }
   const EventLog& events() const { return events_; }
 
  private:

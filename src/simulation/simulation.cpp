@@ -39,15 +39,13 @@ long Simulation::Impl::permitted_evaluations(double span) const {
   return most < static_cast<double>(LONG_MAX) ? static_cast<long>(most) : LONG_MAX;
 }
 
-// A step to `end` that ended at t.
-std::string Simulation::Impl::describe_cut_step(double t, double end) const {
-  long used = 0;
+// A step to `end` that ended at t, since this number of evaluations did not suffice.
+std::string Simulation::Impl::describe_cut_step(double t, double end, long evaluations) const {
   std::string obstacle;
   for (const auto& island : islands) {
-    used = std::max(used, island->evaluations_of_advance());
     if (obstacle.empty()) obstacle = island->obstacle();
   }
-  return describe_exhausted_budget(t, end, used, obstacle);
+  return describe_exhausted_budget(t, end, evaluations, obstacle);
 }
 
 // Advances all islands to `end`, or to the time at which the first of them exhausts its evaluation budget; returns the
@@ -92,12 +90,13 @@ void Simulation::Impl::advance(double end) {
   const bool logged = !continues && any_integrator(islands, &Integrator::will_have_history);
   if (logged) log.add(u);
   try {
+    const long evaluations = permitted_evaluations(end - time);
     const double reached = advance_islands(end, continues, logged, moved);
     time = reached;
     cut_short = reached < end;
     if (reached == end) return u.finish(end);
     u.interrupt(reached);
-    throw StepBudgetError(describe_cut_step(reached, end));
+    throw StepBudgetError(describe_cut_step(reached, end, evaluations));
   } catch (const IntegrationError& fault) {
     cause = fault.what();
   } catch (const SingularMass& fault) {

@@ -97,7 +97,7 @@ struct Simulation::Impl {
   void replay(Island& island, const ReplayPath& path, std::size_t newer);
   void roll_back(Island& island, bool logged) { replay(island, island.roll_back(), logged ? 1 : 0); }
   long permitted_evaluations(double span) const;
-  std::string describe_cut_step(double t, double end) const;
+  std::string describe_cut_step(double t, double end, long evaluations) const;
   double advance_islands(double end, bool continues, bool logged, std::size_t& moved);
   Energy energy();
   double law_excess();

@@ -206,6 +206,7 @@ def states_of_all_modes(fmu: Fmu) -> None:
     set_state(s, fresh)
     assert s.start().run(3) == usual
     set_state(s, ended)
+    s.log.clear()
     expect(s, s.step(0.02, 0.01), ERROR, "called after fmi2Terminate")
 
 
