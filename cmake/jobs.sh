@@ -4,7 +4,8 @@
 # does not suffice. MEGABYTES is the peak of the largest compiler process: 980 with GCC 12 (src/derivatives/recursive.cpp); the
 # mean over all files is 370.
 MEGABYTES=1000
-cores=$(nproc 2>/dev/null || getconf _NPROCESSORS_ONLN 2>/dev/null || echo 2)
+# nproc would count the threads that OpenMP may have.
+cores=$(unset OMP_NUM_THREADS OMP_THREAD_LIMIT; nproc 2>/dev/null || getconf _NPROCESSORS_ONLN 2>/dev/null || echo 2)
 free=$(awk '/^MemAvailable:/ {print int($2 / 1024)}' "${1:-/proc/meminfo}" 2>/dev/null)
 [ -n "$free" ] || free=$(($(sysctl -n hw.memsize 2>/dev/null || echo 0) / 2097152))   # macOS: half of what there is
 [ "$free" -gt 0 ] || free=$((2 * MEGABYTES))

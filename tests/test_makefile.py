@@ -18,11 +18,12 @@ GIGABYTE = 1_048_576  # in kB, as in /proc/meminfo
 PROCESSORS = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else 1
 
 
-def jobs(root: Path, folder: Path, available: int) -> int:
-    """How many jobs run at once if this memory [kB] is available."""
+def jobs(root: Path, folder: Path, available: int, threads: str = "") -> int:
+    """How many jobs run at once with this memory [kB] available, and these threads allowed to OpenMP."""
     (folder / "meminfo").write_text(f"MemTotal: 99 kB\nMemAvailable:   {available} kB\n")
     command = ["sh", str(root / "cmake" / "jobs.sh"), str(folder / "meminfo")]
-    return int(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
+    env = {**os.environ, "OMP_NUM_THREADS": threads, "OMP_THREAD_LIMIT": threads} if threads else None
+    return int(subprocess.run(command, capture_output=True, text=True, check=True, env=env).stdout)
 
 
 @pytest.mark.skipif(not hasattr(os, "sched_getaffinity"), reason="reads /proc/meminfo, of Linux")
@@ -35,6 +36,8 @@ def test_all_processors_work_as_far_as_memory_allows(root: Path, tmp_path: Path)
     assert jobs(root, tmp_path, 0) >= 1
     assert jobs(root, tmp_path, 2 * per_job * 1024 - 1) == 1
     assert jobs(root, tmp_path, 2 * per_job * 1024) == min(2, PROCESSORS)
+    # Dask sets it for its own workers, users for OpenMP: nproc then counts these threads.
+    assert jobs(root, tmp_path, 2 * per_job * 1024, threads="1") == min(2, PROCESSORS)
 
 
 @pytest.fixture
