@@ -83,7 +83,7 @@ std::string describe_odd_axis(const Scene& scene, const std::vector<int>& joints
   for (const int j : joints) {
     const Joint& joint = scene.joints[j];
     if (joint.axes.size() != 1) return {};
-    axes.push_back(joint.parent.X_BF.R * joint.axes.front());
+    axes.emplace_back(joint.parent.X_BF.R * joint.axes.front());
   }
   const auto parallel = [&](std::size_t i, std::size_t k) { return axes[i].cross(axes[k]).norm() < sine_limit; };
   const Joint* odd = nullptr;
