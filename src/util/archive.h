@@ -4,7 +4,6 @@
 // the next once, in serialize(Archive&), which both writes and reads.
 #pragma once
 
-#include <algorithm>
 #include <bit>
 #include <concepts>
 #include <cstdint>
@@ -22,14 +21,14 @@ class Archive {
   // An empty archive for writing.
   Archive() = default;
   // An archive for reading, from its first word.
-  explicit Archive(std::vector<std::uint64_t> words) : words_(std::move(words)), size_(words_.size()), reading_(true) {}
+  explicit Archive(std::vector<std::uint64_t> words) : words_(std::move(words)), reading_(true) {}
 
   bool reading() const { return reading_; }
-  std::span<const std::uint64_t> words() const { return {words_.data(), size_}; }
+  const std::vector<std::uint64_t>& words() const { return words_; }
 
   // Empties the archive for writing; its memory is kept.
   void start_writing() {
-    size_ = 0;
+    words_.clear();
     reading_ = false;
   }
   // Switches to reading, from the first word.
@@ -38,16 +37,14 @@ class Archive {
     reading_ = true;
   }
   // Whether all words have been read.
-  bool at_end() const { return next_ == size_; }
+  bool at_end() const { return next_ == words_.size(); }
   // Reserves memory, so that writing this many words does not allocate.
-  void reserve(std::size_t words) {
-    if (words_.size() < words) words_.resize(words);
-  }
+  void reserve(std::size_t words) { words_.reserve(words); }
   // Appends all words of another archive.
-  void append(const Archive& other) { std::ranges::copy(other.words(), room_for(other.size_)); }
+  void append(const Archive& other) { words_.insert(words_.end(), other.words_.begin(), other.words_.end()); }
   // To be called after reading: throws std::invalid_argument if words are left.
   void finish() const {
-    if (reading_ && next_ != size_) fail();
+    if (reading_ && next_ != words_.size()) fail();
   }
 
   // Write x, or read it. Vectors and arrays keep their length, which is not part of the archive. Throw
@@ -97,36 +94,29 @@ class Archive {
   template <class T>
   void word(T& x) {
     if (!reading_) {
-      *room_for(1) = std::bit_cast<std::uint64_t>(x);
+      words_.push_back(std::bit_cast<std::uint64_t>(x));
       return;
     }
-    if (next_ == size_) fail();
+    if (next_ == words_.size()) fail();
     x = std::bit_cast<T>(words_[next_++]);
   }
-  // Space for this many more words. Every step writes many, so what is common is inline also in code compiled for size.
-  [[gnu::always_inline]] std::uint64_t* room_for(std::size_t count) {
-    if (words_.size() - size_ < count) grow(count);
-    std::uint64_t* const out = words_.data() + size_;
-    size_ += count;
-    return out;
-  }
-  void grow(std::size_t count) { words_.resize(std::max(size_ + count, 2 * words_.size())); }
-  // At once, for the same reason.
+  // At once, since every step writes many.
   void serialize_span(std::span<double> x) {
     static_assert(sizeof(double) == sizeof(std::uint64_t));
     if (x.empty()) return;
+    const std::size_t first = reading_ ? next_ : words_.size();
     if (!reading_) {
-      std::memcpy(room_for(x.size()), x.data(), x.size_bytes());
+      words_.resize(first + x.size());
+      std::memcpy(words_.data() + first, x.data(), x.size_bytes());
       return;
     }
-    if (size_ - next_ < x.size()) fail();
-    std::memcpy(x.data(), words_.data() + next_, x.size_bytes());
+    if (words_.size() - next_ < x.size()) fail();
+    std::memcpy(x.data(), words_.data() + first, x.size_bytes());
     next_ += x.size();
   }
   [[noreturn]] static void fail() { throw std::invalid_argument("it is not of this plant, or damaged"); }
 
-  std::vector<std::uint64_t> words_;  // and memory for more
-  std::size_t size_ = 0;
+  std::vector<std::uint64_t> words_;
   std::size_t next_ = 0;  // index of the next word to read
   bool reading_ = false;
 };
