@@ -27,6 +27,7 @@ from gelenk.io.urdf_inertia import impossible_inertias, notes_on_missing, repair
 from gelenk.io.urdf_limits import bounds_of, limit_notes, start_within
 from gelenk.model import foreign
 from gelenk.model.scene import Scene, from_dict
+from gelenk.model.values import is_number
 
 KINDS = {
     "revolute": "revolute",
@@ -147,17 +148,9 @@ def _joint_faults(where: str, joint: ET.Element, links: Sequence[str | None]) ->
             faults.append(f"{where}: {role}: found {link!r}, expected the name of a link")
     dynamics = joint.find("dynamics")
     for name, value in () if dynamics is None else dynamics.items():
-        if name in ("damping", "friction") and not _is_number(value):
+        if name in ("damping", "friction") and not is_number(value):
             faults.append(f"{where}: dynamics: {name}: found {value!r}, expected a number")
     return faults
-
-
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
 
 
 def _inertial_faults(where: str, inertial: ET.Element | None) -> list[str]:

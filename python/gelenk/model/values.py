@@ -56,6 +56,15 @@ def check_names(
         raise UsageError("\n".join(faults))
 
 
+def is_number(text: str) -> bool:
+    """Return whether a text is a number, `inf` and `nan` included."""
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
 def number(name: str, value: Value, kind: str, items: Iterable[str] = ()) -> float:
     """Convert the value of a parameter to a number.
 

@@ -72,8 +72,9 @@ def nothing_moves(plant: Plant, result: Result, signals: Mapping[str, InputFunct
         result: with all outputs of the plant.
         signals: functions of time by input.
     """
-    values = np.column_stack([result[name] for name in result.names or ("time",)])
-    if len(values) < 2 or not values.shape[1] or not (values == values[0]).all():
+    # One column after the other: the first one that moves, usually the first of all, ends the search.
+    columns = (result[name] for name in result.names)
+    if len(result) < 2 or not result.names or any((column != column[0]).any() for column in columns):
         return ""
     if any(not isinstance(signal, Constant) or signal.value != 0 for signal in signals.values()):
         return ""

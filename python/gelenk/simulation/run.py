@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from gelenk import _core
 from gelenk.errors import StartWarning, StepError, UsageError
 from gelenk.model.scene import Scene, load
-from gelenk.model.values import Value, check_names, unknown
+from gelenk.model.values import Value, check_names, is_number, unknown
 from gelenk.simulation.inputs import Inputs, functions_and_constants, is_motion, polynomial, sampled
 from gelenk.simulation.oddities import doubts_of_tables, nothing_moves
 from gelenk.simulation.plant import Plant
@@ -185,16 +185,8 @@ def check_number(name: str, value: object, unit: str = "") -> None:
     """
     if isinstance(value, bool) or not isinstance(value, int | float | np.number):
         expected = f"a number of {unit}" if unit else "a number"
-        hint = "; leave out the quotes" if isinstance(value, str) and _is_number(value) else ""
+        hint = "; leave out the quotes" if isinstance(value, str) and is_number(value) else ""
         raise UsageError(f"{name}: found {value!r}, expected {expected}{hint}")
-
-
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
 
 
 def open_plant(
