@@ -38,7 +38,7 @@ void TimeStepper::find_missed(double h) {
   for (std::size_t i = 0; i < points_.size(); ++i) {
     const double until_closed = points_[i].gap > touch_tolerance ? 2 * points_[i].gap / h : 0;
     const double speed = -free_speeds_[static_cast<std::size_t>(cones_[i].first)] - until_closed;
-    if (speed > permitted && speed > missed_.speed) missed_ = {points_[i].contact, speed};
+    if (speed / permitted > missed_.excess) missed_ = {points_[i].contact, speed, speed / permitted};
   }
 }
 

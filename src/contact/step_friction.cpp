@@ -27,13 +27,14 @@ void TimeStepper::set_friction() {
 // Points that would turn back within the step come to rest before, and have static friction; if it does not hold them,
 // they slide. Returns whether the friction of any has changed.
 bool TimeStepper::stop_turning_points() {
-  bool changed = false;
+  bool changed = false, has_speeds = false;
   for (std::size_t i = 0; i < points_.size(); ++i) {
     const ContactLaw& law = loads_.contacts[static_cast<std::size_t>(points_[i].contact)];
     if (law.static_friction == law.sliding_friction || turning_[i] == Turning::turns || strikes_[i] != 0) continue;
     const bool was_held = turning_[i] == Turning::may_be_held;
     if (!was_held && cones_[i].friction != law.sliding_friction) continue;
-    rows_.speeds(v1_.data(), after_.data());
+    if (!has_speeds) rows_.speeds(v1_.data(), after_.data());
+    has_speeds = true;
     const Eigen::Vector3d before = slip(i, speeds_), after = slip(i, after_);
     if (was_held) {
       if (after.norm() <= rest_speed) continue;

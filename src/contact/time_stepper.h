@@ -68,8 +68,9 @@ class TimeStepper final : public ContactReadings {
   // What approaches although it touches, at the end of a step since the last begin_part(): its impulses have not been
   // found, as where a body rests on one of 1e-10 of its mass.
   struct Missed {
-    int contact = -1;  // of the scene; -1: none
-    double speed = 0;  // natural units
+    int contact = -1;   // of the scene; -1: none
+    double speed = 0;   // natural units
+    double excess = 0;  // relative to the speed that is permitted
   };
   const Missed& missed() const { return missed_; }
   // Where to append the problems that are solved; null: nowhere.

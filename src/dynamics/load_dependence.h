@@ -20,6 +20,9 @@ class LoadDependence {
   // Of the last solve(): the index, among all forces with modes, of a friction that is not unique, or does not exist,
   // because it depends on loads too much; -1: none.
   virtual int undetermined() const = 0;
+  // Of the last solve(): the index, among all forces with modes, of the only friction with loads that slips, if it is
+  // that of a mesh which grows faster with its load than the motion can yield, so that it stops at once; -1: none.
+  virtual int seized() const = 0;
   // Of the last solve(): the index of a friction in motion whose load along a line is zero, so that the slightest
   // change gives it either sign, and derivatives do not exist; -1: none.
   virtual int unloaded() const = 0;

@@ -14,14 +14,13 @@
 
 #include "dynamics/branching.h"
 #include "dynamics/load_dependence.h"
-#include "dynamics/seizing.h"
 #include "kinematics/friction_loads.h"
 #include "linear/dense_factor.h"
 
 namespace gelenk {
 
 template <class A>
-class LoadedFriction final : public LoadDependence, public Seizing {
+class LoadedFriction final : public LoadDependence {
  public:
   // What slips against friction that depends on loads.
   struct Slipping {

@@ -79,11 +79,12 @@ void ContactMotion::count(RunCounts& counts) const {
   if (!steps_used_) counts.contact_points = static_cast<long>(touch_->equations().closed().size());
 }
 
-std::optional<BrokenLaw> ContactMotion::broken_law() {
-  if (!steps_used_ || !steps_.are_available()) return {};
+LawAudit ContactMotion::law_audit() {
+  LawAudit out;
+  if (!steps_used_ || !steps_.are_available()) return out;
   const TimeStepper::Missed& missed = steps_.stepper().missed();
-  if (missed.contact < 0) return {};
-  return BrokenLaw{BrokenLaw::Kind::contact_approaches, missed.contact, missed.speed};
+  out.add(missed.excess, {BrokenLaw::Kind::contact_approaches, missed.contact, missed.speed});
+  return out;
 }
 
 void ContactMotion::start() {

@@ -4,7 +4,6 @@
 
 #include <array>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -48,8 +47,8 @@ class ContactMotion final : public ImpulseEquations {
   // What outputs of contacts show.
   ContactReadings& readings() { return readings_; }
   void count(RunCounts& counts) const;
-  // What breaks a law in the present time steps.
-  std::optional<BrokenLaw> broken_law();
+  // Of the time steps since the last begin_part(), while steps are used.
+  LawAudit law_audit();
 
   // At the start of a run.
   void start();

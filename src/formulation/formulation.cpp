@@ -298,7 +298,8 @@ bool Formulation::holds_by_modes() const {
 }
 
 LawAudit Formulation::law_audit(const double* y) {
-  LawAudit out;
+  LawAudit out = contacts_.law_audit();
+  if (!holds_by_modes()) return out;
   if (contacts_.touch() != nullptr) out = contacts_.touch()->outputs().audit();
   if (!modes_.locks().any_at_rest()) return out;
   dynamics_.set_position(y);

@@ -84,7 +84,7 @@ class Formulation : public Equations, private ModeEquations, private TouchedEqua
   // Whether friction, a limit or a closed contact holds something in the present modes; not those of friction that
   // depends on loads, of which redundant forces are one choice of many.
   bool holds_by_modes() const;
-  // Of the forces of the last output_accelerations(); y: the same state.
+  // Of time steps, or of the forces of the last output_accelerations(), needed if holds_by_modes(); y: the same state.
   LawAudit law_audit(const double* y);
   // Saves or restores the data carried from one step to the next. Factors are not included: each step computes them
   // before it uses them.

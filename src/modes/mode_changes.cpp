@@ -5,7 +5,6 @@
 #include <iterator>
 #include <utility>
 
-#include "dynamics/seizing.h"
 #include "linear/box_complementarity.h"
 #include "modes/lock_modes.h"
 
@@ -70,12 +69,11 @@ bool LockModes::load_signs_changed() {
 // collision (Painleve 1895; Le Suan An 1990). The impulses that stop it agree with the law of the mesh. Returns whether
 // there is such a friction.
 bool LockModes::seize(double t, double* y) {
-  const auto* const loads = dynamic_cast<const Seizing*>(&forces_.loads());
-  if (loads == nullptr) return false;
   equations_.accelerations_at(t, y, vdot_.data());
-  if (loads->seized() < 0) return false;
+  const int force = forces_.loads().seized();
+  if (force < 0) return false;
   const State before = state();
-  const int lock = lock_of_[static_cast<std::size_t>(loads->seized())];
+  const int lock = lock_of_[static_cast<std::size_t>(force)];
   triggered_[lock] = by_friction;
   strike(t, y, {lock}, before);
   settle(t, y, false, Recording::doubts);

@@ -213,18 +213,14 @@ void Island::enforce_given_motions() {
 // Only where something is held: what moves freely has no force that modes decide on. Outputs of this state use the same
 // evaluation.
 LawAudit Island::law_audit() {
-  if (!equations_->holds_by_modes()) return {};
-  realize(Stage::acceleration);
+  if (equations_->holds_by_modes()) realize(Stage::acceleration);
   return equations_->law_audit(y_.data());
 }
 
 void Island::audit() {
-  std::optional<BrokenLaw> broken = equations_->contacts().broken_law();
-  if (!broken) {
-    const Drives::AtEndOfStep reading(equations_->drives());
-    broken = law_audit().broken();
-  }
-  if (broken) throw IntegrationError(at_time(time_) + describe_broken_law(scene_, loads_, *broken));
+  const Drives::AtEndOfStep reading(equations_->drives());
+  if (const std::optional<BrokenLaw> broken = law_audit().broken())
+    throw IntegrationError(at_time(time_) + describe_broken_law(scene_, loads_, *broken));
 }
 
 // A motion of unknown start velocity changes its coordinate alone, and its velocity by that at the start: joints that

@@ -120,13 +120,13 @@ Energy Simulation::Impl::energy() {
   return sum;
 }
 
-// The largest magnitude among the constraint errors or their rates [m, rad, or per s].
 double Simulation::Impl::law_excess() {
   double out = 0;
   for (const auto& island : islands) out = std::max(out, island->law_audit().excess());
   return out;
 }
 
+// The largest magnitude among the constraint errors or their rates [m, rad, or per s].
 double Simulation::Impl::max_constraint_error(const std::vector<double>& (Kinematics::*errors)() const) {
   double angle = 0;
   double length = 0;
