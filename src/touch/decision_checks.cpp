@@ -41,16 +41,55 @@ VectorXd ContactDecision::normal_forces_in_modes() {
   return out;
 }
 
-// Whether a joint that remains at rest in the modes of the last check() needs more than friction and limits can exert.
+// 1, -1: a joint remains at rest in the modes of the last check(), but needs a larger, or a smaller, force than friction
+// and limits can exert; 0: it does not.
+int ContactDecision::side_beyond_limit(std::size_t i) const {
+  const LockProblem::Lock& lock = problem_->locks[i];
+  if (lock.leaves) return 0;
+  const Cone& cone = cones_[cones_.size() - problem_->locks.size() + i];
+  const double slack = lock.triggered ? 0 : lock.slack;
+  if (lock.holding > cone.upper + slack) return 1;
+  return lock.holding < cone.lower - slack ? -1 : 0;
+}
+
 bool ContactDecision::locks_exceed_limits() const {
   for (std::size_t i = 0; i < problem_->locks.size(); ++i) {
-    const LockProblem::Lock& lock = problem_->locks[i];
-    if (lock.leaves) continue;
-    const Cone& cone = cones_[cones_.size() - problem_->locks.size() + i];
-    const double slack = lock.triggered ? 0 : lock.slack;
-    if (lock.holding > cone.upper + slack || lock.holding < cone.lower - slack) return true;
+    if (side_beyond_limit(i) != 0) return true;
   }
   return false;
+}
+
+// Where a joint at rest and a contact hold the same motion, their forces are redundant, but the friction of what slides
+// depends on them: what cannot hold alone gives way to the contact, and a contact that need not hold has no force.
+// Returns whether any has changed.
+bool ContactDecision::resolve_redundancy(std::vector<SpotMode>& next) {
+  if (problem_->locks.empty() || touch_.closed().empty() || !touch_.rows().any_moves()) return false;
+  bool releases = false, opens = false;
+  for (std::size_t i = 0; i < touch_.closed().size(); ++i) {
+    if (!touch_.rows().entries[i].any_moves() || !touch_.is_blocked(i)) continue;
+    const int spot = touch_.closed()[i];
+    releases = let_go_beyond_limits(spot) || releases;
+    if (releases) continue;
+    next[static_cast<std::size_t>(spot)].closed = false;
+    opens = true;
+  }
+  return releases || opens;
+}
+
+// Of the joints at rest that a normal force on a spot moves, those that need more than they can exert.
+bool ContactDecision::let_go_beyond_limits(int spot) {
+  const auto at = static_cast<std::size_t>(std::ranges::find(spots_, spot) - spots_.begin());
+  const VectorXd per_force = G_.col(rows_.entries[at].first);
+  bool any = false;
+  for (std::size_t i = 0; i < problem_->locks.size(); ++i) {
+    const int beyond = side_beyond_limit(i);
+    const double moves = std::abs(per_force[first_lock_ + static_cast<Index>(i)]);
+    if (beyond == 0 || moves <= limit_fraction * per_force.cwiseAbs().maxCoeff()) continue;
+    LockProblem::Lock& lock = problem_->locks[i];
+    lock.leaves = any = true;
+    lock.direction = -beyond;
+  }
+  return any;
 }
 
 // Whether friction that holds in these modes needs more than its limit, or a limit of a joint would have to pull.
@@ -127,11 +166,14 @@ bool ContactDecision::check(const double* vdot, const std::vector<SpotMode>& nex
   return locks_obey(relative);
 }
 
-// Drops closed contacts that would pull until none does.
+// Drops closed contacts and limits of joints that would pull until none does.
 bool ContactDecision::refine(const double* vdot, std::vector<SpotMode>& next) {
-  for (std::size_t k = 0; k <= spots_.size(); ++k) {
+  for (std::size_t k = 0; k <= 2 * spots_.size() + problem_->locks.size(); ++k) {
     int pulls = -1;
-    if (check(vdot, next, pulls)) return true;
+    if (check(vdot, next, pulls)) {
+      if (resolve_redundancy(next)) continue;
+      return true;
+    }
     if (pulls < 0) return false;
     next[static_cast<std::size_t>(pulls)].closed = false;
   }

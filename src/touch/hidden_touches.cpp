@@ -123,8 +123,8 @@ void HiddenTouches::gap(int pair, Gap& out) const {
 void HiddenTouches::read(int pair, int end) {
   Pair& of = pairs_[static_cast<std::size_t>(pair)];
   const Spots& spots = touch_.spots();
-  if (of.is_sharp() || of.tip_is_smaller) of.tip_at[end] = spots.approach(pair, true);
-  if (of.is_sharp() || !of.tip_is_smaller) of.core_at[end] = spots.approach(pair, false);
+  if (of.moves_tip()) of.tip_at[end] = spots.approach(pair, true);
+  if (of.moves_core()) of.core_at[end] = spots.approach(pair, false);
 }
 
 // What overlaps already can touch no more: how deep it gets is watched elsewhere (TouchModes::find_penetration).
@@ -197,8 +197,8 @@ double HiddenTouches::find(double t0, const double* y0, double t1, const double*
     gap(static_cast<int>(i), pair.gaps[1]);
     if (!(pair.gaps[1].size < unlimited)) continue;
     read(static_cast<int>(i), 1);
-    pair.tip_bounds = bound(pair, pair.tip_at[0], pair.tip_at[1]);
-    pair.core_bounds = bound(pair, pair.core_at[0], pair.core_at[1]);
+    if (pair.moves_tip()) pair.tip_bounds = bound(pair, pair.tip_at[0], pair.tip_at[1]);
+    if (pair.moves_core()) pair.core_bounds = bound(pair, pair.core_at[0], pair.core_at[1]);
     const Bounds& bounds = pair.tip_is_smaller ? pair.tip_bounds : pair.core_bounds;
     pair.error_bound = interpolation_error * bounds.acceleration * h_ * h_ / 8;
     if (!is_safe(pair, pair.gaps[0], pair.gaps[1], h_)) unsafe_.push_back(static_cast<int>(i));

@@ -62,6 +62,9 @@ class HiddenTouches {
     double error_bound = 0;                            // m: of the interpolated gap
 
     bool is_sharp() const { return !tip.empty(); }
+    // Whether the motion of this shape is looked at: that of the smaller one, with sharp features of both.
+    bool moves_tip() const { return is_sharp() || tip_is_smaller; }
+    bool moves_core() const { return is_sharp() || !tip_is_smaller; }
   };
   // Gaps at a time within the step.
   struct Sample {

@@ -50,7 +50,10 @@ class ContactDecision {
   Eigen::VectorXd normal_forces() const;
   Eigen::VectorXd normal_forces_in_modes();
   bool exceeds_limits(const std::vector<Trigger>& triggered);
+  int side_beyond_limit(std::size_t i) const;
   bool locks_exceed_limits() const;
+  bool resolve_redundancy(std::vector<SpotMode>& next);
+  bool let_go_beyond_limits(int spot);
   bool is_indeterminate(const std::vector<SpotMode>& next) const;
   bool uses_any_up() const;
   void hold_all();

@@ -11,6 +11,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <span>
 #include <vector>
@@ -71,6 +72,9 @@ class TouchEquations {
     std::array<Eigen::Vector3d, contact_groups> along;  // directions of those that move
 
     int kept(int group) const { return group == 1 ? 1 : 2; }
+    bool any_moves() const {
+      return std::ranges::any_of(moving, [](int row) { return row >= 0; });
+    }
   };
   struct Rows {
     std::vector<Entry> entries;
@@ -109,6 +113,9 @@ class TouchEquations {
   const std::vector<SpotForce>& forces() { return forces_of(shared()); }
   // The same of other multipliers x of the rows, with the same effect.
   const std::vector<SpotForce>& forces_of(const Eigen::VectorXd& x);
+  // At the last accelerate(), by closed(): whether what is held permits no motion along the normal, so that the contact
+  // has no force.
+  bool is_blocked(std::size_t i) const { return G_(rows_.entries[i].first, rows_.entries[i].first) == 0; }
   // Whether those of the last accelerate() are unique; and whether a contact would have to pull or to hold more than it
   // can, too.
   bool are_unique() const { return closed_.empty() || least_norm_.was_unique(); }
