@@ -126,8 +126,15 @@ Locator::Trial Locator::end_before_event(Stepping& method) {
   return {end_at_event(method), true};
 }
 
-// Whether a time within the step is before its end, and can be distinguished from its start.
-bool Locator::is_before(double t, double end) const { return t < end && is_resolved(end); }
+// Whether a time can be distinguished from the start and the end of a step, which is not too short for that.
+bool Locator::is_before(double t, double end) const {
+  return t < end - rounding(end) && t > course_.start() + resolution_to(end) && is_resolved(end);
+}
+
+// Of event times within a step to `end`.
+double Locator::resolution_to(double end) const {
+  return std::max(resolution_fraction * (end - course_.start()), rounding(end));
+}
 
 bool Locator::is_resolved(double end) const { return end - course_.start() > shortest_course * rounding(end); }
 
@@ -162,8 +169,7 @@ void Locator::stop_at(double end, Stepping& method) {
 // Whether the step has evaluated the equations beyond an event before `end`.
 bool Locator::has_left_mode(double end) const {
   const double left = source_.mode_exit_time();
-  const double resolution = std::max(resolution_fraction * (end - course_.start()), rounding(end));
-  return left < end && left > course_.start() + resolution;
+  return left < end && left > course_.start() + resolution_to(end);
 }
 
 // Repeats the step, to `end` or less far.
@@ -188,7 +194,7 @@ double Locator::next_trial(std::size_t i, const Bracket& bracket, bool converges
 // high_y_; or leaves the method at an earlier end without a sign change if the error test has cut the step short.
 Step Locator::search(std::size_t i, Stepping& method) {
   Bracket bracket(course_.start(), course_.at_start(i), high_t_, course_.at_end(i));
-  const double resolution = std::max(resolution_fraction * (high_t_ - course_.start()), rounding(high_t_));
+  const double resolution = resolution_to(high_t_);
   double next = bracket.clamped(course_.zero(i), resolution);
   double least = INFINITY;  // of the indicator's values
   for (int k = 0; k < max_trials && bracket.width() > 2 * resolution; ++k) {

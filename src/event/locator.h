@@ -61,6 +61,7 @@ class Locator {
   Trial end_without_event(Stepping& method);
   Trial end_before_event(Stepping& method);
   bool is_before(double t, double end) const;
+  double resolution_to(double end) const;
   bool is_resolved(double end) const;
   double touch_within(double end, const double* y) const;
   Step search_all(Stepping& method);

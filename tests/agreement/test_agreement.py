@@ -17,6 +17,8 @@ import pytest
 TRIALS, BLOCK = 300, 25
 REFUSED = ("refused", "not started")  # ends of what a way reports that could not be run
 MOST_REFUSED = 2  # of a block
+# Beyond the first: a step of dirk to a touch that rounding put just before its end.
+ONCE_REFUSED = (2403,)
 
 
 def findings(first: int, count: int) -> list[dict[str, str]]:
@@ -38,3 +40,8 @@ def test_all_ways_agree(first: int) -> None:
     found = findings(first, BLOCK)
     assert not [each for each in found if not each["way"].endswith(REFUSED)]
     assert len(found) <= MOST_REFUSED  # lest all agree because nothing runs
+
+
+@pytest.mark.parametrize("seed", ONCE_REFUSED)
+def test_what_was_refused_once_is_not(seed: int) -> None:
+    assert not findings(seed, 1)
