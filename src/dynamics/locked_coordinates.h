@@ -45,6 +45,7 @@ class LockedCoordinates {
         w_(static_cast<std::size_t>(nv)),
         column_(static_cast<std::size_t>(nv)),
         factor_(nv, static_cast<int>(rows_.size())) {
+    held_.reserve(rows_.size());
     for (const Row& row : rows_) {
       std::vector<int> velocities;
       for (const Term& term : row) velocities.push_back(term.v);
@@ -76,10 +77,11 @@ class LockedCoordinates {
   void factorize() {
     if (is_current_) return;
     is_current_ = true;
+    held_.clear();
     for (int i = 0; i < count(); ++i) {
-      double* z = factor_.column(i);
-      std::fill(z, z + n_, 0.0);
       if (locked_[i] == 0) continue;
+      double* z = factor_.column(static_cast<int>(held_.size()));
+      held_.push_back(i);
       whiten(i, y_[i].data());
       const double size = norm(y_[i].data());
       inverse_size_[i] = 1 / size;
@@ -87,7 +89,8 @@ class LockedCoordinates {
       inverse_mobility_[i] = permitted > 0 ? size / (permitted * permitted) : INFINITY;
       for (int k = 0; k < n_; ++k) z[k] *= inverse_size_[i];
     }
-    factor_.factorize(count());
+    factor_.set_rows(locked_count_);
+    factor_.factorize(locked_count_);
   }
 
   // w <- w changed by the least amount that stops the locked coordinates; it satisfies the constraint equations.
@@ -110,8 +113,9 @@ class LockedCoordinates {
     find_gaps(w);
     std::fill(w_.begin(), w_.end(), 0.0);
     factor_.solve_constrained(w_.data(), gap_.data(), nullptr);
-    factor_.multipliers(x);
-    for (int i = 0; i < count(); ++i) x[i] = locked_[i] != 0 ? -x[i] * inverse_size_[i] : 0;
+    factor_.multipliers(gap_.data());
+    std::fill_n(x, count(), 0.0);
+    for (std::size_t k = 0; k < held_.size(); ++k) x[held_[k]] = -gap_[k] * inverse_size_[held_[k]];
   }
   // Adds S^T x to the generalized forces f.
   void add_forces(const double* x, double* f) const {
@@ -173,7 +177,8 @@ class LockedCoordinates {
     return sum;
   }
   void find_gaps(const double* w) const {
-    for (int i = 0; i < count(); ++i) gap_[i] = locked_[i] != 0 ? -dot(y_[i].data(), w) * inverse_size_[i] : 0;
+    for (std::size_t k = 0; k < held_.size(); ++k)
+      gap_[k] = -dot(y_[held_[k]].data(), w) * inverse_size_[held_[k]];
   }
 
   const MassFactor<A>& M_;
@@ -185,11 +190,12 @@ class LockedCoordinates {
   std::vector<char> locked_;
   int locked_count_ = 0;
   bool is_current_ = false;
+  std::vector<int> held_;  // the locked coordinates, by row of the factor
   std::vector<std::vector<double>> y_;
   std::vector<double> inverse_size_;  // 1 / |y|
   std::vector<double> inverse_mobility_;
   std::vector<double> zero_;
-  mutable std::vector<double> gap_, w_, column_;
+  mutable std::vector<double> gap_, w_, column_;  // gap_: by row of the factor
   RowFactor factor_;  // of z / |y|
 };
 

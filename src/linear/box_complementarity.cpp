@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <vector>
 
 #include "linear/row_factor.h"
@@ -13,6 +14,40 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+
+constexpr int first_sweeps = 20;
+// Pivots below this fraction of the largest are rounding, where a failure is noticed by the residual.
+constexpr double least_pivot = 1e-13;
+
+// A solution of W x = b in which redundant entries are 0, by Cholesky's method with pivoting (Higham 2002, sec. 10.3):
+// a fraction of the time of least_squares(), but it squares no condition only as far as W is well conditioned.
+VectorXd basic_solution(MatrixXd W, VectorXd b) {
+  const Index n = b.size();
+  std::vector<Index> order(static_cast<std::size_t>(n));
+  std::iota(order.begin(), order.end(), Index(0));
+  const double largest = W.diagonal().maxCoeff();
+  Index rank = 0;
+  for (; rank < n; ++rank) {
+    Index best = 0;
+    const double pivot = W.diagonal().tail(n - rank).maxCoeff(&best);
+    if (!(pivot > least_pivot * largest)) break;
+    best += rank;
+    W.row(rank).swap(W.row(best));
+    W.col(rank).swap(W.col(best));
+    std::swap(b[rank], b[best]);
+    std::swap(order[static_cast<std::size_t>(rank)], order[static_cast<std::size_t>(best)]);
+    const Index rest = n - rank - 1;
+    W.col(rank).tail(rest + 1) /= std::sqrt(pivot);
+    for (Index j = rank + 1; j < n; ++j) W.col(j).tail(rest) -= W(j, rank) * W.col(rank).tail(rest);
+  }
+  const auto L = W.topLeftCorner(rank, rank).triangularView<Eigen::Lower>();
+  VectorXd y = b.head(rank);
+  L.solveInPlace(y);
+  L.transpose().solveInPlace(y);
+  VectorXd x = VectorXd::Zero(n);
+  for (Index k = 0; k < rank; ++k) x[order[static_cast<std::size_t>(k)]] = y[k];
+  return x;
+}
 
 class ActiveSet {
  public:
@@ -32,6 +67,7 @@ class ActiveSet {
     // takes about n.
     const Index max_passes = 50 + 20 * b_.size();
     bool found = false;
+    approach();
     for (Index pass = 0; pass < max_passes && !found; ++pass) {
       if (!descend()) break;
       found = !release();
@@ -55,6 +91,20 @@ class ActiveSet {
     return out;
   }
 
+  // Begins near the solution, by Gauss and Seidel's method, so that most entries that end at a bound are there from the
+  // first pass.
+  void approach() {
+    for (int sweep = 0; sweep < first_sweeps; ++sweep) {
+      for (Index i = 0; i < x_.size(); ++i) {
+        const double w = W_(i, i);
+        if (w > 0) x_[i] = std::clamp(x_[i] + (b_[i] - W_.col(i).dot(x_)) / w, lower_[i], upper_[i]);
+      }
+    }
+    for (Index i = 0; i < x_.size(); ++i) {
+      if (held_[i] == 0 && (x_[i] == lower_[i] || x_[i] == upper_[i])) held_[i] = x_[i] == upper_[i] ? 1 : -1;
+    }
+  }
+
   // Moves to the minimum over the free entries, holding those that reach a bound on the way. False if there is none.
   bool descend() {
     for (;;) {
@@ -62,11 +112,16 @@ class ActiveSet {
       if (F.empty()) return true;
       const VectorXd r = residual()(F);
       const MatrixXd W = W_(F, F);
-      VectorXd step = least_squares(W, r);
-      // A residual that no step removes is a direction along which the objective falls without bound.
-      const VectorXd left = r - W * step;
-      const bool bounded = left.cwiseAbs().maxCoeff() <= tolerance_;
-      if (!bounded) step = left;
+      VectorXd step = basic_solution(W, r);
+      VectorXd left = r - W * step;
+      bool bounded = left.cwiseAbs().maxCoeff() <= tolerance_;
+      if (!bounded) {
+        step = least_squares(W, r);
+        left = r - W * step;
+        bounded = left.cwiseAbs().maxCoeff() <= tolerance_;
+        // A residual that no step removes is a direction along which the objective falls without bound.
+        if (!bounded) step = left;
+      }
       const Reach reach = reach_of(F, step, bounded ? 1 : INFINITY);
       if (!std::isfinite(reach.length)) return false;
       for (Index k = 0; k < step.size(); ++k) x_[F[k]] += reach.length * step[k];

@@ -8,7 +8,20 @@
 namespace gelenk {
 namespace {
 
-double dot(const double* a, const double* b, int n) {
+// In four parts, which do not wait for each other.
+double long_dot(const double* a, const double* b, int n) {
+  double parts[4] = {};
+  int i = 0;
+  for (; i + 4 <= n; i += 4) {
+    for (int k = 0; k < 4; ++k) parts[k] += a[i + k] * b[i + k];
+  }
+  double sum = (parts[0] + parts[1]) + (parts[2] + parts[3]);
+  for (; i < n; ++i) sum += a[i] * b[i];
+  return sum;
+}
+
+inline double dot(const double* a, const double* b, int n) {
+  if (n >= 16) return long_dot(a, b, n);
   double sum = 0;
   for (int i = 0; i < n; ++i) sum += a[i] * b[i];
   return sum;
@@ -42,6 +55,7 @@ RowFactor::RowFactor(int nv, int rows)
       scale_(rows),
       order_(rows),
       norms_(rows),
+      ends_(rows),
       Z_(static_cast<std::size_t>(rows) * rows),
       T_diagonal_(rows),
       Z_scale_(rows),
@@ -54,33 +68,49 @@ void RowFactor::factorize(int max_rank) {
   if (rank_ < m_) factorize_redundant();
 }
 
+// Columns have zeros below their ends, as those of locked coordinates beyond their own joint in a tree.
 void RowFactor::factorize_constraints(int max_rank) {
-  std::iota(order_.begin(), order_.end(), 0);
+  std::iota(order_.begin(), order_.begin() + m_, 0);
   rank_ = 0;
   pivot_ratio_ = 1;
+  for (int j = 0; j < m_; ++j) {
+    ends_[j] = n_;
+    while (ends_[j] > 0 && column(j)[ends_[j] - 1] == 0) --ends_[j];
+    norms_[j] = dot(column(j), column(j), ends_[j]);
+  }
   for (int k = 0; k < max_rank; ++k) {
-    // Norms are recomputed, since downdating loses exactly the small ones that decide the rank.
     int best = k;
-    for (int j = k; j < m_; ++j) {
-      norms_[j] = dot(column(j) + k, column(j) + k, n_ - k);
+    for (int j = k + 1; j < m_; ++j) {
       if (norms_[j] > norms_[best]) best = j;
     }
     if (best != k) {
-      std::swap_ranges(column(k), column(k) + n_, column(best));
+      std::swap_ranges(column(k), column(k) + std::max(ends_[k], ends_[best]), column(best));
       std::swap(order_[k], order_[best]);
+      std::swap(ends_[k], ends_[best]);
+      std::swap(norms_[k], norms_[best]);
     }
-    const double pivot = std::sqrt(norms_[best]);
+    const double pivot = std::sqrt(norms_[k]);
     const double first = k == 0 ? pivot : std::abs(diagonal_[0]);
     if (!(pivot > rank_threshold * first)) break;
     pivot_ratio_ = pivot / first;
     double* u = column(k) + k;
     diagonal_[k] = householder(u, pivot, scale_[k]);
-    for (int j = k + 1; j < m_; ++j) {
-      double* y = column(j) + k;
-      add(-scale_[k] * dot(u, y, n_ - k), u, y, n_ - k);
-    }
+    for (int j = k + 1; j < m_; ++j) reflect_column(k, j);
     rank_ = k + 1;
   }
+}
+
+void RowFactor::reflect_column(int k, int j) {
+  const double* u = column(k) + k;
+  double* y = column(j) + k;
+  const double along = dot(u, y, std::min(ends_[k], ends_[j]) - k);
+  if (along == 0 && y[0] == 0) return;
+  if (along != 0) {
+    add(-scale_[k] * along, u, y, ends_[k] - k);
+    ends_[j] = std::max(ends_[j], ends_[k]);
+  }
+  // Recomputed, since downdating loses exactly the small norms that decide the rank.
+  norms_[j] = dot(y + 1, y + 1, ends_[j] - k - 1);
 }
 
 void RowFactor::factorize_redundant() {

@@ -20,8 +20,11 @@ class RowFactor {
   // tens of poses, each exact to 1e-16, at positions with closure errors of about 1e-14.
   static constexpr double rank_threshold = 1e-12;
 
+  // rows: at most.
   RowFactor(int nv, int rows);
 
+  // The number of constraint equations that follow; initially all.
+  void set_rows(int rows) { m_ = rows; }
   // Column r of Y (constraint equation r), n numbers, to be filled in before factorize().
   double* column(int r) { return Y_.data() + static_cast<std::size_t>(r) * n_; }
 
@@ -50,6 +53,7 @@ class RowFactor {
 
  private:
   void factorize_constraints(int max_rank);
+  void reflect_column(int k, int j);
   void factorize_redundant();
   double damping_weight(int k) const;                // of pivot k, see set_singular_threshold
   void reflect(double* x) const;                     // x <- Q^T x
@@ -58,7 +62,7 @@ class RowFactor {
   void solve_Rt(const double* in, int columns, double* d, double* sum) const;
   void solve_R(const double* d, double* lambda) const;  // lambda = minimum-norm solution of R_1 P^T lambda = d
 
-  int n_, m_;
+  int n_, m_;  // m_: present equations
   int rank_ = 0;
   double pivot_ratio_ = 1;
   double singular_threshold_ = 0;
@@ -67,6 +71,7 @@ class RowFactor {
   std::vector<double> scale_;                     // 2 / |u|^2 of each Householder vector
   std::vector<int> order_;                        // column k of R belongs to row order_[k]
   std::vector<double> norms_;                     // squared norms of the remainder of each column
+  std::vector<int> ends_;                         // of the nonzeros of each column
   std::vector<double> Z_, T_diagonal_, Z_scale_;  // of R_1^T, m x rank, column-major
   mutable std::vector<double> d_, e_, f_;
   mutable std::vector<double> columns_;

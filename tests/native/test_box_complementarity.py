@@ -63,6 +63,30 @@ def test_random_problems_meet_the_conditions(units: Any, rank: int, seed: int) -
     assert r / scale == pytest.approx((b - W @ truth.x) / scale, abs=1e-9)  # bvls stops at about that
 
 
+@pytest.mark.parametrize("rank", [20, 40, 60, 90])
+def test_many_limits_at_once(units: Any, rank: int) -> None:
+    """As where a robot with all its joints at limits falls: 60 impulses that push, half of them needed."""
+    rng = np.random.default_rng(rank)
+    A = rng.normal(size=(rank, 60))
+    W, b = A.T @ A, A.T @ rng.normal(size=rank)
+    upper = np.full(60, np.inf)
+    lower = np.zeros(60)
+    x, r, found = solved(units, W, b, lower, upper)
+    assert found
+    check(W, b, lower, upper, x, r)
+    assert 0 < np.count_nonzero(x) < 60
+
+
+@pytest.mark.parametrize("spread", [1e-3, 1e-6, 1e-12])
+def test_nearly_redundant_forces(units: Any, spread: float) -> None:
+    """Two rows that differ by about the rounding at which pivots are dropped, and by more and less."""
+    A = np.array([[1.0, 1.0, 0.5], [0.0, spread, 0.3]])
+    W, b = A.T @ A, A.T @ np.array([1.0, 2.0])
+    x, r, found = solved(units, W, b, np.zeros(3), np.full(3, np.inf))
+    assert found
+    check(W, b, np.zeros(3), np.full(3, np.inf), x, r)
+
+
 def test_equal_forces_share_what_one_would_do(units: Any) -> None:
     """Four joints hold a loop with one degree of freedom: their torques are those of least norm."""
     a = np.array([1.0, -1.0, 0.5, 2.0])
