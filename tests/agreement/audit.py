@@ -64,9 +64,11 @@ def value_before(course: Any, t: float) -> float:
 def laws_broken(trial: Trial, run: Run, steps: float = 0.0) -> list[str]:
     """What reported forces and positions contradict, in words; steps: length of time steps [s], 0: `auto`.
 
-    Forces of time steps, which `auto` makes where contacts pile up, too, are means over the last one.
+    Forces of time steps, which `auto` makes where contacts pile up, too, are means over the last one. An impact
+    in that one is a coincidence: only what is broken at two points in succession counts.
     """
     out: list[str] = []
+    before: set[str] = set()
     names = motion_names(trial.scene)
     for k, forces in enumerate(run.outputs[: len(run.values) - 1], 1):
         if not np.isfinite(run.values[k]).all():
@@ -74,7 +76,9 @@ def laws_broken(trial: Trial, run: Run, steps: float = 0.0) -> list[str]:
             continue
         length = LONGEST_STEP if run.stepped[k - 1] and not steps else steps
         at = Moment(trial, k * STEP, forces, dict(zip(names, run.values[k], strict=True)), length)
-        out += [f"{words} at {k * STEP:.2f} s" for words in at.broken()]
+        found = list(at.broken())
+        out += [f"{words} at {k * STEP:.2f} s" for words in found if not length or words.split()[0] in before]
+        before = {words.split()[0] for words in found}
     return out
 
 
