@@ -129,6 +129,7 @@ void JointLocks::add(int lock) {
   out.slipping = of.slipping_limit.largest();
   out.contact = next_.contacts[lock];
   out.triggered = modes_.triggered_[lock] != LockModes::nothing && modes_.rests(lock);
+  out.slack = forces_.slack(lock);
   next_.motions[lock] = JointLoads::released;
 }
 

@@ -76,7 +76,11 @@ void ContactDecision::answer_locks() {
     lock.direction = 0;
     if (x_[row] >= cone.upper - slack) lock.direction = -1;
     if (x_[row] <= cone.lower + slack && (lock.direction == 0 || a[row] > 0)) lock.direction = 1;
-    lock.leaves = lock.direction * a[row] > (lock.triggered ? least_acceleration : limit_fraction) * scale_;
+    // What exceeds its limit by more than rounding leaves, however fast others are accelerated.
+    const double noticed = std::min(lock.slack * G_(row, row) / 2, limit_fraction * scale_);
+    const double least = lock.triggered ? std::min(noticed, least_acceleration * scale_)
+                                        : std::max(noticed, least_acceleration * scale_);
+    lock.leaves = lock.direction * a[row] > least;
   }
 }
 
