@@ -107,6 +107,7 @@ void TouchModes::find_penetration(double* g) {
 }
 
 void TouchModes::redistribute(double t, const double* y, double* locks, double* own) {
+  redistributed_ = false;
   if (touch_.closed().empty()) return;
   std::vector<double*> yielding;
   find_yielding(own, yielding);
@@ -115,6 +116,7 @@ void TouchModes::redistribute(double t, const double* y, double* locks, double* 
   // A single contact has redundant forces where its body cannot move in all directions, as on a pendulum.
   const bool may_differ = kept > 1 || !touch_.are_unique();
   if (yielding.empty() || !may_differ || !holds_by_others(t, y)) return;
+  redistributed_ = true;
   for (double* value : yielding) *value = *value > 0 ? -*value : std::max(-*value, std::numeric_limits<double>::min());
 }
 

@@ -42,7 +42,7 @@ class TouchModes final : public ConnectedModes {
   int indicators() const override { return per_spot * touch_.spots().count(); }
   void indicator_values(double t, const double* y, double* g, double* gdot) override;
   void redistribute(double t, const double* y, double* locks, double* own) override;
-  bool are_forces_unique() const override { return touch_.are_unique(); }
+  bool are_forces_unique() const override { return !redistributed_ && touch_.are_unique(); }
   bool recall_mode(double t, double* y) override;
   double touch_within(double t0, const double* y0, double t1, const double* y1) override {
     return hidden_.find(t0, y0, t1, y1);
@@ -63,7 +63,7 @@ class TouchModes final : public ConnectedModes {
   void watch(double t, bool is_solved) {
     if (!held_ || t <= held_from_ || t >= mode_exit_time_) return;
     if (!is_solved) return check(t);
-    if (touch_.are_overloaded()) mode_exit_time_ = t;
+    if (!redistributed_ && touch_.are_overloaded()) mode_exit_time_ = t;
   }
 
   TouchEquations& equations() { return touch_; }
@@ -122,6 +122,9 @@ class TouchModes final : public ConnectedModes {
   std::vector<Trigger> triggered_;  // by spot
   bool started_ = true, jumped_ = false;
   bool held_ = false;
+  // Whether forces of the last indicators hold only as others that have the same effect: what those of an evaluation
+  // are beyond their limits says nothing.
+  bool redistributed_ = false;
   double held_from_ = 0, mode_exit_time_ = INFINITY;  // s
   // Contacts of edges, whose features may be passed within a step: penetration of the whole shapes is an event, too.
   struct Guard {
