@@ -2,6 +2,7 @@
 #include "touch/touch_decision.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -23,6 +24,7 @@ constexpr int most_repetitions = 200;
 // The first of these begin with static friction, since what can hold does.
 constexpr int most_fresh_starts = 20;
 constexpr int most_iterations = 500;
+constexpr std::size_t most_tried_locks = 4;
 constexpr double unlimited = std::numeric_limits<double>::infinity();
 
 void symmetrize(Eigen::MatrixXd& G) { G = Eigen::MatrixXd((G + G.transpose()) / 2); }
@@ -224,6 +226,30 @@ bool ContactDecision::uses_any_up() const {
 // Static friction of joints holds again.
 void ContactDecision::hold_all() { std::ranges::fill(slips_, 0); }
 
+// Where friction of what slides makes a joint that friction holds move the other way (as in Painleve's paradox), the
+// forces above do not settle although one motion obeys the laws: each combination of rest and both directions is tried.
+bool ContactDecision::try_locks(const double* vdot, std::vector<SpotMode>& next) {
+  const std::size_t count = problem_->locks.size();
+  if (count == 0 || count > most_tried_locks) return false;
+  const std::vector<SpotMode> first = next;
+  std::size_t combinations = 1;
+  for (std::size_t i = 0; i < count; ++i) combinations *= 3;
+  for (std::size_t k = 0; k < combinations; ++k) {
+    std::size_t rest = k;
+    for (LockProblem::Lock& lock : problem_->locks) {
+      lock.direction = std::array{0, 1, -1}[rest % 3];  // what can remain at rest does
+      lock.leaves = lock.direction != 0;
+      rest /= 3;
+    }
+    next = first;
+    const bool possible = std::ranges::none_of(
+        problem_->locks, [](const auto& lock) { return lock.contact != 0 && lock.direction == lock.contact; });
+    if (possible && refine(vdot, next) && !locks_exceed_limits()) return true;
+  }
+  next = first;
+  return false;
+}
+
 // NOLINTNEXTLINE(readability-function-cognitive-complexity): one loop, whose exits share its state
 ContactDecision::Outcome ContactDecision::decide(const std::vector<int>& spots, const std::vector<Trigger>& triggered,
                                                  const double* vdot, std::vector<SpotMode>& next,
@@ -247,6 +273,7 @@ ContactDecision::Outcome ContactDecision::decide(const std::vector<int>& spots, 
       const VectorXd found = normal_forces_in_modes();
       const double change = (found - normal).cwiseAbs().maxCoeff();
       const bool same = !rows_.any_moves() || change <= limit_fraction * found.cwiseAbs().maxCoeff();
+      if (same && rows_.any_moves() && locks_exceed_limits()) break;
       const bool obeys_all = same || !exceeds_limits(triggered);
       if (same || (obeys_all && !uses_any_up())) return is_indeterminate(next) ? Outcome::ambiguous : Outcome::found;
       if (obeys_all && possible.empty()) {
@@ -264,7 +291,7 @@ ContactDecision::Outcome ContactDecision::decide(const std::vector<int>& spots, 
     outcome = Outcome::ambiguous;
     break;
   }
-  if (possible.empty()) return outcome;
+  if (possible.empty()) return try_locks(vdot, next) ? Outcome::found : outcome;
   next = std::move(possible);
   problem.locks = std::move(possible_locks);
   return Outcome::found;
