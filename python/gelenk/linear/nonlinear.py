@@ -50,8 +50,8 @@ def control_system(
         parameters: values that differ from those of the scene, by name.
 
     Returns:
-        control.NonlinearIOSystem: the labels of its states, inputs and outputs have "_" for "." (drive_f), the
-        attribute `names` has the names with dots; the attribute `x0` has the states at the start.
+        control.NonlinearIOSystem: the labels of its states, inputs and outputs have "_" for "." (drive_f),
+        the attribute `names` has the names with dots; the attribute `x0` has the states at the start.
 
     Raises:
         SceneError, AssemblyError, UsageError: the scene, a name or a value is invalid; the scene has
