@@ -290,8 +290,7 @@ class PictureBuilder {
       for (const BodyShape& shape : scene_.bodies[b].shapes) draw_outline(outline(shape, poses_[b]), metal_edge, metal);
     }
     disc(center, 2, ink, ink);
-    if (scene_.joints.size() <= max_labeled_joints)
-      label(center, Vector2d(6, 16), scene_.bodies[b].name);
+    if (scene_.joints.size() <= max_labeled_joints) label(center, Vector2d(6, 16), scene_.bodies[b].name);
   }
 
   // A body without shapes: what connects its marks.

@@ -57,7 +57,8 @@ std::string squeezed(const std::string& text, int width) {
 
 double text_width(std::string_view text) {
   constexpr double em = 0.65;  // of the letters of a wide font, in font sizes
-  const auto starts = std::ranges::count_if(text, [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; });
+  const auto starts =
+      std::ranges::count_if(text, [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; });
   return em * font_size * static_cast<double>(starts);
 }
 
@@ -69,7 +70,8 @@ std::string write_svg(const Picture& picture) {
   for (const Shape& shape : picture.shapes) text += element(shape);
   for (const Label& label : picture.labels) {
     text += "<text" + attribute("x", tenths(label.at.x())) + attribute("y", tenths(label.at.y())) +
-            attribute("font-size", tenths(font_size)) + squeezed(label.text, picture.width) + ">" + escaped(label.text) + "</text>\n";
+            attribute("font-size", tenths(font_size)) + squeezed(label.text, picture.width) + ">" +
+            escaped(label.text) + "</text>\n";
   }
   return text + "</svg>\n";
 }

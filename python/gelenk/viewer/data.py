@@ -135,9 +135,7 @@ def _springs_on_ground(recording: Recording) -> list[tuple[Array, Array]]:
     return [(in_world(end), in_world(other)) for end, other in pairs if point(end)[0] == GROUND]
 
 
-def _add_rails(
-    shapes: Mapping[str, Shapes], recording: Recording, size: float
-) -> list[tuple[Array, Array]]:
+def _add_rails(shapes: Mapping[str, Shapes], recording: Recording, size: float) -> list[tuple[Array, Array]]:
     """Add the rails on which joints slide, as long as their way in this run; return the ends of those on the
     ground.
     """

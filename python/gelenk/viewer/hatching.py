@@ -49,7 +49,7 @@ def add_hatching(
     for joint in constraining_joints(scene).values():
         kind = joint_kind(joint)
         is_pin = kind["axes"] == 1 and kind["nv"] == 1 and not slides(joint)
-        if not (kind["nv"] == 0 or is_pin and abs(axis_of(joint) @ towards) > 1 - PARALLEL):
+        if not (kind["nv"] == 0 or (is_pin and abs(axis_of(joint) @ towards) > 1 - PARALLEL)):
             continue
         for body, p in map(point, (joint["parent"], joint["child"])):
             if body != GROUND or any(np.linalg.norm(p - other) < SAME for other in seen):

@@ -52,7 +52,7 @@
         let inside = pixel && pixel[0] >= 0 && pixel[1] >= 0 && pixel[0] <= orbit.width && pixel[1] <= orbit.height;
         if (inside) {
           item.x = pixel[0] + (item.lift ? item.lift : -item.width / 2);
-          // At the right edge, the label of a joint stands on the other side of the joint.
+          // At the right edge, the label of a joint is on the other side of it.
           if (item.lift && item.x + item.width > orbit.width) item.x = pixel[0] - item.lift - item.width;
           item.x = Math.max(0, Math.min(item.x, orbit.width - item.width));
           item.y = Math.max(0, Math.min(pixel[1] - item.lift - item.height / 2, orbit.height - item.height));
