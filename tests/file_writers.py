@@ -59,7 +59,8 @@ def new_and_old(kind: str, folder: Path) -> tuple[Path, Any, Any]:
         values = random_numbers.normal(size=(2, 20, 100))
         found = [xarray.Dataset({"x": (("run", "time"), x), "error": ("run", ["none"] * 20)}) for x in values]
     elif KINDS[kind] is gelenk.View.save:
-        found = [gelenk.view(scene, stop=stop) for stop in (0.05, 0.1)]
+        other = scene.with_parameters({"A.phi_start": 1.2})  # a picture shows the start
+        found = [gelenk.view(scene, stop=0.05), gelenk.view(other, stop=0.1)]
     else:
         found = [scene, gelenk.load({**scene.to_dict(), "name": "Another"})]
     path = folder / f"file.{kind}"
