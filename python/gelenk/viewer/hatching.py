@@ -64,8 +64,8 @@ def add_hatching(
         along = along - (along @ towards) * towards
         if np.linalg.norm(along) > SAME and not any(np.linalg.norm(end - p) < SAME for p in seen):
             seen.append(end)
-            across = np.cross(towards, along / np.linalg.norm(along))
-            hatching.add_line(*(end + sign * HALF_LINE * radius * across for sign in (-1, 1)), -along)
+            half = HALF_LINE * radius * np.cross(towards, along / np.linalg.norm(along))
+            hatching.add_line(end - half, end + half, -along)
 
 
 class _Hatching:
