@@ -147,7 +147,7 @@ clocks: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 
 # Half an hour.
 studies: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
-	$(BIN)/python -m pytest -n $(JOBS) -m study $(TESTS)
+	$(BIN)/python -m pytest -n $(JOBS) -o faulthandler_timeout=3600 -m study $(TESTS)
 
 # Half an hour; findings are written to build/special.txt. ARGS="--only 'random 87'" repeats one comparison.
 ARGS ?=
@@ -253,7 +253,8 @@ lock: $(VENV)/created.stamp
 
 # In an environment of its own, to which the compiled package is copied from .venv.
 LOWEST := build/lowest
-LOWEST_TESTS := tests/test_simulate.py tests/test_linearize.py tests/test_result_files.py tests/test_cli.py tests/test_help.py tests/test_yaml.py
+LOWEST_TESTS := tests/test_simulate.py tests/test_linearize.py tests/test_result_files.py tests/test_cli.py tests/test_help.py tests/test_yaml.py \
+  tests/test_complete_results.py tests/test_urdf_import.py tests/sweeps tests/learning
 lowest: $(VENV)/gelenk.stamp
 	$(BIN)/python -m venv --clear $(LOWEST)
 	$(LOWEST)/bin/python -m pip --quiet --disable-pip-version-check install --only-binary=:all: \

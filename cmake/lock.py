@@ -35,14 +35,15 @@ def requirements(project: dict[str, Any]) -> list[str]:
     return [line for line in dict.fromkeys(found) if not line.startswith("gelenk[")]
 
 
-LOWEST_EXTRAS = ("charts", "progress", "view")
-
-
 def lowest(project: dict[str, Any]) -> list[str]:
-    """Return the lowest versions that the ranges of the package and of its usual extras permit."""
-    extras = project["project"]["optional-dependencies"]
-    ranges = [*project["project"]["dependencies"], *(line for name in LOWEST_EXTRAS for line in extras[name])]
-    return [re.sub(r"^([\w.-]+)>=([\w.]+).*$", r"\1==\2", line) for line in ranges]
+    """Return the lowest versions that the ranges of the package and of its extras permit."""
+    extras = project["project"]["optional-dependencies"].values()
+    ranges = [*project["project"]["dependencies"], *(line for extra in extras for line in extra)]
+    return [
+        re.sub(r"^([\w.-]+)>=([\w.]+).*$", r"\1==\2", line)
+        for line in dict.fromkeys(ranges)
+        if not line.startswith("gelenk[")
+    ]
 
 
 def locked(report: dict[str, Any]) -> Iterator[str]:

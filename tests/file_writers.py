@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Writers of all kinds of files, killed or stopped by a full disk; as a program: how often what remained.
+"""Writers of all kinds of files, killed, stopped by a full disk, or two at once.
 
-python file_writers.py (kills | full) KIND COUNT FOLDER
+As a program: what remained how often.
+
+python file_writers.py (kills | full | two) KIND COUNT FOLDER
 """
 
 from __future__ import annotations
@@ -57,7 +59,8 @@ def new_and_old(kind: str, folder: Path) -> tuple[Path, Any, Any]:
         values = random_numbers.normal(size=(2, 20, 100))
         found = [xarray.Dataset({"x": (("run", "time"), x), "error": ("run", ["none"] * 20)}) for x in values]
     elif KINDS[kind] is gelenk.View.save:
-        found = [gelenk.view(scene, stop=stop) for stop in (0.05, 0.1)]
+        other = scene.with_parameters({"A.phi_start": 1.2})  # a picture shows the start
+        found = [gelenk.view(scene, stop=0.05), gelenk.view(other, stop=0.1)]
     else:
         found = [scene, gelenk.load({**scene.to_dict(), "name": "Another"})]
     path = folder / f"file.{kind}"
@@ -95,8 +98,12 @@ class _Case:
         self.folder = folder
         self.path, self.old, self.new = new_and_old(kind, folder)
         self.before = self.path.read_bytes()
-        start = time.perf_counter()
-        KINDS[kind](self.new, self.path)
+
+        def writing() -> None:
+            KINDS[kind](self.new, self.path)
+
+        start = time.perf_counter()  # of a process as those that are killed
+        os.waitpid(_in_a_child(writing), 0)
         self.seconds = time.perf_counter() - start
         self.size = self.path.stat().st_size
 
@@ -159,7 +166,40 @@ def full(kind: str, count: int, folder: Path) -> Counter[str]:
     return outcomes
 
 
+def two(kind: str, count: int, folder: Path) -> Counter[str]:
+    """Let two processes write one file, each so often; count what is found in it meanwhile."""
+    case = _Case(kind, folder)
+    after = case.path.read_bytes()
+    expected, sizes = {case.before, after}, {len(case.before), len(after)}
+    time.sleep(1.1)  # files of MATLAB, of HDF5 and SVG contain the time in seconds
+    is_reproducible = contents(kind, case.path, case.new) == after
+
+    def found() -> str:
+        content = case.path.read_bytes()
+        if content in expected or (not is_reproducible and len(content) in sizes):
+            return "whole"
+        return f"{len(content)} of {sizes} bytes"
+
+    def writing(what: Any) -> None:
+        for _ in range(count):
+            KINDS[kind](what, case.path)
+
+    outcomes: Counter[str] = Counter()
+    children = [_in_a_child(functools.partial(writing, what)) for what in (case.old, case.new)]
+    while children:
+        outcomes[found()] += 1
+        for child in list(children):
+            ended, status = os.waitpid(child, os.WNOHANG)
+            if ended:
+                children.remove(child)
+                outcomes[f"ended with {status}"] += 1
+    left = [file.name for file in folder.iterdir()]
+    outcomes[f"files {left}"] += 1
+    outcomes[found()] += 1
+    return outcomes
+
+
 if __name__ == "__main__":
     job, kind, count, folder = sys.argv[1:]
     random.seed(0)
-    print(json.dumps({"kills": kills, "full": full}[job](kind, int(count), Path(folder))))
+    print(json.dumps({"kills": kills, "full": full, "two": two}[job](kind, int(count), Path(folder))))

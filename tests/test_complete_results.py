@@ -83,6 +83,8 @@ def test_other_programs_read_the_numbers(result: gelenk.Result, tmp_path: Path) 
     table = arrow.read_csv(path)
     assert {str(column) for column in table.schema.types} == {"double"}
     assert table["time"].to_numpy().tobytes() == rows[:, 0].tobytes()
+    for engine in ("python", "pyarrow"):
+        assert pandas.read_csv(path, engine=engine)["time"].to_numpy().tobytes() == rows[:, 0].tobytes()
 
 
 @pytest.mark.parametrize(
@@ -118,4 +120,7 @@ def test_a_command_says_on_one_line_what_is_missing(tmp_path: Path) -> None:
     path.write_text(RESULTS["short"].csv()[:-4])
     done = CliRunner().invoke(app, ["plot", str(path), "A.phi", "-o", str(tmp_path / "x.png")])
     assert done.exit_code == 0
-    assert done.stderr == f"{path}: was cut off after line 3; what follows is missing\n"
+    said = [
+        line for line in done.output.splitlines() if str(path) in line
+    ]  # older versions of click mix both
+    assert said == [f"{path}: was cut off after line 3; what follows is missing"]

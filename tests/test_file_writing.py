@@ -21,6 +21,7 @@ from gelenk.file_writing import LONGEST_ENDING, is_draft, replacing, write_bytes
 
 KILLS, STUDY_KILLS = 15, 200  # of each kind
 FULL_DISKS, STUDY_FULL_DISKS = 6, 50
+TWO, STUDY_TWO = 5, 60  # repetitions of two writers
 
 
 def run(job: str, kind: str, count: int, folder: Path) -> dict[str, int]:
@@ -75,6 +76,25 @@ def test_two_hundred_kills_and_fifty_full_disks(kind: str, tmp_path: Path) -> No
     assert set(counts) == {"old", "new"}
     (tmp_path / "full").mkdir()
     assert run("full", kind, STUDY_FULL_DISKS, tmp_path / "full") == {"old": STUDY_FULL_DISKS}
+
+
+def assert_two_writers_agree(kind: str, repetitions: int, folder: Path) -> int:
+    """Return how often the file was read while two processes wrote it, always one of both."""
+    counts = run("two", kind, repetitions, folder)
+    found = counts.pop("whole")
+    assert counts == {"ended with 0": 2, f"files {[f'file.{kind}']}": 1}
+    return found
+
+
+@pytest.mark.parametrize("kind", ["csv", "fmu", "png"])
+def test_two_processes_that_write_one_file_are_no_error(kind: str, tmp_path: Path) -> None:
+    assert assert_two_writers_agree(kind, TWO, tmp_path) > 1
+
+
+@pytest.mark.study
+@pytest.mark.parametrize("kind", KINDS)
+def test_two_processes_write_one_file_sixty_times_each(kind: str, tmp_path: Path) -> None:
+    assert assert_two_writers_agree(kind, STUDY_TWO, tmp_path) > STUDY_TWO
 
 
 @pytest.mark.parametrize("kind", ["csv", "fmu", "yaml"])

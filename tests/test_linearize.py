@@ -38,7 +38,7 @@ def test_what_comes_back_is_a_state_space_of_python_control(cart_pole: Path) -> 
     assert isinstance(found, control.StateSpace)
     assert found.name == "CartPole"
     assert found.dt == 0  # continuous
-    assert found.state_labels == ["track.s", "hinge.phi", "track.v", "hinge.w"]
+    assert found.state_labels == ["track_s", "hinge_phi", "track_v", "hinge_w"]
     assert found.input_labels == ["drive_f"]
     assert found.output_labels == ["track_s", "track_v", "track_a", "hinge_phi", "hinge_w", "hinge_a"]
     numbers = linear_model(cart_pole, at=UPRIGHT)

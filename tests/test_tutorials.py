@@ -60,7 +60,7 @@ def wheels(empty_folder: Path, root: Path, capsys: pytest.CaptureFixture[str]) -
 def test_tutorial_with_wheels_stands_and_follows_the_line(wheels: dict[str, Any]) -> None:
     """Numbers of the page, to the digits they have there."""
     lines = wheels["told"].splitlines()
-    assert lines[0] == str(wheels["plant"].state_labels)
+    assert lines[0] == str(wheels["plant"].names.states)
     assert float(lines[1]) == pytest.approx(7.3, abs=0.05)
     ranks = [line for line in lines if line in {"6", "7"}]
     assert ranks == ["6", "6", "7"]

@@ -8,7 +8,6 @@
 #include <cstring>
 #include <fstream>
 #include <iterator>
-#include <random>
 #include <set>
 #include <string_view>
 #include <system_error>
@@ -16,6 +15,7 @@
 
 #include "fmu/export/file_name.h"
 #include "fmu/export/picture.h"
+#include "fmu/export/write_file.h"
 #include "fmu/export/write_page.h"
 #include "fmu/export/zip.h"
 #include "mechanism/wanted_part.h"
@@ -122,41 +122,6 @@ std::vector<double> poses_of_bodies(Simulation& simulation) {
   return out;
 }
 
-// A temporary file next to its final location, deleted unless it is moved there. Two processes may write the same FMU.
-class DraftFile {
- public:
-  explicit DraftFile(fs::path final_path) : final_(std::move(final_path)), draft_(final_) {
-    std::random_device random;
-    draft_ += "." + std::to_string(random()) + std::to_string(random()) + ".part";
-  }
-  DraftFile(const DraftFile&) = delete;
-  DraftFile& operator=(const DraftFile&) = delete;
-  ~DraftFile() {
-    std::error_code none;
-    if (!moved_) fs::remove(draft_, none);
-  }
-  void write(const std::string& bytes) {
-    std::ofstream file(draft_, std::ios::binary | std::ios::trunc);
-    file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-    file.close();
-    if (!file) fail(std::strerror(errno));
-  }
-  void move() {
-    std::error_code error;
-    fs::rename(draft_, final_, error);
-    if (error) fail(error.message());
-    moved_ = true;
-  }
-
- private:
-  void fail(const std::string& why) const {
-    throw ExportError(final_.string() + ": the FMU could not be written: " + why);
-  }
-  fs::path final_;
-  fs::path draft_;
-  bool moved_ = false;
-};
-
 }  // namespace
 
 void export_fmu(const Scene& scene, const std::vector<Runtime>& runtimes, const fs::path& out, const fs::path& licenses,
@@ -185,9 +150,11 @@ void export_fmu(const Scene& scene, const std::vector<Runtime>& runtimes, const 
           write_documentation(simulation, catalog, {picture, !page.empty(), part.report()}));
   if (!page.empty()) zip.add("documentation/view.html", page);
   add_licenses(zip, directories_of_licenses(licenses, runtimes));
-  DraftFile draft(out);
-  draft.write(zip.finish());
-  draft.move();
+  try {
+    write_file(out, zip.finish());
+  } catch (const std::system_error& error) {
+    throw ExportError(out.string() + ": the FMU could not be written: " + error.code().message());
+  }
 }
 
 }  // namespace gelenk

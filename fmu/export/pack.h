@@ -29,7 +29,7 @@ struct Runtime {
   std::filesystem::path file;  // .so, .dll or .dylib; with .gz if it is compressed
 };
 
-// Writes the FMU to `out`, completely or not at all. The same arguments give the same bytes.
+// Writes the FMU to `out`, completely or not at all, as write_file() does. The same arguments give the same bytes.
 //   runtimes  since they are nearly all of an FMU, precompressed files are accepted and not compressed again. The files
 //             in the folder `licenses` beside a runtime are copied to documentation/licenses
 //   licenses  directory whose files are copied there for all platforms; empty: none

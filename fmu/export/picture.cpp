@@ -35,6 +35,8 @@ std::vector<Pose3> poses_of(Simulation& simulation) {
   return out;
 }
 
+constexpr double text_margin = 4;  // pixels
+
 // Whether a joint is drawn: one with six degrees of freedom constrains nothing.
 bool constrains(const Joint& joint) { return find_joint_kind(joint.type)->nv < 6; }
 
@@ -212,6 +214,20 @@ class PictureBuilder {
     const Vector2d at = on_paper(in_world(frame));
     polygon({at, at + Vector2d(-11, 18), at + Vector2d(11, 18)}, earth, {232, 232, 232});
     line({at + Vector2d(-17, 19), at + Vector2d(17, 19)}, 3, earth);
+    for (int i = 0; i < 5; ++i) {
+      const Vector2d top = at + Vector2d(-10 + 6.5 * i, 20);
+      line({top, top + Vector2d(-6, 7)}, 1.5, earth);
+    }
+  }
+
+  // Beside a point, to its right; at the right edge, to its left. No label is cut off.
+  void label(const Vector2d& at, const Vector2d& offset, const std::string& text) {
+    const double width = text_width(text);
+    Vector2d place = at + offset;
+    if (place.x() + width > picture_.width - text_margin) place.x() = at.x() - offset.x() - width;
+    place.x() = std::max(std::min(place.x(), picture_.width - text_margin - width), text_margin);
+    place.y() = std::clamp(place.y(), text_margin + font_size, picture_.height - text_margin);
+    picture_.labels.push_back({place, text});
   }
 
   Outline outline(const BodyShape& shape, const Pose3& X_WB) const {
@@ -274,8 +290,7 @@ class PictureBuilder {
       for (const BodyShape& shape : scene_.bodies[b].shapes) draw_outline(outline(shape, poses_[b]), metal_edge, metal);
     }
     disc(center, 2, ink, ink);
-    if (scene_.joints.size() <= max_labeled_joints)
-      picture_.labels.push_back({center + Vector2d(6, 16), scene_.bodies[b].name});
+    if (scene_.joints.size() <= max_labeled_joints) label(center, Vector2d(6, 16), scene_.bodies[b].name);
   }
 
   // A body without shapes: what connects its marks.
@@ -330,7 +345,7 @@ class PictureBuilder {
     } else {
       disc(at, 6, ink, fill);
     }
-    if (scene_.joints.size() <= max_labeled_joints) picture_.labels.push_back({at + Vector2d(9, -9), joint.name});
+    if (scene_.joints.size() <= max_labeled_joints) label(at, Vector2d(9, -9), joint.name);
   }
 
   void draw_gravity() {
@@ -341,7 +356,7 @@ class PictureBuilder {
     const Vector2d from(24, 20);
     line({from, from + 0.8 * along}, 2, earth);
     polygon({from + along, from + 0.7 * along + aside, from + 0.7 * along - aside}, earth, earth);
-    picture_.labels.push_back({from + Vector2d(8, 12), "g"});
+    label(from, Vector2d(8, 12), "g");
   }
 
   const Scene& scene_;

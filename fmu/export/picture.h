@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "fmu/export/zip.h"
@@ -35,6 +36,11 @@ struct Picture {
   std::vector<Shape> shapes;  // from back to front
   std::vector<Label> labels;
 };
+
+constexpr double font_size = 13;  // pixels; of labels
+
+// The width of a label in pixels, at most: fonts differ.
+double text_width(std::string_view text);
 
 // Draws the bodies of an assembled simulation at their present positions, in their plane or seen obliquely from above.
 Picture draw(Simulation& simulation);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <array>
 #include <cstdio>
 
@@ -45,7 +46,21 @@ std::string element(const Shape& shape) {
          attribute("stroke-linecap", "round") + attribute("stroke-linejoin", "round") + style;
 }
 
+// An attribute for labels that are longer than the picture is wide.
+std::string squeezed(const std::string& text, int width) {
+  constexpr double margins = 8;  // pixels
+  if (text_width(text) <= width - margins) return "";
+  return attribute("textLength", tenths(width - margins)) + attribute("lengthAdjust", "spacingAndGlyphs");
+}
+
 }  // namespace
+
+double text_width(std::string_view text) {
+  constexpr double em = 0.65;  // of the letters of a wide font, in font sizes
+  const auto starts =
+      std::ranges::count_if(text, [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; });
+  return em * font_size * static_cast<double>(starts);
+}
 
 std::string write_svg(const Picture& picture) {
   std::string text =
@@ -55,7 +70,8 @@ std::string write_svg(const Picture& picture) {
   for (const Shape& shape : picture.shapes) text += element(shape);
   for (const Label& label : picture.labels) {
     text += "<text" + attribute("x", tenths(label.at.x())) + attribute("y", tenths(label.at.y())) +
-            attribute("font-size", "13") + ">" + escaped(label.text) + "</text>\n";
+            attribute("font-size", tenths(font_size)) + squeezed(label.text, picture.width) + ">" +
+            escaped(label.text) + "</text>\n";
   }
   return text + "</svg>\n";
 }

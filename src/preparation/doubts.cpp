@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "preparation/doubts.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "joint/registry.h"
 #include "preparation/report.h"
 #include "preparation/start.h"
+#include "scene/quantity_groups.h"
 #include "util/text.h"
 
 namespace gelenk {
@@ -36,12 +38,24 @@ std::string describe_equal(const Scene& scene, const ReducedScene& reduced, int 
   return describe_equal_assemblies(scene, name, taken, other);
 }
 
+bool is_set(const JointStart& start, std::size_t k) { return k < start.q_set.size() && start.q_set[k]; }
+
+// Whether parameters set start positions of an island: the guesses of the file are then those for another start, and
+// are expected to follow.
+bool is_any_set(const Scene& scene, const Mechanism& island) {
+  return std::ranges::any_of(island.joints, [&](int j) {
+    const std::vector<bool>& set = scene.joints[j].start.q_set;
+    return std::ranges::find(set, true) != set.end();
+  });
+}
+
 // Describes a guess of another position than that in which the mechanism starts. Positions of free bodies, which are
 // sketched roughly, do not count.
 std::string describe_changed_guess(const Scene& scene, const ReducedScene& reduced, int island, const Assembled& found,
                                    const Dynamics& dynamics) {
   double max_change = 0.1;  // rad, natural units of length: beyond, assembly looks for other positions
   if (found.moved <= max_change) return {};
+  const bool only_set = is_any_set(scene, reduced.islands[island]);
   std::string out;
   for (const int j : reduced.islands[island].joints) {
     const Joint& joint = scene.joints[j];
@@ -51,7 +65,7 @@ std::string describe_changed_guess(const Scene& scene, const ReducedScene& reduc
     if ((role != JointPlace::Role::tree && role != JointPlace::Role::cut) || kind.has_quaternion()) continue;
     const std::vector<double> q = coordinates_of(scene, reduced, j, found.q, dynamics);
     for (std::size_t k = 0; k < q.size(); ++k) {
-      if (!guess.q_given[k] || guess.q_fixed[k]) continue;
+      if (!guess.q_given[k] || guess.q_fixed[k] || (only_set && !is_set(guess, k))) continue;
       const bool angle = kind.q[k].unit == "rad";
       const double change = angle ? std::remainder(q[k] - guess.q[k], 2 * std::numbers::pi) : q[k] - guess.q[k];
       if (std::abs(change) <= max_change) continue;
@@ -59,12 +73,14 @@ std::string describe_changed_guess(const Scene& scene, const ReducedScene& reduc
       const auto shown = [&](double x) {
         return text::with_unit(text::rounded(scene.units.size_of(kind.q[k].unit) * x), kind.q[k].unit);
       };
-      out = "joints." + joint.name + ".start." + std::string(kind.q[k].name) + ": found " + shown(guess.q[k]) +
-            ", a guess with which the loops cannot be closed, expected one near " + shown(guess.q[k] + change) +
-            ", which is used; gelenk assemblies lists all positions";
+      out = (only_set ? start_parameter(joint.name, kind.q[k].name)
+                      : "joints." + joint.name + ".start." + std::string(kind.q[k].name)) +
+            ": found " + shown(guess.q[k]) + ", a guess with which the loops cannot be closed, expected one near " +
+            shown(guess.q[k] + change) + ", which is used; " +
+            (only_set ? joint.name + ".fixed keeps it exactly" : "gelenk assemblies lists all positions");
     }
   }
-  return out.empty() || scene.file.empty() ? out : scene.file + ": " + out;
+  return out.empty() || scene.file.empty() || only_set ? out : scene.file + ": " + out;
 }
 
 }  // namespace

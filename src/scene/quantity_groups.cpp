@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scene/quantity_groups.h"
 
+#include <algorithm>
+
 namespace gelenk {
 
 std::vector<QuantityGroup> groups(std::span<const Quantity> quantities) {
@@ -18,6 +20,11 @@ std::vector<QuantityGroup> groups(std::span<const Quantity> quantities) {
     out.push_back({base, std::string(unit), std::string(quantities[i].description), i, 1, array});
   }
   return out;
+}
+
+std::string start_parameter(const std::string& joint, std::string_view quantity) {
+  const std::size_t bracket = std::min(quantity.find('['), quantity.size());
+  return joint + "." + std::string(quantity.substr(0, bracket)) + "_start" + std::string(quantity.substr(bracket));
 }
 
 JointStart free_start(const JointKind& kind) {

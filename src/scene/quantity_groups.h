@@ -4,6 +4,7 @@
 
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "joint/kind.h"
@@ -22,6 +23,9 @@ struct QuantityGroup {
 };
 // Groups the coordinates or velocities of a joint.
 std::vector<QuantityGroup> groups(std::span<const Quantity> quantities);
+
+// The parameter that sets a start value: "phi" -> "A.phi_start", "Q[2]" -> "S.Q_start[2]".
+std::string start_parameter(const std::string& joint, std::string_view quantity);
 
 inline constexpr double default_start_weight = 1;  // weight of a guess if the file gives none
 

@@ -57,6 +57,7 @@ struct Body {
 struct JointStart {
   std::vector<double> q, v;
   std::vector<bool> q_given, v_given;  // given in the file
+  std::vector<bool> q_set;             // set as parameters after the file was read; empty: none
   std::vector<bool> q_fixed, v_fixed;  // kept exactly by assembly; only given values can be fixed
   // Weights of guesses: factors of the squared changes in the sum that assembly minimizes [1/rad2, 1/m2, (s/rad)2,
   // (s/m)2].

@@ -129,6 +129,10 @@ Scene read_scene_json(std::string_view text, const std::string& file) {
   return read_scene_json(text, file, warnings);
 }
 
-Scene checked(const Scene& scene) { return read_scene_json(write_scene_json(scene), scene.file); }
+Scene checked(const Scene& scene) {
+  Scene out = read_scene_json(write_scene_json(scene), scene.file);
+  for (std::size_t j = 0; j < out.joints.size(); ++j) out.joints[j].start.q_set = scene.joints[j].start.q_set;
+  return out;
+}
 
 }  // namespace gelenk

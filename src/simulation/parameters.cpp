@@ -12,6 +12,7 @@
 #include "formulation/formulation.h"
 #include "integrator/integrator.h"
 #include "joint/registry.h"
+#include "scene/quantity_groups.h"
 #include "scene/settable.h"
 #include "scene/words.h"
 #include "util/text.h"
@@ -57,12 +58,6 @@ Parameter parameter_of(const Scene& scene, const SettableNumber& number) {
   return p;
 }
 
-// "phi" -> "A.phi_start", "Q[2]" -> "S.Q_start[2]".
-std::string start_name(const std::string& joint, std::string_view quantity) {
-  const std::size_t bracket = std::min(quantity.find('['), quantity.size());
-  return joint + "." + std::string(quantity.substr(0, bracket)) + "_start" + std::string(quantity.substr(bracket));
-}
-
 bool is_fixed(const JointStart& start) {
   const auto any = [](const std::vector<bool>& flags) { return std::ranges::find(flags, true) != flags.end(); };
   return any(start.q_fixed) || any(start.v_fixed);
@@ -95,7 +90,7 @@ Parameter start_value(const std::string& joint, std::size_t j, std::span<const Q
   const Quantity& quantity = quantities[i];
   const IndexRange array = array_around(quantities, i);
   Parameter p;
-  p.name = start_name(joint, quantity.name);
+  p.name = start_parameter(joint, quantity.name);
   p.unit = quantity.unit;
   p.description = joint + ": start value (exact if " + joint + ".fixed, otherwise an initial guess) of " +
                   std::string(quantity.description);
@@ -107,6 +102,8 @@ Parameter start_value(const std::string& joint, std::size_t j, std::span<const Q
     JointStart& start = scene.joints[j].start;
     const bool fixed = is_fixed(start);
     (speed ? start.v : start.q)[i] = value;
+    if (!speed) start.q_set.resize(start.q.size());
+    if (!speed) start.q_set[i] = true;
     for (std::size_t k = array.first; k < array.last; ++k) {  // an array is given or fixed as a whole
       (speed ? start.v_given : start.q_given)[k] = true;
       if (fixed) (speed ? start.v_fixed : start.q_fixed)[k] = true;

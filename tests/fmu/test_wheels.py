@@ -137,7 +137,7 @@ def test_heading_that_no_state_tells_is_left_out_by_name() -> None:
     """Four wheels of a rigid cart hold two turns of its quaternion; nothing depends on its heading."""
     with pytest.warns(gelenk.OperatingPointWarning, match=r"left out: flight\.theta\[3\]"):
         model = gelenk.linearize(PLANTS["four wheels"][0]())
-    assert "flight.theta[3]" not in model.state_labels
+    assert "flight.theta[3]" not in model.names.states
 
 
 @pytest.mark.parametrize("name", SMOOTH)

@@ -7,6 +7,7 @@ NB_MODULE(native_units, m) {
   native::bind_contacts(m);
   native::bind_descent(m);
   native::bind_factors(m);
+  native::bind_files(m);
   native::bind_laws(m);
   native::bind_rotations(m);
   native::bind_shapes(m);

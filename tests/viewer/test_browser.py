@@ -109,3 +109,53 @@ def test_keys(four_bar: gelenk.Scene, tmp_path: Path, browser: Browser) -> None:
     browser.press(" ")
     assert not browser.run("return gelenk.playing")
     assert browser.errors() == []
+
+
+def screenshot(browser: Browser) -> np.ndarray:
+    Image = pytest.importorskip("PIL.Image", reason="Pillow is not installed")
+    return np.asarray(Image.open(io.BytesIO(browser.picture())).convert("RGB"), float)
+
+
+def test_arrows_are_seen_through_bodies(tmp_path: Path, browser: Browser) -> None:
+    """A load and a reaction that act inside of a block of 1 m: without, nothing of them was seen."""
+    block = {"mass": 2.0, "shapes": {"hull": {"box": [1.0, 1.0, 1.0]}}}
+    source = {
+        "gelenk": 1, "name": "block", "gravity": [0, 0, 0], "bodies": {"block": block},
+        "joints": {"J": {"type": "prismatic", "parent": "ground", "child": "block", "axis": [0, 0, 1]}},
+        "forces": {
+            "push": {"type": "wrench", "body": "block", "position": [0, 0, -0.4], "force": [0.2, 0, 0.3]}
+        },
+    }  # fmt: skip
+    browser.open(gelenk.view(source, stop=0.0, reactions=True).save(tmp_path / "block.html"))
+    for element in ("labels", "legend"):
+        browser.run(f"document.getElementById({element!r}).style.visibility = 'hidden'")
+    plain = screenshot(browser)
+    browser.press("v")
+    browser.wait("return !document.getElementById('legend').hidden")
+    x, y = (round(c) for c in browser.run("return gelenk.project('block')"))
+    changed = np.abs(screenshot(browser) - plain).max(axis=2)[y - 60 : y + 60, x - 60 : x + 60] > 40
+    assert changed.sum() > 200  # pixels
+    assert browser.errors() == []
+
+
+def test_labels_are_within_the_picture(root: Path, tmp_path: Path, browser: Browser) -> None:
+    """The labels of joints begin at the joint, those of bodies are centered on it: at the edge, both were
+    cut off.
+    """
+    data = gelenk.load(root / "scenes" / "four_bar.yaml").to_dict()
+    data.pop("parameters")
+    joints = {"D": "bearing_of_the_rocker", "A": "bearing_of_the_crank"}
+    data["joints"] = {joints.get(name, name): joint for name, joint in data["joints"].items()}
+    for motor in data["motors"].values():
+        motor["joint"] = joints.get(motor["joint"], motor["joint"])
+    browser.open(gelenk.view(data, stop=0.0).save(tmp_path / "four_bar.html"))
+    visible = browser.run("""
+        const stage = document.getElementById("labels").getBoundingClientRect();
+        return [...document.querySelectorAll(".label")]
+          .filter((label) => label.style.visibility === "visible")
+          .map((label) => [label.textContent, label.getBoundingClientRect()])
+          .map(([text, box]) => [text, box.left - stage.left, stage.right - box.right,
+                                 box.top - stage.top, stage.bottom - box.bottom]);
+    """)
+    assert {"bearing_of_the_rocker", "bearing_of_the_crank"} <= {row[0] for row in visible}
+    assert all(room >= 0 for _, *rooms in visible for room in rooms), visible

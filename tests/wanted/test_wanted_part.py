@@ -194,7 +194,7 @@ def test_linear_model_of_the_fmu_has_all_states(fmu: Path) -> None:
     source = gelenk.load(two_on_one_table())
     model = gelenk.linearize(fmu)
     whole = gelenk.linearize(source)
-    assert model.state_labels == ["L.phi", "L.w"]
+    assert model.state_labels == ["L_phi", "L_w"]
     assert model.output_labels == ["L_a", "where_r[1]", "where_r[2]", "where_r[3]"]
     x = [whole.state_labels.index(n) for n in model.state_labels]
     y = [whole.output_labels.index(n) for n in model.output_labels]

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import logging
+import re
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -19,7 +20,7 @@ from gelenk.linear.minimal_realization import (
     check_complete,
     chosen_states,
 )
-from gelenk.linear.model import LinearModel
+from gelenk.linear.model import LinearModel, with_dots
 from gelenk.linear.operating_point import At, Mechanism, OperatingPoint
 from gelenk.linear.state_basis import completed, dependencies, transformed
 from gelenk.model.values import Value, check_names
@@ -76,7 +77,9 @@ def linearize(
             "sliding": all move, those at rest against a constant friction. "off": there is no friction.
 
     Returns:
-        control.StateSpace: with the state names of Gelenk, and inputs and outputs with "_" for "." (drive_f).
+        control.StateSpace: the labels of its states, inputs and outputs have "_" for "." (drive_f); its
+        attribute `names` has the names with dots, which are those in the FMU, as `names.states`,
+        `names.inputs` and `names.outputs`. Arguments may be names or labels.
 
     Warns:
         OperatingPointWarning: the point is not an equilibrium; the warning gives the rates of the states. Or
@@ -90,7 +93,9 @@ def linearize(
 
     >>> model = gelenk.linearize("scenes/cart_pole.yaml", at={"hinge.phi": 0}, outputs=["hinge.phi"])
     >>> model.state_labels, model.input_labels, model.output_labels
-    (['track.s', 'hinge.phi', 'track.v', 'hinge.w'], ['drive_f'], ['hinge_phi'])
+    (['track_s', 'hinge_phi', 'track_v', 'hinge_w'], ['drive_f'], ['hinge_phi'])
+    >>> model.names.states
+    ('track.s', 'hinge.phi', 'track.v', 'hinge.w')
     """
     point = OperatingPoint.given(source, at, input_values, parameters, tolerance)
     model = model_at(point, inputs, outputs, states, friction)
@@ -155,6 +160,9 @@ def model_at(
     plant = open_plant(point.source, (), whole=outputs is not None)
     try:
         reached = point.reach(plant)
+        if states is not None:
+            rotations = [re.sub(r"\.Q(?=\[[123]\]$)", ".theta", name) for name in plant.readings]
+            states = with_dots(states, list(dict.fromkeys([*plant.readings, *rotations])))
         found = plant.derivatives(states or (), friction)
     finally:
         plant.close()
@@ -195,7 +203,7 @@ def _assembled(
     with_idle: bool,
 ) -> LinearModel:
     u = _selected(inputs, found.inputs, "input")
-    y = _selected(None if outputs is None else expanded(outputs, found.outputs), found.outputs, "output")
+    y = _selected(outputs, found.outputs, "output")
     undetermined = found.undetermined_outputs()
     if outputs is None:
         y = tuple(name for name in y if name not in undetermined)
@@ -281,7 +289,8 @@ def _selected(wanted: Names | None, known: Names, what: str) -> tuple[str, ...]:
     if isinstance(wanted, Mapping):
         values = "; values of inputs are `input_values`" if what == "input" else ""
         raise UsageError(f"{what}s: found values by name, expected names{values}")
-    if isinstance(wanted, str):
-        wanted = [wanted]
+    wanted = with_dots([wanted] if isinstance(wanted, str) else wanted, known)
+    if what == "output":
+        wanted = expanded(wanted, known)
     check_names(wanted, known, what)
     return tuple(wanted)

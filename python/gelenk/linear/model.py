@@ -30,6 +30,31 @@ CANCELLATION_TOLERANCE = 1e-12  # of a sum relative to its terms: rounding error
 
 
 @dataclass(frozen=True)
+class SignalNames:
+    """The names that the scene and the FMU have for the signals of a system of python-control, in its order.
+
+    python-control allows no dots in names of inputs and outputs, so that all its labels have `_` for `.`.
+
+    Attributes:
+        states: names of the states: "hinge.phi", where `state_labels` has "hinge_phi".
+        inputs: names of the inputs.
+        outputs: names of the outputs.
+    """
+
+    states: tuple[str, ...]
+    inputs: tuple[str, ...]
+    outputs: tuple[str, ...]
+
+    def labels(self) -> dict[str, list[str]]:
+        """Return the labels in python-control, as the arguments `states`, `inputs` and `outputs` of systems.
+
+        Raises:
+            UsageError: two names are equal without their dots.
+        """
+        return {key: without_dots(names, key) for key, names in vars(self).items()}
+
+
+@dataclass(frozen=True)
 class LinearModel:
     """A linear model dx/dt = rates + A (x - x0) + B (u - u0), y = y0 + C (x - x0) + D (u - u0), in SI units.
 
@@ -87,7 +112,8 @@ class LinearModel:
     def to_control(self) -> control.StateSpace:
         """Return the model as a `StateSpace` of python-control.
 
-        Names of inputs and outputs have `_` for `.`, because python-control does not allow dots in them.
+        Its labels of states, inputs and outputs have `_` for `.`, because python-control does not allow dots
+        in those of inputs and outputs; its attribute `names` has the names with dots.
 
         Raises:
             UsageError: python-control is not installed, or two names are equal without their dots.
@@ -96,17 +122,20 @@ class LinearModel:
             import control
         except ImportError as e:
             raise UsageError(f"linear models require python-control, which cannot be imported: {e}") from None
-        inputs, outputs = without_dots(self.inputs, "inputs"), without_dots(self.outputs, "outputs")
+        names = SignalNames(self.states, self.inputs, self.outputs)
+        labels = names.labels()
         # python-control treats a matrix of shape (1, 0) as one of shape (0, 0). A model without inputs is
         # therefore created with an input that has no effect, which is then removed.
-        B, D = (M if inputs else np.zeros((len(M), 1)) for M in (self.B, self.D))
+        B, D = (M if self.inputs else np.zeros((len(M), 1)) for M in (self.B, self.D))
         out = control.StateSpace(
             self.A, B, self.C, D, name=self.name.replace(".", "_") or None, dt=0,
-            states=list(self.states), inputs=inputs or 1, outputs=outputs, remove_useless_states=False,
+            states=labels["states"], inputs=labels["inputs"] or 1, outputs=labels["outputs"],
+            remove_useless_states=False,
         )  # fmt: skip
-        if not inputs:
+        if not self.inputs:
             out.B, out.D = self.B.copy(), self.D.copy()
-            out.set_inputs(inputs)
+            out.set_inputs([])
+        out.names = names
         # In notebooks: the operating point and the names of the scene, which python-control lacks.
         out._repr_html_ = self._repr_html_
         return out
@@ -196,6 +225,25 @@ def equilibrium_rate_bounds(A: Array, sizes: Array) -> Array:
 def _exceeds_rounding(sums: Any, terms: Any) -> bool:
     """Whether any of these sums exceeds the rounding error of terms of this magnitude."""
     return bool((np.abs(sums) > EQUILIBRIUM_RATE_TOLERANCE + CANCELLATION_TOLERANCE * terms).any())
+
+
+def with_dots(wanted: Sequence[str], known: Sequence[str]) -> list[str]:
+    """Return names for which labels of python-control may be given: "hinge_phi" for "hinge.phi".
+
+    Args:
+        wanted: names and labels.
+        known: all names; those that are no names, nor the label of exactly one, are returned as they are.
+    """
+    exact = set(known)
+    by_label: dict[str, list[str]] = {}
+    for name in known:
+        by_label.setdefault(name.replace(".", "_"), []).append(name)
+
+    def name_of(label: str) -> str:
+        found = by_label.get(label, ())
+        return label if label in exact or len(found) != 1 else found[0]
+
+    return [name_of(label) for label in wanted]
 
 
 def without_dots(names: Sequence[str], what: str) -> list[str]:

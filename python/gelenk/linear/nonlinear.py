@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gelenk.errors import UsageError
-from gelenk.linear.model import without_dots
+from gelenk.linear.model import SignalNames, with_dots
 from gelenk.model.scene import Source, load
 from gelenk.model.values import Value, check_names
 from gelenk.simulation.inputs import is_motion
@@ -50,8 +50,8 @@ def control_system(
         parameters: values that differ from those of the scene, by name.
 
     Returns:
-        control.NonlinearIOSystem: its inputs and outputs have "_" for "." (drive_f); the attribute `x0` has
-        the states at the start.
+        control.NonlinearIOSystem: the labels of its states, inputs and outputs have "_" for "." (drive_f),
+        the attribute `names` has the names with dots; the attribute `x0` has the states at the start.
 
     Raises:
         SceneError, AssemblyError, UsageError: the scene, a name or a value is invalid; the scene has
@@ -62,15 +62,16 @@ def control_system(
 
     loaded = load(scene).with_parameters(dict(parameters or {}))
     known = [signal.name for signal in Simulation(loaded.with_outputs(None)).outputs]
-    names = expanded(outputs, known) if outputs is not None else [s.name for s in Simulation(loaded).outputs]
+    names = [s.name for s in Simulation(loaded).outputs] if outputs is None else with_dots(outputs, known)
+    names = expanded(names, known)
     check_names(names, known, "output")
     equations = Equations(loaded.with_outputs(names) if names else loaded, inputs, names)
+    signals = SignalNames(equations.states, equations.inputs, tuple(names))
     system = control.NonlinearIOSystem(
         lambda t, x, u, _: equations.rates(t, x, u), lambda t, x, u, _: equations.outputs(t, x, u),
-        inputs=without_dots(equations.inputs, "inputs"), outputs=without_dots(names, "outputs"),
-        states=list(equations.states), name=loaded.name or "scene", dt=0,
+        name=loaded.name or "scene", dt=0, **signals.labels(),
     )  # fmt: skip
-    system.x0 = equations.start
+    system.names, system.x0 = signals, equations.start
     return system
 
 
@@ -90,7 +91,7 @@ class Equations:
         """
         self._plant = plant = Simulation(scene)
         every = [signal.name for signal in plant.inputs]
-        self.inputs = tuple(every if inputs is None else inputs)
+        self.inputs = tuple(every if inputs is None else with_dots(inputs, every))
         check_names(list(self.inputs), every, "input")
         motions = [name for name in every if is_motion(name)]
         if motions:

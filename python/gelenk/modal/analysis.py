@@ -14,7 +14,7 @@ import numpy as np
 
 from gelenk.errors import OperatingPointWarning, UsageError
 from gelenk.linear.linearization import model_at
-from gelenk.linear.model import LinearModel
+from gelenk.linear.model import LinearModel, SignalNames
 from gelenk.linear.operating_point import At, Mechanism, OperatingPoint
 from gelenk.modal.body_poses import PoseEvaluator, pose_evaluator
 from gelenk.modal.eigenvalues import ROUNDING
@@ -211,7 +211,11 @@ def _of_control(system: Any) -> LinearModel:
         raise UsageError(
             f"found a discrete-time model with steps of {system.dt} s, expected a continuous-time model"
         )
-    x, u, y = (tuple(map(str, getattr(system, f"{key}_labels"))) for key in ("state", "input", "output"))
+    labels = [list(map(str, getattr(system, f"{key}_labels"))) for key in ("state", "input", "output")]
+    names = getattr(system, "names", None)
+    if not isinstance(names, SignalNames) or [*names.labels().values()] != labels:
+        names = SignalNames(*map(tuple, labels))  # of another origin, or changed since
+    x, u, y = names.states, names.inputs, names.outputs
     x0, u0, y0 = (np.zeros(len(names)) for names in (x, u, y))
     A, B, C, D = (np.asarray(getattr(system, key), np.float64) for key in "ABCD")
     return LinearModel(str(system.name), 0.0, x, u, y, A, B, C, D, x0, u0, y0, 0 * x0, {})

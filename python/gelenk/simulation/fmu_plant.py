@@ -284,10 +284,12 @@ class FmuPlant(Plant):
     def _collect_messages(self) -> None:
         """Collect the messages that the FMU has logged."""
         for status, message in self._log.take():
+            # Without names of C functions and of unpacked files.
             text = message.decode("utf-8", "replace")
-            if status > _WARNING:  # without names of C functions and of unpacked files
+            text = text.replace(f"{self._folder}/resources/scene.json", str(self._file))
+            if status > _WARNING:
                 text = re.sub(r"^fmi2\w+: ", "", text)
-                self._messages.append(text.replace(f"{self._folder}/resources/scene.json", str(self._file)))
+                self._messages.append(text)
             else:
                 log.info("%s", text)
             if status == _WARNING:

@@ -212,6 +212,7 @@ def _client(distributed: Any, stack: contextlib.ExitStack, cluster: str, count: 
             processes=True,
             host=LOOPBACK,
             dashboard_address=f"{LOOPBACK}:0",
+            worker_dashboard_address=f"{LOOPBACK}:0",  # older versions of distributed listen everywhere
         )
         return distributed.Client(stack.enter_context(local))
     try:

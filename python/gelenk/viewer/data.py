@@ -24,6 +24,7 @@ from gelenk.model.skeleton import (
     wheel_axes,
     wheels,
 )
+from gelenk.viewer.hatching import add_hatching
 from gelenk.viewer.shapes import LINK_RADIUS, Shapes, marks_of, shapes_of, slides
 
 if TYPE_CHECKING:
@@ -54,9 +55,11 @@ def page_data(recording: Recording) -> dict[str, Any]:
     size = _size(scene, points[0])
     thick = min(size, LONGEST * _link_length(scene, size))
     shapes = shapes_of(scene, thick)
-    _add_rails(shapes, recording, thick)
+    rails = _add_rails(shapes, recording, thick)
     gravity = scene.get("gravity", (0.0, 0.0, 0.0))
     axes, is_flat = view_axes(points.reshape(-1, 3), gravity)
+    if is_flat:
+        add_hatching(shapes[GROUND], scene, axes, LINK_RADIUS * thick, rails, _springs_on_ground(recording))
     names = list(scene["bodies"])
     return {
         "name": scene.get("name", "") or "mechanism",
@@ -119,8 +122,24 @@ def _link_length(scene: Mapping[str, Any], size: float) -> float:
     return float(np.median(lengths)) if lengths else size
 
 
-def _add_rails(shapes: Mapping[str, Shapes], recording: Recording, size: float) -> None:
-    """Add the rails on which joints slide, as long as their way in this run."""
+def _springs_on_ground(recording: Recording) -> list[tuple[Array, Array]]:
+    """Return the end on the ground of each spring, and its other end at the start [m]."""
+    names = list(recording.scene["bodies"])
+
+    def in_world(end: Mapping[str, Any]) -> Array:
+        body, p = point(end)
+        out: Array = p if body == GROUND else placed(recording.poses[:1, names.index(body)], p)[0]
+        return out
+
+    pairs = [ends for pair in springs(recording.scene) for ends in (pair, pair[::-1])]
+    return [(in_world(end), in_world(other)) for end, other in pairs if point(end)[0] == GROUND]
+
+
+def _add_rails(shapes: Mapping[str, Shapes], recording: Recording, size: float) -> list[tuple[Array, Array]]:
+    """Add the rails on which joints slide, as long as their way in this run; return the ends of those on the
+    ground.
+    """
+    out = []
     names = list(recording.scene["bodies"])
     frames = len(recording.time)
     for joint in recording.scene["joints"].values():
@@ -133,10 +152,11 @@ def _add_rails(shapes: Mapping[str, Shapes], recording: Recording, size: float) 
         origin, along = placed(of[0], p_F), placed(of[0], p_F + axis) - placed(of[0], p_F)
         way = np.einsum("ij,ij->i", placed(of[1], p_M) - origin, along)
         margin = 0.03 * size
-        shapes[parent].add_tube(
-            p_F + axis * min(way.min() - margin, 0.0), p_F + axis * max(way.max() + margin, 0.0),
-            RAIL_RADIUS * LINK_RADIUS * size,
-        )  # fmt: skip
+        ends = p_F + axis * min(way.min() - margin, 0.0), p_F + axis * max(way.max() + margin, 0.0)
+        shapes[parent].add_tube(*ends, RAIL_RADIUS * LINK_RADIUS * size)
+        if parent == GROUND:
+            out.append(ends)
+    return out
 
 
 def _joints(scene: Mapping[str, Any], names: list[str]) -> list[dict[str, Any]]:

@@ -96,7 +96,7 @@ def test_lqr_damps_a_large_disturbance(name: str, tmp_path: Path) -> None:
     case = CASES[name]
     fmu = gelenk.export_fmu(case.make(), tmp_path / "plant.fmu")
     linear = gelenk.linearize(fmu, at=case.at, outputs=[])
-    states = list(linear.state_labels)
+    states = list(linear.names.states)
     Q, R = (np.diag(w) for w in case.weights)
     K, _, poles = control.lqr(linear, Q, R)
     start = gelenk.simulate(
@@ -122,5 +122,5 @@ def test_without_control_the_pole_falls(tmp_path: Path) -> None:
     case = CASES["cart-pole"]
     fmu = gelenk.export_fmu(case.make(), tmp_path / "plant.fmu")
     linear = gelenk.linearize(fmu, at=case.at, outputs=[])
-    x = closed_loop(case, fmu, np.zeros((1, 4)), list(linear.state_labels), np.zeros(4), tmp_path)
+    x = closed_loop(case, fmu, np.zeros((1, 4)), list(linear.names.states), np.zeros(4), tmp_path)
     assert np.abs(x[:, 1]).max() > math.pi / 2

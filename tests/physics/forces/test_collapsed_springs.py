@@ -35,7 +35,7 @@ def test_spring_without_free_length_is_linear_at_any_length(kind: str, offset: f
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", gelenk.OperatingPointWarning)
         found = gelenk.linearize(held(kind, start, stiffness=STIFFNESS), outputs=[f"P.{n}" for n in names])
-    states = list(found.state_labels)
+    states = list(found.names.states)
     rows = [states.index(f"P.{n}") for n in names]
     speeds = [states.index(f"P.{n.replace('s_', 'v_').replace('r', 'v')}") for n in names]
     expected = -STIFFNESS / MASS * np.eye(len(names))

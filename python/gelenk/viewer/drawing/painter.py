@@ -145,6 +145,8 @@ class Painter:
 
         draw = ImageDraw.Draw(image)
         height = max(11.0, TEXT_HEIGHT * image.height)
+        width = 1.4 * height + draw.textlength(text, ImageFont.load_default(height))
+        height *= min(1.0, image.width / width)  # otherwise it would be cut off at the edge
         font = ImageFont.load_default(height)
         color: Color = color_of(self._theme.text)
         place = (0.7 * height, image.height - 0.7 * height)

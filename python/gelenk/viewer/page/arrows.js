@@ -44,16 +44,15 @@
     makeGroup(arrows, kind, unit) {
       const { model } = this;
       const color = colors[`${kind} ${unit}`];
-      // Contacts push into bodies, which would hide the arrows.
-      const inside = kind === "contact";
-      const material = model.material(inside ? "seen through" : "solid", color);
+      // Forces act on and within bodies, which would hide the arrows.
+      const material = model.material("seen through", color);
       // Torques have two heads.
       const heads = unit === "N m" ? 2 : 1;
       const add = (geometry, count) => {
         const mesh = new THREE.InstancedMesh(geometry, material, count);
         mesh.frustumCulled = false;
         mesh.visible = false;
-        if (inside) mesh.renderOrder = 1;
+        mesh.renderOrder = 1;
         model.root.add(mesh);
         return mesh;
       };

@@ -49,11 +49,14 @@
           item.measured = orbit.width;
         }
         const pixel = orbit.project(this.model.worldPoint(item.body, item.point, vector), vector);
-        let inside = pixel && pixel[0] > -50 && pixel[1] > -50 && pixel[0] < orbit.width + 50 && pixel[1] < orbit.height + 50;
+        let inside = pixel && pixel[0] >= 0 && pixel[1] >= 0 && pixel[0] <= orbit.width && pixel[1] <= orbit.height;
         if (inside) {
           item.x = pixel[0] + (item.lift ? item.lift : -item.width / 2);
-          item.y = pixel[1] - item.lift - item.height / 2;
-          inside = this.makeRoom(item, seen);
+          // At the right edge, the label of a joint is on the other side of it.
+          if (item.lift && item.x + item.width > orbit.width) item.x = pixel[0] - item.lift - item.width;
+          item.x = Math.max(0, Math.min(item.x, orbit.width - item.width));
+          item.y = Math.max(0, Math.min(pixel[1] - item.lift - item.height / 2, orbit.height - item.height));
+          inside = this.makeRoom(item, seen) && item.y + item.height <= orbit.height;
         }
         if (item.inside !== Boolean(inside)) item.element.style.visibility = inside ? "visible" : "hidden";
         item.inside = Boolean(inside);
