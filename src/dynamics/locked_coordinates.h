@@ -177,8 +177,7 @@ class LockedCoordinates {
     return sum;
   }
   void find_gaps(const double* w) const {
-    for (std::size_t k = 0; k < held_.size(); ++k)
-      gap_[k] = -dot(y_[held_[k]].data(), w) * inverse_size_[held_[k]];
+    for (std::size_t k = 0; k < held_.size(); ++k) gap_[k] = -dot(y_[held_[k]].data(), w) * inverse_size_[held_[k]];
   }
 
   const MassFactor<A>& M_;
@@ -196,7 +195,7 @@ class LockedCoordinates {
   std::vector<double> inverse_mobility_;
   std::vector<double> zero_;
   mutable std::vector<double> gap_, w_, column_;  // gap_: by row of the factor
-  RowFactor factor_;  // of z / |y|
+  RowFactor factor_;                              // of z / |y|
 };
 
 }  // namespace gelenk

@@ -13,7 +13,8 @@
 namespace gelenk {
 
 // Adds warnings about the assembly that was found: if another one is equally near to the guesses, and about the guess
-// that was changed most, if that is a lot; if parameters set start positions, among these only. `dynamics` must have been evaluated there.
+// that was changed most, if that is a lot; if parameters set start positions, among these only. `dynamics` must have
+// been evaluated there.
 void add_doubts(const Scene& scene, const ReducedScene& reduced, int island, const Assembled& found,
                 const Dynamics& dynamics, std::vector<std::string>& warnings);
 

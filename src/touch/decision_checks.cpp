@@ -41,8 +41,8 @@ VectorXd ContactDecision::normal_forces_in_modes() {
   return out;
 }
 
-// 1, -1: a joint remains at rest in the modes of the last check(), but needs a larger, or a smaller, force than friction
-// and limits can exert; 0: it does not.
+// 1, -1: a joint remains at rest in the modes of the last check(), but needs a larger, or a smaller, force than
+// friction and limits can exert; 0: it does not.
 int ContactDecision::side_beyond_limit(std::size_t i) const {
   const LockProblem::Lock& lock = problem_->locks[i];
   if (lock.leaves) return 0;

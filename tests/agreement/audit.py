@@ -64,8 +64,8 @@ def value_before(course: Any, t: float) -> float:
 def laws_broken(trial: Trial, run: Run, steps: float = 0.0) -> list[str]:
     """What reported forces and positions contradict, in words; steps: length of time steps [s], 0: `auto`.
 
-    Forces of time steps, which `auto` makes where contacts pile up, too, are means over the last one. An impact
-    in that one is a coincidence: only what is broken at two points in succession counts.
+    Forces of time steps, which `auto` makes where contacts pile up, too, are means over the last one. An
+    impact in that one is a coincidence: only what is broken at two points in succession counts.
     """
     out: list[str] = []
     before: set[str] = set()

@@ -17,8 +17,9 @@ import pytest
 TRIALS, BLOCK = 300, 25
 REFUSED = ("refused", "not started")  # ends of what a way reports that could not be run
 MOST_REFUSED = 2  # of a block
-# Beyond those: a step of dirk to a touch that rounding put just before its end; an open brake at the equilibrium of a
-# spring, beside a wheel; contacts and joints that share a load; friction that turns a joint the other way.
+# Beyond those: a step of dirk to a touch that rounding put just before its end; an open brake at the
+# equilibrium of a spring, beside a wheel; contacts and joints that share a load; friction that turns a joint
+# the other way.
 ONCE_REFUSED = (2403, 4327, 3373, 5005, 4515)
 
 

@@ -65,8 +65,8 @@ std::string name_of(BrokenLaw::Kind kind) {
 
 }  // namespace
 
-// The law that a coordinate breaks, or an empty string, and the excess. upper, lower: depth beyond the limits, whose tolerance is
-// 1e-12; sticking: the largest friction; forces: friction and that of the limit.
+// The law that a coordinate breaks, or an empty string, and the excess. upper, lower: depth beyond the limits, whose
+// tolerance is 1e-12; sticking: the largest friction; forces: friction and that of the limit.
 void bind_laws(nb::module_& m) {
   m.def(
       "broken_law",

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Where a joint and a contact hold the same motion, their forces are not unique, but friction of what slides is.
+"""Where a joint and a contact hold the same motion, forces are redundant, but friction follows from them.
 
-A carriage slides along x against friction; on it, a guide slanted by (0.6, 0, 0.8), on which a ball touches the ground.
-The ball cannot sink into the ground; what keeps it from rising, or holds it as well, is a limit, a one-way clutch or
-friction of the guide. With the force f along the guide and the normal force N,
+A carriage slides along x against friction; on it, a guide slanted by (0.6, 0, 0.8), on which a ball touches
+the ground. The ball cannot sink into the ground; what keeps it from rising, or holds it as well, is a limit,
+a one-way clutch or friction of the guide. With the force f along the guide and the normal force N,
 
     (M + m) x'' = -d (F + mu N),   0.6 m x'' = f - 0.8 m g + (0.8 - 0.6 d mu) N,
 
@@ -65,13 +65,13 @@ def motion(direction: int, f: float) -> tuple[float, float]:
 
 INTEGRATORS = ["auto", "erk", "cvode", "ida"]
 # Where the guide holds the ball back, it cannot hold it up. Its largest force along the guide [N] follows.
-TOO_WEAK = {
+TOO_WEAK: dict[str, tuple[dict[str, Any], float]] = {
     "limit": ({"limit": {"upper": 0.0}}, 0.0),
     "clutch": ({"one_way": {"free": "negative"}}, 0.0),
     "friction": ({"friction": {"coulomb": 2.0}}, 2.0),
     "friction and limit": ({"friction": {"coulomb": 2.0}, "limit": {"upper": 0.0}}, 2.0),
 }
-STRONG = {
+STRONG: dict[str, dict[str, Any]] = {
     "limit": {"limit": {"lower": 0.0}},
     "clutch": {"one_way": {"free": "positive"}},
     "friction": {"friction": {"coulomb": 20.0}},
@@ -81,7 +81,7 @@ STRONG = {
 @pytest.mark.parametrize("integrator", INTEGRATORS)
 @pytest.mark.parametrize("direction", [-1, 1])
 @pytest.mark.parametrize("guide", TOO_WEAK)
-def test_what_cannot_hold_alone_leaves_the_load_to_the_contact(guide: str, direction: int, integrator: str) -> None:
+def test_what_cannot_hold_alone_rests_on_the_contact(guide: str, direction: int, integrator: str) -> None:
     fields, force = TOO_WEAK[guide]
     result = gelenk.simulate(scene(0.5 * direction, fields), stop=0.02, step=0.002, integrator=integrator)
     acceleration, normal = motion(direction, force)
@@ -93,9 +93,11 @@ def test_what_cannot_hold_alone_leaves_the_load_to_the_contact(guide: str, direc
 @pytest.mark.parametrize("integrator", INTEGRATORS)
 @pytest.mark.parametrize("direction", [-1, 1])
 @pytest.mark.parametrize("guide", STRONG)
-def test_forces_of_what_may_hold_alone_agree_with_the_motion(guide: str, direction: int, integrator: str) -> None:
+def test_forces_agree_with_the_motion(guide: str, direction: int, integrator: str) -> None:
     """Any part of the weight may rest on the ground: what is reported must decelerate the carriage."""
-    result = gelenk.simulate(scene(0.5 * direction, STRONG[guide]), stop=0.02, step=0.002, integrator=integrator)
+    result = gelenk.simulate(
+        scene(0.5 * direction, STRONG[guide]), stop=0.02, step=0.002, integrator=integrator
+    )
     friction = -direction * FRICTION + result["k.f[1]"]
     assert result["k.f[1]"] == pytest.approx(-direction * COEFFICIENT * result["k.f[3]"], abs=1e-9)
     assert result["x.a"] == pytest.approx(friction / (CARRIAGE + BALL), rel=1e-9)
