@@ -16,6 +16,7 @@ void bind_files(nb::module_& m) {
       "write_file",
       [](const std::string& target, nb::bytes content) {
         try {
+          const nb::gil_scoped_release others_may_run;  // such as the reader of a pipe
           gelenk::write_file(target, {content.c_str(), content.size()});
         } catch (const std::system_error& error) {
           return error.code().value();
