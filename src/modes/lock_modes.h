@@ -136,6 +136,7 @@ class LockModes {
   bool load_signs_changed();
   bool seize(double t, double* y);
   void force_away(double t);
+  bool uses_limit_up(int lock) const;
   bool has_wrong_speed(int lock, const double* v) const;
   bool any_wrong_speed(const double* v) const;
   void stop(double* v);

@@ -17,6 +17,8 @@ using Eigen::VectorXd;
 // Where friction at rest reaches its limit, everything slips whose limit is used up to this fraction, so that what
 // breaks away at the same instant does so together.
 constexpr double break_away_fraction = 1e-9;
+// The same where redundant forces are distributed, with the rounding of that.
+constexpr double shared_fraction = 1e-8;
 // Relative tolerance of accelerations, less than the slack of holding forces (Branching::slack).
 constexpr double acceleration_tolerance = 1e-11;
 // A series of impacts ends in contact when its rebounds are lower than this times what counts as contact: lower ones
@@ -82,17 +84,25 @@ bool LockModes::seize(double t, double* y) {
   return true;
 }
 
-// Lets go what is no longer held, where rounding hides it.
+// Lets go what is no longer held, where rounding hides it, and what has reached its limit together with it: alone, a
+// coordinate that others keep at rest could not move.
 void LockModes::force_away(double t) {
   State next = state();
   for (int i = 0; i < count(); ++i) {
-    if (triggered_[i] == nothing || !rests(i)) continue;
+    if (!rests(i) || (triggered_[i] == nothing && !uses_limit_up(i))) continue;
     next.motions[i] = modes_.contacts[i] != 0 ? -modes_.contacts[i] : holding_[i] > 0 ? -1 : 1;
     next.contacts[i] = 0;
     next.leaves_from[i] = leaving_depth(i);
     if (!has_friction(i)) next.motions[i] = JointLoads::released;
   }
   enter(t, next, Recording::doubts);
+}
+
+// Whether friction at rest is at its limit, within what distributed forces are in error.
+bool LockModes::uses_limit_up(int lock) const {
+  const double holding = holding_[static_cast<std::size_t>(lock)];
+  const double limit = forces_.lock(lock).sticking_limit.against(holding > 0 ? -1 : 1);
+  return modes_.contacts[lock] == 0 && limit > 0 && std::abs(holding) >= (1 - shared_fraction) * limit;
 }
 
 // Impacts: the impulses of all contacts together. returning: locks that stop as well. before: the modes before all that
