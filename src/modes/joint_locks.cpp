@@ -12,6 +12,9 @@ using Eigen::VectorXd;
 
 // As in modes/mode_changes.cpp.
 constexpr double lowest_rebound = 2;
+// Of the accelerations to which rounding is relative: half of what a force that exceeds its limit by its slack causes
+// (Branching::slack).
+constexpr double noticed_fraction = 2e-11;
 // A speed towards a bound that an impact leaves, relative to the largest: no force can stop it.
 constexpr double stopped_fraction = 1e-8;
 
@@ -129,7 +132,6 @@ void JointLocks::add(int lock) {
   out.slipping = of.slipping_limit.largest();
   out.contact = next_.contacts[lock];
   out.triggered = modes_.triggered_[lock] != LockModes::nothing && modes_.rests(lock);
-  out.slack = forces_.slack(lock);
   next_.motions[lock] = JointLoads::released;
 }
 
@@ -184,6 +186,17 @@ bool JointLocks::add_returning(const double* y, const double* vdot) {
   released.motions = next_.motions;
   set_state(released);
   return true;
+}
+
+void JointLocks::find_noticed_accelerations() {
+  if (problem_.locks.empty()) return;
+  std::vector<int> locks;
+  for (const LockProblem::Lock& at : problem_.locks) locks.push_back(at.lock);
+  Eigen::MatrixXd W;
+  VectorXd scale;
+  forces_.compliance(locks, W, scale);
+  for (std::size_t i = 0; i < locks.size(); ++i)
+    problem_.locks[i].noticed = noticed_fraction * scale[static_cast<Index>(i)];
 }
 
 void JointLocks::decide_alone(const double* vdot) {

@@ -19,6 +19,7 @@ struct LockProblem {
     double sticking = 0, slipping = 0;  // limits of friction
     int contact = 0;                    // 1, -1: with the upper, the lower bound
     bool triggered = false;             // what keeps it at rest has reached its limit
+    double noticed = 0;                 // acceleration that is no rounding
     // In the modes of the last accelerate(): the force that keeps it at rest, and what of it may be rounding.
     double holding = 0, slack = 0;
     // The answer. direction: of the motion that begins, or that friction is at its limit against; 0: inside the limits.
@@ -81,6 +82,8 @@ class JointLocks {
   // Makes those undecided that leave a bound so slowly that they would return within the rounding of their positions,
   // with the accelerations vdot; returns whether there are any, for which accelerations have changed.
   bool add_returning(const double* y, const double* vdot);
+  // After the solve() with these released: which of their accelerations are no rounding.
+  void find_noticed_accelerations();
   LockProblem& problem() { return problem_; }
   // Decides on them where there are no contacts, with the accelerations vdot.
   void decide_alone(const double* vdot);

@@ -79,7 +79,7 @@ void ContactDecision::answer_locks() {
     if (x_[row] >= cone.upper - slack) lock.direction = -1;
     if (x_[row] <= cone.lower + slack && (lock.direction == 0 || a[row] > 0)) lock.direction = 1;
     // What exceeds its limit by more than rounding leaves, however fast others are accelerated.
-    const double noticed = std::min(lock.slack * G_(row, row) / 2, limit_fraction * scale_);
+    const double noticed = std::min(lock.noticed, limit_fraction * scale_);
     const double least = lock.triggered ? std::min(noticed, least_acceleration * scale_)
                                         : std::max(noticed, least_acceleration * scale_);
     lock.leaves = lock.direction * a[row] > least;
@@ -232,6 +232,7 @@ bool ContactDecision::try_locks(const double* vdot, std::vector<SpotMode>& next)
   const std::size_t count = problem_->locks.size();
   if (count == 0 || count > most_tried_locks) return false;
   const std::vector<SpotMode> first = next;
+  const std::vector<LockProblem::Lock> answers = problem_->locks;
   std::size_t combinations = 1;
   for (std::size_t i = 0; i < count; ++i) combinations *= 3;
   for (std::size_t k = 0; k < combinations; ++k) {
@@ -247,6 +248,7 @@ bool ContactDecision::try_locks(const double* vdot, std::vector<SpotMode>& next)
     if (possible && refine(vdot, next) && !locks_exceed_limits()) return true;
   }
   next = first;
+  problem_->locks = answers;
   return false;
 }
 
