@@ -13,6 +13,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import control
 import element_tables
 import joint_table
 import pytest
@@ -42,11 +43,17 @@ def test_controller_of_the_linearization_page_holds_the_pole(
     block = blocks(root / "docs" / "linearization.md", "python")[0]
     exec(compile(block, "linearization.md", "exec"), names)
     labels, growth, most, rest = capsys.readouterr().out.splitlines()
-    assert labels == "['track.s', 'hinge.phi', 'track.v', 'hinge.w']"
+    assert labels == "('track.s', 'hinge.phi', 'track.v', 'hinge.w')"
     assert float(growth) == pytest.approx(5.24, abs=0.005)  # as the page says
     assert float(most) == pytest.approx(20, abs=1e-3)  # degrees: it falls for the first step, of 1 ms
     # The slowest pole is at -1.007 1/s: exp(-6) of the first 0.35 rad, of which the cart's way is the most.
     assert float(rest) < 0.35 * 2.5e-3
+    assert isinstance(names["plant"], control.StateSpace)
+    block = blocks(root / "docs" / "linearization.md", "python")[1]
+    exec(compile(block, "linearization.md", "exec"), names)
+    shown = [line.rpartition("  # ")[2] for line in block.splitlines() if line.startswith("print")]
+    assert capsys.readouterr().out.splitlines() == shown
+    assert isinstance(names["angle"], control.StateSpace)
 
 
 @pytest.mark.usefixtures("folder")
@@ -55,7 +62,7 @@ def test_trim_of_the_linearization_page_is_a_point_to_linearize_about(
     root: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     names: dict[str, Any] = {"gelenk": gelenk}
-    block = blocks(root / "docs" / "linearization.md", "python")[1]
+    block = blocks(root / "docs" / "linearization.md", "python")[2]
     exec(compile(block, "linearization.md", "exec"), names)
     assert capsys.readouterr().out.endswith("}\n4\n")
     assert set(names["held"].inputs) == {"motor_left.tau", "motor_right.tau"}
@@ -64,7 +71,7 @@ def test_trim_of_the_linearization_page_is_a_point_to_linearize_about(
 
 @pytest.mark.filterwarnings("error::gelenk.OperatingPointWarning")
 def test_friction_of_the_linearization_page(root: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    block = blocks(root / "docs" / "linearization.md", "python")[2]
+    block = blocks(root / "docs" / "linearization.md", "python")[3]
     exec(compile(block, "linearization.md", "exec"), {"gelenk": gelenk})
     for line, printed in zip(
         [line for line in block.splitlines() if line.startswith("print")],
@@ -82,7 +89,7 @@ def test_friction_of_the_linearization_page(root: Path, capsys: pytest.CaptureFi
 
 def test_steady_motion_of_the_linearization_page(root: Path, capsys: pytest.CaptureFixture[str]) -> None:
     names: dict[str, Any] = {"gelenk": gelenk}
-    block = blocks(root / "docs" / "linearization.md", "python")[3]
+    block = blocks(root / "docs" / "linearization.md", "python")[4]
     exec(compile(block, "linearization.md", "exec"), names)
     first, advancing, spin = capsys.readouterr().out.splitlines()
     tilt, torque = map(float, first.split())
