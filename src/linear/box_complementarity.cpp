@@ -24,7 +24,7 @@ constexpr double least_pivot = 1e-13;
 VectorXd basic_solution(MatrixXd W, VectorXd b) {
   const Index n = b.size();
   std::vector<Index> order(static_cast<std::size_t>(n));
-  std::iota(order.begin(), order.end(), Index(0));
+  std::iota(order.begin(), order.end(), Index{0});
   const double largest = W.diagonal().maxCoeff();
   Index rank = 0;
   for (; rank < n; ++rank) {

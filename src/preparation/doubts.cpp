@@ -49,6 +49,15 @@ bool is_any_set(const Scene& scene, const Mechanism& island) {
   });
 }
 
+// The guess of a position, as the message on its change names it: set by a parameter, or in the file.
+std::string name_of_guess(const std::string& joint, std::string_view coordinate, bool is_set) {
+  return is_set ? start_parameter(joint, coordinate) : "joints." + joint + ".start." + std::string(coordinate);
+}
+
+std::string advice(const std::string& joint, bool is_set) {
+  return is_set ? joint + ".fixed keeps it exactly" : "gelenk assemblies lists all positions";
+}
+
 // Describes a guess of another position than that in which the mechanism starts. Positions of free bodies, which are
 // sketched roughly, do not count.
 std::string describe_changed_guess(const Scene& scene, const ReducedScene& reduced, int island, const Assembled& found,
@@ -73,11 +82,9 @@ std::string describe_changed_guess(const Scene& scene, const ReducedScene& reduc
       const auto shown = [&](double x) {
         return text::with_unit(text::rounded(scene.units.size_of(kind.q[k].unit) * x), kind.q[k].unit);
       };
-      out = (only_set ? start_parameter(joint.name, kind.q[k].name)
-                      : "joints." + joint.name + ".start." + std::string(kind.q[k].name)) +
-            ": found " + shown(guess.q[k]) + ", a guess with which the loops cannot be closed, expected one near " +
-            shown(guess.q[k] + change) + ", which is used; " +
-            (only_set ? joint.name + ".fixed keeps it exactly" : "gelenk assemblies lists all positions");
+      out = name_of_guess(joint.name, kind.q[k].name, only_set) + ": found " + shown(guess.q[k]) +
+            ", a guess with which the loops cannot be closed, expected one near " + shown(guess.q[k] + change) +
+            ", which is used; " + advice(joint.name, only_set);
     }
   }
   return out.empty() || scene.file.empty() || only_set ? out : scene.file + ": " + out;
