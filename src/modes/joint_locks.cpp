@@ -165,6 +165,7 @@ void JointLocks::begin_check() {
     add(i);
     problem_.locks.back().triggered = false;
   }
+  find_noticed_accelerations();
   LockModes::State open = next_;
   std::ranges::fill(open.contacts, 0);
   set_state(open);
@@ -181,6 +182,7 @@ bool JointLocks::add_returning(const double* y, const double* vdot) {
     next_.contacts[at.lock] = at.is.side;
     add(at.lock);
   }
+  find_noticed_accelerations();
   if (problem_.locks.size() == before) return false;
   LockModes::State released = open;
   released.motions = next_.motions;
@@ -188,6 +190,7 @@ bool JointLocks::add_returning(const double* y, const double* vdot) {
   return true;
 }
 
+// With the factors of the last solve(), at the same position.
 void JointLocks::find_noticed_accelerations() {
   if (problem_.locks.empty()) return;
   std::vector<int> locks;

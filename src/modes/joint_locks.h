@@ -82,8 +82,6 @@ class JointLocks {
   // Makes those undecided that leave a bound so slowly that they would return within the rounding of their positions,
   // with the accelerations vdot; returns whether there are any, for which accelerations have changed.
   bool add_returning(const double* y, const double* vdot);
-  // After the solve() with these released: which of their accelerations are no rounding.
-  void find_noticed_accelerations();
   LockProblem& problem() { return problem_; }
   // Decides on them where there are no contacts, with the accelerations vdot.
   void decide_alone(const double* vdot);
@@ -107,6 +105,7 @@ class JointLocks {
 
  private:
   void add(int lock);
+  void find_noticed_accelerations();
   LockModes::State answered();
 
   LockModes& modes_;

@@ -17,8 +17,7 @@ using Eigen::VectorXd;
 // Where friction at rest reaches its limit, everything slips whose limit is used up to this fraction, so that what
 // breaks away at the same instant does so together.
 constexpr double break_away_fraction = 1e-9;
-// The same where redundant forces are distributed, with the rounding of that.
-constexpr double shared_fraction = 1e-8;
+constexpr double shared_fraction = 1e-8;  // the same with the rounding of distributed forces
 // Relative tolerance of accelerations, less than the slack of holding forces (Branching::slack).
 constexpr double acceleration_tolerance = 1e-11;
 // A series of impacts ends in contact when its rebounds are lower than this times what counts as contact: lower ones
@@ -84,8 +83,7 @@ bool LockModes::seize(double t, double* y) {
   return true;
 }
 
-// Lets go what is no longer held, where rounding hides it, and what has reached its limit together with it: alone, a
-// coordinate that others keep at rest could not move.
+// Lets go what is no longer held where rounding hides it, and what is at its limit, too: one alone could not move.
 void LockModes::force_away(double t) {
   State next = state();
   for (int i = 0; i < count(); ++i) {

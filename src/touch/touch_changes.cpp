@@ -151,7 +151,6 @@ bool TouchModes::decide(double t, const double* y, Recording records) {
   locks_.begin_decision(t, y);
   equations_.touched_accelerations(t, y, vdot_.data());
   if (locks_.add_returning(y, vdot_.data())) equations_.touched_accelerations(t, y, vdot_.data());
-  locks_.find_noticed_accelerations();
   go_to(y);
   for (int i = 0; i < touch_.spots().count(); ++i) {
     if (may_touch(i)) next[static_cast<std::size_t>(i)].leaves_from = leaving_depth(touch_.spots().gap(i));

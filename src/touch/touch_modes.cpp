@@ -170,7 +170,6 @@ bool TouchModes::holds_by_others(double t, const double* y) {
   touch_.set_modes(std::vector<SpotMode>(present.size()));
   locks_.begin_check();
   equations_.touched_accelerations(t, y, vdot_.data());
-  locks_.find_noticed_accelerations();
   std::vector<SpotMode> next = present;
   set_accelerations(t, y);
   const auto outcome =
