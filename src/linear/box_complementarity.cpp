@@ -16,11 +16,11 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr int first_sweeps = 20;
-// Pivots below this fraction of the largest are rounding, where a failure is noticed by the residual.
+// Pivots below this fraction of the largest are rounding. A wrong choice shows in the residual.
 constexpr double least_pivot = 1e-13;
 
-// A solution of W x = b in which redundant entries are 0, by Cholesky's method with pivoting (Higham 2002, sec. 10.3):
-// a fraction of the time of least_squares(), but it squares no condition only as far as W is well conditioned.
+// A solution of W x = b in which redundant entries are 0, by Cholesky's method with pivoting (Higham 2002, sec. 10.3),
+// in a fraction of the time of least_squares().
 VectorXd basic_solution(MatrixXd W, VectorXd b) {
   const Index n = b.size();
   std::vector<Index> order(static_cast<std::size_t>(n));

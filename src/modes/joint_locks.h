@@ -19,7 +19,7 @@ struct LockProblem {
     double sticking = 0, slipping = 0;  // limits of friction
     int contact = 0;                    // 1, -1: with the upper, the lower bound
     bool triggered = false;             // what keeps it at rest has reached its limit
-    double noticed = 0;                 // acceleration that is no rounding
+    double noticed = 0;                 // larger accelerations are no rounding; known before decisions
     // In the modes of the last accelerate(): the force that keeps it at rest, and what of it may be rounding.
     double holding = 0, slack = 0;
     // The answer. direction: of the motion that begins, or that friction is at its limit against; 0: inside the limits.
