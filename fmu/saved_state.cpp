@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -42,7 +43,7 @@ std::size_t serialized_size(const SavedState& state) {
 }
 
 void serialize(const SavedState& state, std::string_view guid, std::span<char> bytes) {
-  const std::vector<std::uint64_t>& words = state.archive.words();
+  const std::span<const std::uint64_t> words = state.archive.words();
   const Header header = header_of(guid, words.size());
   const std::size_t length = words.size() * sizeof(std::uint64_t);
   std::memcpy(bytes.data(), &header, sizeof header);

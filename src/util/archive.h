@@ -4,6 +4,7 @@
 // the next once, in serialize(Archive&), which both writes and reads.
 #pragma once
 
+#include <algorithm>
 #include <bit>
 #include <concepts>
 #include <cstdint>
@@ -21,49 +22,59 @@ class Archive {
   // An empty archive for writing.
   Archive() = default;
   // An archive for reading, from its first word.
-  explicit Archive(std::vector<std::uint64_t> words) : words_(std::move(words)), reading_(true) {}
+  explicit Archive(std::vector<std::uint64_t> words)
+      : words_(std::move(words)), written_(words_.size()), end_(written_), reading_(true) {}
 
   bool reading() const { return reading_; }
-  const std::vector<std::uint64_t>& words() const { return words_; }
+  std::span<const std::uint64_t> words() const { return {words_.data(), reading_ ? written_ : next_}; }
 
   // Empties the archive for writing; its memory is kept.
   void start_writing() {
-    words_.clear();
+    next_ = 0;
+    end_ = words_.size();
     reading_ = false;
   }
   // Switches to reading, from the first word.
   void start_reading() {
+    if (!reading_) written_ = end_ = next_;
     next_ = 0;
     reading_ = true;
   }
   // Whether all words have been read.
-  bool at_end() const { return next_ == words_.size(); }
+  bool at_end() const { return next_ == end_; }
   // Reserves memory, so that writing this many words does not allocate.
-  void reserve(std::size_t words) { words_.reserve(words); }
-  // Appends all words of another archive.
-  void append(const Archive& other) { words_.insert(words_.end(), other.words_.begin(), other.words_.end()); }
+  void reserve(std::size_t words) {
+    if (words_.size() < words) words_.resize(words);
+    if (!reading_) end_ = words_.size();
+  }
+  // Appends all words of another archive to one that is written.
+  void append(const Archive& other) {
+    const std::span<const std::uint64_t> words = other.words();
+    if (end_ - next_ < words.size()) make_room(words.size());
+    std::ranges::copy(words, words_.begin() + static_cast<std::ptrdiff_t>(next_));
+    next_ += words.size();
+  }
   // To be called after reading: throws std::invalid_argument if words are left.
   void finish() const {
-    if (reading_ && next_ != words_.size()) fail();
+    if (reading_ && next_ != end_) fail();
   }
 
   // Write x, or read it. Vectors and arrays keep their length, which is not part of the archive. Throw
   // std::invalid_argument if the archive ends too early or a value is out of range for its type.
-  void serialize(double& x) { word(x); }
-  void serialize(std::uint64_t& x) { word(x); }
-  void serialize(bool& x) {
-    int number = x ? 1 : 0;
-    serialize_in_range(number, 0, 1);
-    x = number == 1;
+  [[gnu::always_inline]] void serialize(double& x) { word(x); }
+  [[gnu::always_inline]] void serialize(std::uint64_t& x) { word(x); }
+  [[gnu::always_inline]] void serialize(bool& x) {
+    if (reading_) {
+      x = take_in_range(0, 1) == 1;
+    } else {
+      put(x ? 1 : 0);
+    }
   }
   template <std::signed_integral Int>
-  void serialize(Int& x) {
+  [[gnu::always_inline]] void serialize(Int& x) {
     // Counts are far below this limit, 2^48 in 64 bits and 2^28 in 32, and arithmetic with them cannot overflow.
     constexpr std::int64_t limit = std::numeric_limits<Int>::max() >> (sizeof(Int) > 4 ? 15 : 3);
-    std::int64_t wide = x;
-    word(wide);
-    if (reading_ && (wide > limit || wide < -limit)) fail();
-    x = static_cast<Int>(wide);
+    serialize_in_range<Int>(x, -limit, limit);
   }
   template <class Numbers>
     requires requires(Numbers& x) { x.begin(); }
@@ -81,43 +92,63 @@ class Archive {
     (serialize(rest), ...);
   }
 
-  // Serializes an index or a count; throws std::invalid_argument if it is not in [low, high].
+  // Serializes an index or a count; throws std::invalid_argument if one that is read is not in [low, high].
   template <std::signed_integral Int>
-  void serialize_in_range(Int& x, Int low, Int high) {
-    Int number = x;
-    serialize(number);
-    if (number < low || number > high) fail();
-    x = number;
+  [[gnu::always_inline]] void serialize_in_range(Int& x, Int low, Int high) {
+    if (reading_) {
+      x = static_cast<Int>(take_in_range(low, high));
+    } else {
+      put(static_cast<std::uint64_t>(static_cast<std::int64_t>(x)));
+    }
   }
 
  private:
+  // Writing is inlined, since every step writes its start; reading is not.
   template <class T>
-  void word(T& x) {
-    if (!reading_) {
-      words_.push_back(std::bit_cast<std::uint64_t>(x));
-      return;
+  [[gnu::always_inline]] void word(T& x) {
+    if (reading_) {
+      x = std::bit_cast<T>(take());
+    } else {
+      put(std::bit_cast<std::uint64_t>(x));
     }
-    if (next_ == words_.size()) fail();
-    x = std::bit_cast<T>(words_[next_++]);
+  }
+  [[gnu::always_inline]] void put(std::uint64_t word) {
+    if (next_ == end_) make_room(1);
+    words_[next_++] = word;
+  }
+  [[gnu::noinline]] std::uint64_t take() {
+    if (next_ == end_) fail();
+    return words_[next_++];
+  }
+  [[gnu::noinline]] std::int64_t take_in_range(std::int64_t low, std::int64_t high) {
+    const auto number = static_cast<std::int64_t>(take());
+    if (number < low || number > high) fail();
+    return number;
+  }
+  // For as many words to be written; there are not as many to be read.
+  [[gnu::noinline]] void make_room(std::size_t words) {
+    if (reading_) fail();
+    words_.resize(std::max(2 * words_.size(), next_ + words));
+    end_ = words_.size();
   }
   // At once, since every step writes many.
   void serialize_span(std::span<double> x) {
     static_assert(sizeof(double) == sizeof(std::uint64_t));
     if (x.empty()) return;
-    const std::size_t first = reading_ ? next_ : words_.size();
-    if (!reading_) {
-      words_.resize(first + x.size());
-      std::memcpy(words_.data() + first, x.data(), x.size_bytes());
-      return;
+    if (end_ - next_ < x.size()) make_room(x.size());
+    if (reading_) {
+      std::memcpy(x.data(), words_.data() + next_, x.size_bytes());
+    } else {
+      std::memcpy(words_.data() + next_, x.data(), x.size_bytes());
     }
-    if (words_.size() - next_ < x.size()) fail();
-    std::memcpy(x.data(), words_.data() + first, x.size_bytes());
     next_ += x.size();
   }
   [[noreturn]] static void fail() { throw std::invalid_argument("it is not of this plant, or damaged"); }
 
-  std::vector<std::uint64_t> words_;
-  std::size_t next_ = 0;  // index of the next word to read
+  std::vector<std::uint64_t> words_;  // those of the archive, and room for more
+  std::size_t written_ = 0;           // number of words, when they are read
+  std::size_t next_ = 0;              // index of the next word to write or to read
+  std::size_t end_ = 0;               // of the room for words, or of the words to read
   bool reading_ = false;
 };
 

@@ -131,7 +131,7 @@ extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t s
                                                unsigned seed) {
   if (size < 16 || seed % 16 == 0) {
     Host& host = host_of(static_cast<std::uint8_t>(seed / 16));
-    const std::vector<std::uint64_t>& words = static_cast<SavedState*>(host.home)->archive.words();
+    const std::span<const std::uint64_t> words = static_cast<SavedState*>(host.home)->archive.words();
     const std::size_t length = words.size() * sizeof(std::uint64_t);
     if (length + 1 > max_size) return LLVMFuzzerMutate(data, size, max_size);
     data[0] = static_cast<std::uint8_t>(seed / 16);

@@ -41,7 +41,8 @@ void bind_words(nb::class_<T>& c) {
   c.def("words", [](T& x) {
      gelenk::Archive archive;
      x.serialize(archive);
-     return archive.words();
+     const auto words = archive.words();
+     return std::vector<std::uint64_t>(words.begin(), words.end());
    }).def("read", [](T& x, std::vector<std::uint64_t> words) {
     gelenk::Archive archive(std::move(words));
     x.serialize(archive);
