@@ -6,13 +6,14 @@
 namespace gelenk {
 
 template <class A>
-int ArticulatedFactor<A>::factorize(const std::vector<double>& added) {
+int ArticulatedFactor<A>::factorize(const std::vector<double>& added, std::span<const char> held) {
   const int n = static_cast<int>(model_.links.size());
   for (int i = 1; i < n; ++i) G_[i] = typename A::ArticulatedInertia(model_.links[i].G);
   for (int i = n - 1; i >= 1; --i) {
     const auto& link = model_.links[i];
     for (int k = link.iv + link.nv - 1; k >= link.iv; --k) {
       U_[k] = kernels::times<A>(link.is_revolute_about_z, G_[i], ws_.S[k]);
+      if (!held.empty() && held[k] != 0) continue;
       const double D = kernels::along<A>(link.is_revolute_about_z, ws_.S[k], U_[k]) + added[k];
       if (D <= 0) return k;  // NaN passes and shows up in the accelerations
       root_[k] = 1 / std::sqrt(D);
@@ -102,6 +103,30 @@ void ArticulatedFactor<A>::multiply(const double* x, double* y) const {
     for (int k = link.iv; k < link.iv + link.nv; ++k) {
       y[k] = (x[k] + A::dot(a, U_[k]) * inverse_[k]) / root_[k];
       kernels::add_motion<A>(link.is_revolute_about_z, x[k], ws_.S[k], a);
+    }
+    a_[i] = a;
+  }
+}
+
+template <class A>
+void ArticulatedFactor<A>::solve_held(std::span<const char> held, double* f) const {
+  const int n = static_cast<int>(model_.links.size());
+  for (int i = 1; i < n; ++i) p_[i] = {};
+  for (int i = n - 1; i >= 1; --i) {
+    const auto& link = model_.links[i];
+    for (int k = link.iv + link.nv - 1; k >= link.iv; --k) {
+      f[k] -= kernels::along<A>(link.is_revolute_about_z, ws_.S[k], p_[i]);
+      if (held[k] == 0) p_[i] += (f[k] * inverse_[k]) * U_[k];
+    }
+    if (link.parent > 0) p_[link.parent] += ws_.X_PL[i].to_parent(p_[i]);
+  }
+  for (int i = 1; i < n; ++i) {
+    const auto& link = model_.links[i];
+    Motion a = ws_.X_PL[i].to_child(a_[link.parent]);
+    for (int k = link.iv; k < link.iv + link.nv; ++k) {
+      const auto needed = A::dot(a, U_[k]) - f[k];
+      f[k] = held[k] != 0 ? needed : -needed * inverse_[k];
+      if (held[k] == 0) kernels::add_motion<A>(link.is_revolute_about_z, f[k], ws_.S[k], a);
     }
     a_[i] = a;
   }

@@ -32,8 +32,9 @@ class ArticulatedFactor {
     }
   }
 
-  // added: inertia added to the diagonal of M, by velocity. Returns -1, or the velocity at which M has no inertia.
-  int factorize(const std::vector<double>& added);
+  // added: inertia added to the diagonal of M, by velocity. held: by velocity, whether it is kept at 0, without a row
+  // and column of M; empty: none is. Returns -1, or the velocity at which M has no inertia.
+  int factorize(const std::vector<double>& added, std::span<const char> held = {});
 
   double pivot(int k) const { return 1 / inverse_[k]; }  // L_kk^2: the articulated inertia at k
 
@@ -45,6 +46,10 @@ class ArticulatedFactor {
   void solve_transposed(double* x, int columns) const;
   void solve(double* x, int columns) const;
   void multiply(const double* x, double* y) const;  // y = L x
+
+  // f <- the accelerations that generalized forces f cause, with the velocities held for which M was factorized; for
+  // these, the force that holds them (Featherstone 2008, sec. 9.1: hybrid dynamics).
+  void solve_held(std::span<const char> held, double* f) const;
 
  private:
   template <class Solve>

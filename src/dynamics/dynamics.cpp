@@ -52,7 +52,7 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
         loaded_links_(links_with_loads(mechanism, loads)),
         qdot_is_v_(
             std::ranges::all_of(model_.links, [](const auto& link) { return link.constant_subspace || link.nv == 0; })),
-        M_(model_, ws_, loads.added_inertia),
+        M_(model_, ws_, loads.added_inertia, [this](int k) { throw_singular(k); }),
         Y_(M_, ws_.J, model_.nv),
         modes_({model_, loads_, ws_, q_, v_, cut_reference_}, M_, Y_),
         max_rank_(model_.rows),
@@ -88,7 +88,7 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
     factors_.drop();
     if (!inertia_unchanged) added_inertia_ = loads_.added_inertia;
     if (model_.rows > 0) fill_jacobian();
-    if (const int k = M_.factorize(); k >= 0) throw_singular(k);
+    modes_.accelerations_need_mass_factor() ? M_.factorize() : M_.postpone();
     if (model_.rows > 0) Y_.factorize(max_rank_);
     modes_.locked().factors_changed();
     factors_.set(stages_);
@@ -114,15 +114,13 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
 
   void solve(const double* u, double* vdot, const double* extrapolated) override {
     forces(u, w_.data());
-    if (modes_.locks() > 0) modes_.set_force_size(w_);
+    if (modes_.locks() > 0) modes_.set_forces(w_);
     if (extrapolated != nullptr) M_.multiply(extrapolated, extrapolated_.data());
     regularized_ = extrapolated != nullptr;
     if (!modes_.loads().empty()) add_loaded_friction(w_);
     if (model_.rows > 0) M_.add_right_side(biased_gamma(), w_.data());
-    const bool locks = solve_whitened(w_.data(), biased_gamma(), regularized_ ? extrapolated_.data() : nullptr);
     std::ranges::copy(w_, vdot);
-    M_.solve(vdot);
-    if (locks) modes_.locked().clear(vdot);
+    find_accelerations(vdot, biased_gamma(), regularized_ ? extrapolated_.data() : nullptr);
     if (modes_.locks() > 0) modes_.holding_forces().set(holding_);
     if (!compute_all_outputs_) return;
     set_root_poses();
@@ -218,6 +216,7 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
       return modes_.loads().solve_columns(r, c, columns, solve);
     }
     if (model_.rows > 0) M_.add_right_side(c, r, columns);
+    if (modes_.locks_any() && modes_.locked().solve_tree(r, columns)) return;
     M_.solve_transposed(r, columns);
     if (model_.rows > 0) Y_.solve_constrained(r, c, columns, regularized_);
     if (modes_.locks_any()) modes_.locked().stop(r, columns);
@@ -284,10 +283,8 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
   void solve_unloaded(double* r, const double* c, double* l, double* holding) const {
     if (model_.rows > 0) M_.add_right_side(c, r);
     // The derivative of the extrapolated acceleration is zero: it is a constant here.
-    const bool locks = solve_whitened(r, c, regularized_ ? zero_.data() : nullptr);
+    const bool locks = find_accelerations(r, c, regularized_ ? zero_.data() : nullptr);
     if (model_.rows > 0 && l != nullptr) Y_.multipliers(l);
-    M_.solve(r);
-    if (locks) modes_.locked().clear(r);
     if (locks && holding != nullptr) modes_.holding_forces().in_users_signs(holding_, holding);
   }
   // Adds the friction in motion that depends on loads to the generalized forces f.
@@ -295,9 +292,8 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
     const auto free = [&](double* vdot, double* lambda) {
       std::ranges::copy(f, vdot);
       if (model_.rows > 0) M_.add_right_side(biased_gamma(), vdot);
-      solve_whitened(vdot, biased_gamma(), regularized_ ? extrapolated_.data() : nullptr);
+      find_accelerations(vdot, biased_gamma(), regularized_ ? extrapolated_.data() : nullptr);
       if (model_.rows > 0) Y_.multipliers(lambda);
-      M_.solve(vdot);
     };
     const auto unit = [&](double* r, double* lambda, double* holding) {
       solve_unloaded(r, zero_rows_.data(), lambda, holding);
@@ -311,10 +307,11 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
     kernels::coordinate_row_jacobian(model_, ws_);
   }
 
-  // Solves the equations for w = L vdot, given the generalized forces f in its place. Returns whether coordinates are
-  // locked; their forces are then in holding_.
-  bool solve_whitened(double* f, const double* gamma, const double* extrapolated) const {
+  // Solves the equations for vdot, given the generalized forces f in its place. Returns whether coordinates are locked;
+  // their forces are then in holding_.
+  bool find_accelerations(double* f, const double* gamma, const double* extrapolated) const {
     const bool locks = modes_.locks() > 0 && modes_.locks_any();
+    if (locks && modes_.locked().solve_tree(f, holding_.data())) return true;
     if (locks) {
       std::copy_n(f, model_.nv, unlocked_.begin());
       project(unlocked_.data(), gamma, extrapolated);
@@ -322,6 +319,8 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
       modes_.locked().add_forces(holding_.data(), f);
     }
     project(f, gamma, extrapolated);
+    M_.solve(f);
+    if (locks) modes_.locked().clear(f);
     return locks;
   }
   void project(double* f, const double* gamma, const double* extrapolated) const {
@@ -360,9 +359,9 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
     throw SingularMass("?");
   }
 
-  // Bitwise, so that a run does not depend on what was computed before.
+  // Bitwise, so that a run does not depend on what was computed before. Most differ in their first number.
   static bool bitwise_equal(const double* x, const std::vector<double>& as) {
-    return as.empty() || std::memcmp(x, as.data(), as.size() * sizeof *x) == 0;
+    return as.empty() || (*x == as.front() && std::memcmp(x, as.data(), as.size() * sizeof *x) == 0);
   }
 
   // The workspace has the position of q_ and targets_, and the velocity of v_ and gravity_. They are reused: a step

@@ -11,6 +11,7 @@
 
 #include "dynamics/branching.h"
 #include "dynamics/contact_rows_of.h"
+#include "dynamics/force_size.h"
 #include "dynamics/loaded_friction.h"
 #include "dynamics/locked_coordinates.h"
 #include "kinematics/load_kernels.h"
@@ -31,15 +32,13 @@ class JointModes final : public Branching {
   JointModes(const State& state, const MassFactor<A>& M, const MassWeightedJacobian<A>& Y)
       : state_(state),
         M_(M),
-        locks_(M, Y, state.model.nv, state.model.rows, find_locks(),
+        locks_(state.model, state.ws, state.loads.added_inertia, M, Y, find_locks(),
                friction_loads(state.model, state.loads).empty() ? rank_threshold : rank_threshold_with_loads),
         contact_rows_(state.model, state.ws, M, Y, locks_),
         holding_(signs()),
         loaded_(state.model, state.loads, state.ws, static_cast<int>(lock_of_.size())),
+        force_size_(state.model, state.loads, state.v, M),
         work_(static_cast<std::size_t>(state.model.nv)) {
-    double mass = 0;
-    for (const auto& link : state.model.links) mass += link.G.m;
-    sqrt_mass_ = std::sqrt(mass);
     find_inputs();
   }
 
@@ -47,14 +46,15 @@ class JointModes final : public Branching {
   const int* held(bool of_cuts = false) const {
     return held_ == nullptr || !of_cuts ? held_ : held_ + state_.loads.tree.branchings();
   }
-  // Whether coordinates are locked; if so, the locks are those of the held modes, factorized.
+  // Whether coordinates are locked; if so, the locks are those of the held modes.
   bool locks_any() {
     if (found_.empty()) return false;
     for (int i = 0; i < locks(); ++i) locks_.lock(i, is_held(found_[i]));
-    if (locks_.any()) locks_.factorize();
     return locks_.any();
   }
   LockedCoordinates<A>& locked() { return locks_; }
+  // Whether accelerations are found with the factor of the mass matrix: not in a tree that is partly at rest.
+  bool accelerations_need_mass_factor() { return !locks_any() || !locks_.is_tree(); }
   // Keeps the inputs on which modes depend. u: all inputs of the scene.
   void set_inputs(const double* u) {
     for (const int input : input_numbers_) inputs_[static_cast<std::size_t>(input)] = u[input];
@@ -78,18 +78,10 @@ class JointModes final : public Branching {
     for (const auto& slips : loaded_.slipping())
       add_along(slips.force, loaded_.torque()[static_cast<std::size_t>(slips.force)], f.data());
   }
-  // Estimates the forces to which rounding is relative: the generalized forces f, and weights and forces of inertia,
-  // which may cancel in f.
-  void set_force_size(const std::vector<double>& f) {
-    const Eigen::Index n = state_.model.nv;
-    Eigen::Map<Eigen::VectorXd> w(work_.data(), n);
-    w = Eigen::Map<const Eigen::VectorXd>(f.data(), n);
-    M_.solve_transposed(w.data());
-    const Eigen::Map<const Eigen::VectorXd> v(state_.v.data(), n);
-    force_size_ = w.norm() + sqrt_mass_ * state_.loads.gravity.norm();
-    M_.multiply(v.data(), w.data());
-    force_size_ += w.norm() * v.cwiseAbs().maxCoeff();
-    loaded_.set_force_size(force_size_);
+  // Keeps the generalized forces f of a solve().
+  void set_forces(const std::vector<double>& f) {
+    force_size_.set(f);
+    if (!loaded_.empty()) loaded_.set_force_size(force_size_.value());
   }
   int count() const override { return static_cast<int>(lock_of_.size()); }
   void sides(int* sides) const override {
@@ -225,7 +217,7 @@ class JointModes final : public Branching {
 
   // Called by users of Branching alone. Without any forces, more than 0.
   double slack(int lock) const override {
-    return slack_fraction * force_size_ * locks_.inverse_mobility(lock) + std::numeric_limits<double>::min();
+    return slack_fraction * force_size_.value() * locks_.inverse_mobility(lock) + std::numeric_limits<double>::min();
   }
 
   void distribute_loads(const std::vector<double>& holding) override {
@@ -245,7 +237,7 @@ class JointModes final : public Branching {
       locks_.whiten(locks[i], y.col(i).data());
       locks_.permitted_part(y.col(i).data(), z.col(i).data());
       z.col(i) *= found_[locks[i]].sign;
-      scale[i] = force_size_ * y.col(i).norm();
+      scale[i] = force_size_.value() * y.col(i).norm();
     }
     W = z.transpose() * z;
   }
@@ -264,7 +256,7 @@ class JointModes final : public Branching {
   }
 
   std::span<double> inputs() override { return inputs_; }
-  bool is_redundant() const override { return locks_.rank() < locks_.locked_count(); }
+  bool is_redundant() const override { return locks_.are_redundant(); }
 
   // Of coordinates at rest that constraint equations hardly permit to move. Where friction depends on loads, such a one
   // would cause loads, and friction, as large as its lever is small: it holds nothing until it is seen to move.
@@ -392,8 +384,7 @@ class JointModes final : public Branching {
   std::vector<typename LoadedFriction<A>::Slipping> slipping_;
   std::vector<int> input_numbers_;  // of the inputs that forces with modes have
   std::vector<double> inputs_;      // by number
-  double sqrt_mass_ = 0;            // of the whole mechanism
-  double force_size_ = 0;           // |L^-T f| for a force f that acts on the whole mechanism
+  ForceSize<A> force_size_;         // of the last solve()
   std::vector<double> work_, difference_, lambda_;
 };
 

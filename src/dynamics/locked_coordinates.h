@@ -9,8 +9,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 #include <vector>
 
+#include "dynamics/articulated_factor.h"
 #include "dynamics/mass_factor.h"
 #include "dynamics/mass_weighted_jacobian.h"
 #include "linear/row_factor.h"
@@ -27,25 +30,32 @@ class LockedCoordinates {
   };
   using Row = std::vector<Term>;
 
-  // M and Y must outlive it. rows: of all coordinates that can be locked. rank_threshold: a row whose permitted part is
-  // below this fraction of it is determined by other constraints.
-  LockedCoordinates(const MassFactor<A>& M, const MassWeightedJacobian<A>& Y, int nv, int constraints,
-                    std::vector<Row> rows, double rank_threshold)
+  // All but rows must outlive it. added_inertia: on the diagonal of M. rows: of all coordinates that can be locked.
+  // rank_threshold: a row whose permitted part is below this fraction of it is determined by other constraints.
+  LockedCoordinates(const Model<A>& model, const Workspace<A>& ws, const std::vector<double>& added_inertia,
+                    const MassFactor<A>& M, const MassWeightedJacobian<A>& Y, std::vector<Row> rows,
+                    double rank_threshold)
       : M_(M),
         Y_(Y),
-        n_(nv),
+        added_inertia_(added_inertia),
+        n_(model.nv),
         rank_threshold_(rank_threshold),
         rows_(std::move(rows)),
         locked_(rows_.size(), 0),
-        y_(rows_.size(), std::vector<double>(static_cast<std::size_t>(nv))),
+        y_(rows_.size(), std::vector<double>(static_cast<std::size_t>(n_))),
         inverse_size_(rows_.size()),
         inverse_mobility_(rows_.size(), INFINITY),
-        zero_(static_cast<std::size_t>(constraints)),
+        mobility_is_current_(rows_.size(), 0),
+        zero_(static_cast<std::size_t>(model.rows)),
         gap_(rows_.size()),
-        w_(static_cast<std::size_t>(nv)),
-        column_(static_cast<std::size_t>(nv)),
-        factor_(nv, static_cast<int>(rows_.size())) {
+        w_(static_cast<std::size_t>(n_)),
+        column_(static_cast<std::size_t>(n_)),
+        factor_(n_, static_cast<int>(rows_.size())) {
     held_.reserve(rows_.size());
+    if (model.rows == 0 && !rows_.empty()) {
+      tree_.emplace(model, ws);
+      held_velocities_.assign(static_cast<std::size_t>(n_), 0);
+    }
     for (const Row& row : rows_) {
       std::vector<int> velocities;
       for (const Term& term : row) velocities.push_back(term.v);
@@ -56,23 +66,57 @@ class LockedCoordinates {
   int count() const { return static_cast<int>(rows_.size()); }
   const Row& row(int i) const { return rows_[static_cast<std::size_t>(i)]; }
   bool any() const { return locked_count_ > 0; }
+  bool is_tree() const { return tree_.has_value(); }  // without constraint equations
   bool is_locked(int i) const { return locked_[i] != 0; }
-  // Number of locks that act independently of each other and of the constraint equations, and of all.
-  int rank() const { return factor_.rank(); }
-  int locked_count() const { return locked_count_; }
+  // Whether some locks would have no effect of their own beside the others and the constraint equations.
+  bool are_redundant() const { return !tree_ && factor_.rank() < locked_count_; }
 
   // Force per |L^-T f| that has the same effect on a locked coordinate; infinite if other constraints determine it.
-  double inverse_mobility(int i) const { return inverse_mobility_[i]; }
+  double inverse_mobility(int i) const {
+    if (tree_ && locked_[i] != 0 && mobility_is_current_[i] == 0) {
+      whiten(i, y_[i].data());
+      inverse_mobility_[i] = 1 / norm(y_[i].data());
+      mobility_is_current_[i] = 1;
+    }
+    return inverse_mobility_[i];
+  }
 
   // Locks coordinate i or releases it.
   void lock(int i, bool on) {
     if ((locked_[i] != 0) == on) return;
     locked_[i] = on ? 1 : 0;
     locked_count_ += on ? 1 : -1;
-    is_current_ = false;
+    if (tree_) held_velocities_[rows_[i].front().v] = locked_[i];
+    locks_changed();
   }
   // Call after M and Y have been factorized again.
-  void factors_changed() { is_current_ = false; }
+  void factors_changed() {
+    locks_changed();
+    std::ranges::fill(mobility_is_current_, 0);
+  }
+  // f <- the accelerations that generalized forces f cause in a tree without constraint equations, and x <- the forces
+  // (0 where not locked) that stop the locked coordinates. Returns false, and does nothing, in other mechanisms.
+  bool solve_tree(double* f, double* x) {
+    if (!tree_) return false;
+    if (!tree_is_current_) tree_->factorize(added_inertia_, held_velocities_);
+    tree_is_current_ = true;
+    tree_->solve_held(held_velocities_, f);
+    for (int i = 0; i < count(); ++i) {
+      double& vdot = f[rows_[i].front().v];
+      x[i] = locked_[i] != 0 ? std::exchange(vdot, 0.0) : 0;
+    }
+    return true;
+  }
+  // The same, without x, for each column of f (n x columns), stored row by row.
+  bool solve_tree(double* f, int columns) {
+    if (!tree_) return false;
+    for (int j = 0; j < columns; ++j) {
+      for (int k = 0; k < n_; ++k) column_[k] = f[k * columns + j];
+      solve_tree(column_.data(), gap_.data());
+      for (int k = 0; k < n_; ++k) f[k * columns + j] = column_[k];
+    }
+    return true;
+  }
   // Factorizes the locked rows with the present factors of M and Y.
   void factorize() {
     if (is_current_) return;
@@ -94,14 +138,15 @@ class LockedCoordinates {
   }
 
   // w <- w changed by the least amount that stops the locked coordinates; it satisfies the constraint equations.
-  void stop(double* w) const {
+  void stop(double* w) {
+    factorize();
     find_gaps(w);
     std::fill(w_.begin(), w_.end(), 0.0);
     factor_.solve_constrained(w_.data(), gap_.data(), nullptr);
     for (int k = 0; k < n_; ++k) w[k] += w_[k];
   }
   // The same for each column of w (n x columns), stored row by row.
-  void stop(double* w, int columns) const {
+  void stop(double* w, int columns) {
     for (int j = 0; j < columns; ++j) {
       for (int k = 0; k < n_; ++k) column_[k] = w[k * columns + j];
       stop(column_.data());
@@ -109,7 +154,8 @@ class LockedCoordinates {
     }
   }
   // x: the forces (0 where not locked) that stop them; w solves the equations without locks.
-  void forces(const double* w, double* x) const {
+  void forces(const double* w, double* x) {
+    factorize();
     find_gaps(w);
     std::fill(w_.begin(), w_.end(), 0.0);
     factor_.solve_constrained(w_.data(), gap_.data(), nullptr);
@@ -170,6 +216,7 @@ class LockedCoordinates {
   }
 
  private:
+  void locks_changed() { is_current_ = tree_is_current_ = false; }
   double norm(const double* x) const { return std::sqrt(dot(x, x)); }
   double dot(const double* x, const double* y) const {
     double sum = 0;
@@ -182,20 +229,25 @@ class LockedCoordinates {
 
   const MassFactor<A>& M_;
   const MassWeightedJacobian<A>& Y_;
+  const std::vector<double>& added_inertia_;
   int n_;
   double rank_threshold_;
   std::vector<Row> rows_;
   std::vector<std::vector<int>> pattern_;  // by lock: the nonzeros of its whitened row, ascending
   std::vector<char> locked_;
   int locked_count_ = 0;
-  bool is_current_ = false;
-  std::vector<int> held_;  // the locked coordinates, by row of the factor
-  std::vector<std::vector<double>> y_;
+  bool is_current_ = false;  // factor_
+  std::vector<int> held_;    // the locked coordinates, by row of the factor
+  mutable std::vector<std::vector<double>> y_;
   std::vector<double> inverse_size_;  // 1 / |y|
-  std::vector<double> inverse_mobility_;
+  mutable std::vector<double> inverse_mobility_;
+  mutable std::vector<char> mobility_is_current_;  // in a tree, where it is found when asked for
   std::vector<double> zero_;
   mutable std::vector<double> gap_, w_, column_;  // gap_: by row of the factor
   RowFactor factor_;                              // of z / |y|
+  std::optional<ArticulatedFactor<A>> tree_;      // without constraint equations: of what is not locked
+  std::vector<char> held_velocities_;             // by velocity: locked
+  bool tree_is_current_ = false;
 };
 
 }  // namespace gelenk

@@ -6,9 +6,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <optional>
 #include <set>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "dynamics/articulated_factor.h"
@@ -39,9 +41,12 @@ std::vector<int> velocity_parents(const Model<A>& model) {
 template <class A>
 class MassFactor {
  public:
+  // Throws because M has no inertia at this velocity.
+  using Refuse = std::function<void(int velocity)>;
+
   // model, ws and added must outlive it. added: inertia added to the diagonal of M, by velocity.
-  MassFactor(const Model<A>& model, Workspace<A>& ws, const std::vector<double>& added)
-      : model_(model), ws_(ws), added_inertia_(added), parent_(velocity_parents(model)) {
+  MassFactor(const Model<A>& model, Workspace<A>& ws, const std::vector<double>& added, Refuse refuse)
+      : model_(model), ws_(ws), added_inertia_(added), refuse_(std::move(refuse)), parent_(velocity_parents(model)) {
     if (model.mass_needs_rows) {
       augmented_.emplace(parent_, ws.J);
       parent_ = augmented_->pattern();
@@ -59,25 +64,20 @@ class MassFactor {
     if (!articulated_ || model.nv <= max_explicit_size) sparse_.emplace(parent_);
   }
 
-  // Returns -1, or the velocity at which M has no inertia. Reads J if the mass matrix is augmented.
-  int factorize() {
-    sparse_is_current_ = false;
-    if (augmented_) {
-      compute(augmented_->M());
-      augmented_->assemble(*sparse_);
-      return augmented_->factorize(*sparse_) ? -1 : least_inertia_velocity(augmented_->massless_motion());
-    }
-    if (articulated_) return articulated_->factorize(added_inertia_);
-    compute(*sparse_);
-    return sparse_->factorize();
+  // Factorizes M at the position of the workspace. Reads J if the mass matrix is augmented.
+  void factorize() const {
+    is_postponed_ = false;
+    if (const int k = find_factors(); k >= 0) refuse_(k);
   }
+  // The same, but not before a factor is needed.
+  void postpone() { is_postponed_ = true; }
   // If the mass matrix is augmented: f += J^T S gamma (augmented_mass.h), for each column of f and gamma.
   void add_right_side(const double* gamma, double* f, int columns = 1) const {
     if (augmented_) augmented_->add_right_side(gamma, f, columns);
   }
   // Whether M alone is positive definite beyond rounding. Invalidates the factors.
   bool is_definite() {
-    sparse_is_current_ = false;
+    sparse_is_current_ = is_postponed_ = false;
     const int n = model_.nv;
     std::vector<double> pivots(n);        // of the factorization, by velocity
     std::vector<double> pivot_errors(n);  // upper bounds of their rounding errors
@@ -98,10 +98,12 @@ class MassFactor {
     return true;
   }
   void solve_transposed(double* x) const {  // x <- L^-T x: whitens a generalized force
+    ensure();
     articulated_ ? articulated_->solve_transposed(x) : sparse_->solve_transposed(x);
   }
   // The same for a sparse x. nonzeros: its indices, as from inwards().
   void solve_transposed(double* x, std::span<const int> nonzeros) const {
+    ensure();
     articulated_ ? articulated_->solve_transposed(x, nonzeros) : sparse_->solve_transposed(x, nonzeros);
   }
   // The next velocity inwards of k in the pattern of L; -1 at the ground.
@@ -115,6 +117,7 @@ class MassFactor {
     return {out.begin(), out.end()};
   }
   void solve(double* x) const {  // x <- L^-1 x: from whitened to generalized velocities
+    ensure();
     articulated_ ? articulated_->solve(x) : sparse_->solve(x);
   }
   // The same for each column of x (nv x columns), stored row by row; ws must still be at the position of the factors.
@@ -125,12 +128,13 @@ class MassFactor {
     ensure_sparse_factor() ? sparse_->solve(x, columns) : articulated_->solve(x, columns);
   }
   void multiply(const double* x, double* y) const {  // y = L x: whitens generalized velocities
+    ensure();
     articulated_ ? articulated_->multiply(x, y) : sparse_->multiply(x, y);
   }
 
   // Computes the full matrix M (nv x nv). Invalidates the factors.
   void matrix(double* M) {
-    sparse_is_current_ = false;
+    sparse_is_current_ = is_postponed_ = false;
     if (!sparse_) sparse_.emplace(parent_);
     SparseFactor& plain = augmented_ ? augmented_->M() : *sparse_;
     compute(plain);
@@ -149,8 +153,25 @@ class MassFactor {
 
   // For many columns the sparse factor is faster even then, up to this number of velocities.
   static constexpr int max_explicit_size = 256;
+
+  void ensure() const {
+    if (is_postponed_) factorize();
+  }
+  // Returns -1, or the velocity at which M has no inertia.
+  int find_factors() const {
+    sparse_is_current_ = false;
+    if (augmented_) {
+      compute(augmented_->M());
+      augmented_->assemble(*sparse_);
+      return augmented_->factorize(*sparse_) ? -1 : least_inertia_velocity(augmented_->massless_motion());
+    }
+    if (articulated_) return articulated_->factorize(added_inertia_);
+    compute(*sparse_);
+    return sparse_->factorize();
+  }
   // Computes the sparse factor, if that is worthwhile. Returns whether it is available.
   bool ensure_sparse_factor() const {
+    ensure();
     if (!articulated_) return true;
     if (!sparse_is_current_ && model_.nv <= max_explicit_size) {
       compute(*sparse_);
@@ -189,11 +210,13 @@ class MassFactor {
   const Model<A>& model_;
   Workspace<A>& ws_;
   const std::vector<double>& added_inertia_;
+  Refuse refuse_;
   std::vector<int> parent_;  // of each velocity in L: velocity_parents(), or the pattern of the augmented matrix
   mutable std::optional<SparseFactor> sparse_;
   mutable bool sparse_is_current_ = false;  // sparse_ has been factorized at the position of articulated_
-  std::optional<ArticulatedFactor<A>> articulated_;
-  std::optional<AugmentedMass> augmented_;
+  mutable std::optional<ArticulatedFactor<A>> articulated_;
+  mutable std::optional<AugmentedMass> augmented_;
+  mutable bool is_postponed_ = false;
 };
 
 }  // namespace gelenk

@@ -96,6 +96,16 @@ def planar_four_bar(friction: float = 0.0) -> Callable[[], Scene]:
     return made
 
 
+def braked_arm() -> Scene:
+    """The arm with friction that holds all joints but the first."""
+    source = arm()
+    for name, entry in source["joints"].items():
+        if name != "j0":
+            entry["start"]["w"] = 0.0
+            entry["friction"] = {"coulomb": 1000.0}
+    return source
+
+
 RK4 = {"integrator": "rk4", "step": 1e-3}
 
 # Pairs of jobs: with friction in motion, and without.
@@ -103,6 +113,9 @@ FRICTION = {
     "rk4": tuple(Job(planar_four_bar(f), 500, solver=RK4) for f in (0.01, 0.0)),
     "auto": tuple(Job(planar_four_bar(f), 1000) for f in (0.01, 0.0)),
 }
+
+# The same with joints at rest.
+AT_REST = tuple(Job(plant, 300, solver=RK4) for plant in (braked_arm, arm))
 
 # rk4: four evaluations and a projection a step, so that its instructions are those of the kernels.
 JOBS = {
