@@ -25,7 +25,7 @@ set(once
   kinematics/loads kinematics/model
   contact/contact_state contact/recorded_problem contact/step_impacts
   dynamics/distributed_forces touch/spot_features
-  modes/joint_locks modes/mode_changes
+  modes/friction_treatment modes/joint_locks modes/mode_changes
   linear/box_complementarity linear/least_load linear/singular_values
   outputs/outputs_dual outputs/port_readings
   inspection/inspection

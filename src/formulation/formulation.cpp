@@ -110,6 +110,7 @@ bool Formulation::project_onto_constraints(double t, double* y, bool keeps_limit
   dynamics_.normalize(y);
   dynamics_.set_position(y);
   if (keeps_limits) limits_.begin(y + mechanism_.nq);
+  const LockModes::State modes = modes_.locks().state();
   if (!modes_.locks().empty()) modes_.locks().release();  // friction exerts no impulses
   projector().refactorize();  // an impact is no small correction, so former factors are not accurate enough
   // The smallest change in the mass metric, whichever method corrects rounding errors afterwards.
@@ -129,7 +130,7 @@ bool Formulation::project_onto_constraints(double t, double* y, bool keeps_limit
     dynamics_.set_velocity(v);
     if (!projector().close_velocity(v)) return false;
   }
-  if (!contacts_.are_used()) modes_.locks().start(t, y);
+  if (!contacts_.are_used()) keeps_limits ? modes_.locks().restart(t, y, modes) : modes_.locks().start(t, y);
   return true;
 }
 
@@ -317,7 +318,7 @@ void Formulation::start(const std::vector<double>& cut_q, double t, const double
 
 void Formulation::serialize(Archive& archive) {
   revolutions_.serialize(archive);
-  singularity_monitor_.serialize(archive);
+  if (mechanism_.rows > 0) singularity_monitor_.serialize(archive);
   events_.serialize(archive);
   modes_.locks().serialize(archive);
   contacts_.serialize(archive);

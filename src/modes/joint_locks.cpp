@@ -140,6 +140,7 @@ void JointLocks::begin_decision(double t, const double* y) {
   if (empty()) return;
   modes_.equations_.bring_inputs(t);  // on which limits depend
   const double* v = y + modes_.nq_;
+  modes_.drop_rebounds(v);
   before_ = next_ = state();
   next_.unstoppable = -1;
   for (int i = 0; i < modes_.count(); ++i) {

@@ -14,9 +14,10 @@ using Eigen::VectorXd;
 
 // Speeds up to this fraction of the largest, or of 1, are rest: the rounding of a speed that changes its sign.
 constexpr double rest_tolerance = 1e-12;
+// The same after an impact of a prescribed motion that jumps: more than what closing the loops again leaves in joints
+// that the impact does not move, in units of the fastest speed.
+constexpr double unmoved_tolerance = 1e-10;
 
-// Friction at rest that uses this fraction of its limit is about to slip.
-constexpr double boundary_fraction = 1e-9;
 // A bound within this fraction of what counts as contact has been reached.
 constexpr double reached_fraction = 1e-2;
 // What leaves a bound may be beyond it by rounding, and go further by this fraction of what counts as contact before it
@@ -58,10 +59,11 @@ LockModes::LockModes(ModeEquations& equations, Dynamics& dynamics, int nq, int n
 
 void LockModes::set_tolerance(double tolerance) { resolution_ = resolved_fraction * tolerance; }
 
-bool LockModes::is_slow(int lock, const double* v) const {
+bool LockModes::is_slow(int lock, const double* v) const { return is_slow(lock, v, rest_tolerance); }
+bool LockModes::is_slow(int lock, const double* v, double tolerance) const {
   double fastest = 1;
   for (int k = 0; k < nv_; ++k) fastest = std::max(fastest, std::abs(v[k]));
-  return std::abs(forces_.speed(lock, v)) <= rest_tolerance * fastest;
+  return std::abs(forces_.speed(lock, v)) <= tolerance * fastest;
 }
 
 bool LockModes::keeps_mode(int force, const double* v) const {
@@ -252,17 +254,21 @@ bool LockModes::found_event(int indicator) {
   return true;
 }
 
-// Returns whether there were any.
-bool LockModes::change_any(double t, double* y) {
-  dynamics_.set_position(y);
+// Forgets bounds that were met in a rebound, which may still be beyond them by rounding.
+void LockModes::drop_rebounds(const double* v) {
   for (int i = 0; i < count(); ++i) {
-    // A rebound may still be beyond the bound by rounding.
-    const bool rebounds = !forces_.lock(i).one_way && modes_.contacts[i] == 0 && !is_slow(i, y + nq_) &&
-                          touched_side(i) * forces_.speed(i, y + nq_) < 0;
+    const bool rebounds = !forces_.lock(i).one_way && modes_.contacts[i] == 0 && !is_slow(i, v) &&
+                          touched_side(i) * forces_.speed(i, v) < 0;
     if (triggered_[i] != by_limit || !rebounds) continue;
     triggered_[i] = nothing;
     modes_.leaves_from[i] = leaving_depth(i);
   }
+}
+
+// Returns whether there were any.
+bool LockModes::change_any(double t, double* y) {
+  dynamics_.set_position(y);
+  drop_rebounds(y + nq_);
   bool any = false;
   bool breaks_away = false;
   for (int i = 0; i < count(); ++i) {
@@ -327,50 +333,31 @@ void LockModes::start(double t, const double* y) {
   equations_.mode_changed();
 }
 
-int LockModes::treat(FrictionTreatment friction, double t, const double* y) {
-  State out = modes_;
+void LockModes::restart(double t, double* y, const State& before) {
+  if (empty()) return;
   for (int i = 0; i < count(); ++i) {
-    if (!has_friction(i) || modes_.contacts[i] != 0) continue;
-    int& motion = out.motions[i];
-    if (friction == FrictionTreatment::locked) motion = 0;
-    const bool is_free = friction == FrictionTreatment::off ||
-                         (friction == FrictionTreatment::sliding && motion == 0) ||
-                         (friction == FrictionTreatment::present && forces_.lock(i).sticking_limit.vanishes);
-    if (is_free) motion = JointLoads::released;
+    const bool rested = before.motions[i] == 0 || before.contacts[i] != 0;
+    if (rested && is_slow(i, y + nq_, unmoved_tolerance)) triggered_[i] = by_friction;
   }
-  set_state(out);
-  return friction == FrictionTreatment::present ? on_boundary(t, y) : -1;
-}
-
-int LockModes::on_boundary(double t, const double* y) {
-  const bool has_loads = !forces_.loads().empty();
-  if (any_at_rest_ || has_loads) find_holding_forces(t, y);
-  if (const int unloaded = has_loads ? forces_.loads().unloaded() : -1; unloaded >= 0) return unloaded;
-  dynamics_.set_position(y);
-  const double* v = y + nq_;
-  for (int i = 0; i < count(); ++i) {
-    const Branching::Lock lock = forces_.lock(i);
-    if (!rests(i)) {
-      if (has_friction(i) && modes_.motions[i] != JointLoads::released && is_slow(i, v)) return lock.friction;
-      if (lock.limit >= 0 && touched_side(i) != 0 && (!lock.one_way || is_slow(i, v))) return lock.limit;
-      continue;
-    }
-    const auto safe = [&](int direction) {
-      const double limit = lock.sticking_limit.against(direction);
-      return limit - std::max(boundary_fraction * limit, forces_.slack(i));
-    };
-    const bool may_rise = holding_[i] >= safe(-1) && modes_.contacts[i] >= 0;
-    const bool may_fall = holding_[i] <= -safe(1) && modes_.contacts[i] <= 0;
-    if (may_rise || may_fall) return modes_.contacts[i] != 0 ? lock.limit : lock.friction;
+  start(t, y);
+  std::ranges::fill(triggered_, nothing);
+  if (any_wrong_speed(y + nq_)) {
+    equations_.accelerations_at(t, y, vdot_.data());
+    stop(y + nq_);
   }
-  return -1;
+  record_changes(t, before);
 }
 
 void LockModes::enter(double t, State next, Recording records) {
   const State before = state();
   const bool changed = next != before;
   for (int i = 0; i < count(); ++i) {
-    if (next.contacts[i] != 0) next.leaves_from[i] = 0;
+    double& from = next.leaves_from[i];
+    if (next.contacts[i] != 0) {
+      from = 0;
+    } else if (before.contacts[i] != 0 && from == 0) {
+      from = leaving_depth(i);  // an impact elsewhere has thrown it off
+    }
   }
   set_state(next);
   if (records == Recording::all) record_changes(t, before);

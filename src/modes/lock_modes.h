@@ -65,10 +65,22 @@ class LockModes {
     return any_at_rest_ && !forces_.is_redundant() && exceed(forces_.holding_forces().values());
   }
 
+  struct State {
+    std::vector<int> motions;   // by lock; 1, -1: friction opposes motion in this direction; 0: it keeps at rest
+    std::vector<int> contacts;  // by lock; 1, -1: with the upper, the lower bound; 0: none
+    // By lock: depth up to which a coordinate leaves a bound that it still touches; 0: it does not.
+    std::vector<double> leaves_from;
+    // The indicator of a limit beyond which its coordinate moves and no force can stop it; -1: none.
+    int unstoppable = -1;
+    bool operator==(const State&) const = default;
+  };
   // Sets the tolerance of the integration, below which displacements do not matter (natural units).
   void set_tolerance(double tolerance);
   // Determines the modes from the state alone.
   void start(double t, const double* y);
+  // The same where velocities have jumped, after release(); what was at rest before and has not been moved but by
+  // rounding is stopped, and remains at rest if friction holds it.
+  void restart(double t, double* y, const State& before);
   // Call when inputs have jumped.
   void inputs_jumped() { jumped_ = true; }
   // Brings the modes up to date where a step begins at (t, y); returns whether velocities in y have changed, because
@@ -84,15 +96,6 @@ class LockModes {
   // Enters the modes that follow from the events found; impacts and sticking change the velocities in y.
   void change(double t, double* y) { change_any(t, y); }
 
-  struct State {
-    std::vector<int> motions;   // by lock; 1, -1: friction opposes motion in this direction; 0: it keeps at rest
-    std::vector<int> contacts;  // by lock; 1, -1: with the upper, the lower bound; 0: none
-    // By lock: depth up to which a coordinate leaves a bound that it still touches; 0: it does not.
-    std::vector<double> leaves_from;
-    // The indicator of a limit beyond which its coordinate moves and no force can stop it; -1: none.
-    int unstoppable = -1;
-    bool operator==(const State&) const = default;
-  };
   const State& state() const { return modes_; }
   struct Counts {
     long impacts = 0;        // of coordinates on their bounds
@@ -116,6 +119,7 @@ class LockModes {
   bool has_friction(int lock) const { return forces_.lock(lock).friction >= 0; }
   bool rests(int lock) const { return modes_.motions[lock] == 0 || modes_.contacts[lock] != 0; }
   bool is_slow(int lock, const double* v) const;
+  bool is_slow(int lock, const double* v, double tolerance) const;
   int touched_side(int lock) const;
   void find_holding_forces(double t, const double* y);
   bool exceed(const std::vector<double>& holding) const;
@@ -132,6 +136,7 @@ class LockModes {
   void decide_at(State& next, const std::vector<int>& undecided, bool breaks_away, double t, const double* y);
   void decide_with_loads(State& next, const std::vector<int>& undecided, bool breaks_away, double t, const double* y);
   void decide(State& next, const std::vector<int>& undecided, bool breaks_away);
+  void drop_rebounds(const double* v);
   bool change_any(double t, double* y);
   bool load_signs_changed();
   bool seize(double t, double* y);

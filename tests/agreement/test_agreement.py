@@ -19,8 +19,10 @@ REFUSED = ("refused", "not started")  # ends of what a way reports that could no
 MOST_REFUSED = 2  # of a block
 # Beyond those: a step of dirk to a touch that rounding put just before its end; an open brake at the
 # equilibrium of a spring, beside a wheel; contacts and joints that share a load; friction that turns a joint
-# the other way; two frictions of three that reach their limits together.
-ONCE_REFUSED = (2403, 4327, 3373, 5005, 4515, 5134)
+# the other way; two frictions of three that reach their limits together. And what was wrong in silence:
+# static friction that a jump of a motion elsewhere broke; a limit met again in the rounding of an impact that
+# had left it.
+ONCE_WRONG = (2403, 4327, 3373, 5005, 4515, 5134, 6967, 9529)
 
 
 def findings(first: int, count: int) -> list[dict[str, str]]:
@@ -44,6 +46,6 @@ def test_all_ways_agree(first: int) -> None:
     assert len(found) <= MOST_REFUSED  # lest all agree because nothing runs
 
 
-@pytest.mark.parametrize("seed", ONCE_REFUSED)
-def test_what_was_refused_once_is_not(seed: int) -> None:
+@pytest.mark.parametrize("seed", ONCE_WRONG)
+def test_what_was_refused_or_wrong_once_is_not(seed: int) -> None:
     assert not findings(seed, 1)

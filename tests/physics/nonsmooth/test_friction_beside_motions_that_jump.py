@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A prescribed motion that jumps is an impact; what it does not move stays at rest."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from mechanisms import GRAVITY, frame, joint, rod, scene
+
+import gelenk
+
+STEP = 0.02  # s
+# A horizontal link: its weight needs far more than sliding friction, and less than static friction.
+MASS, LENGTH = 1.0, 0.5
+MOMENT = MASS * GRAVITY * LENGTH / 2
+
+
+def held_beside_a_slide(loop: bool) -> Any:
+    """A link that static friction holds, in a loop or not, and a slide whose position is an input."""
+    bodies = {"slide": {"mass": 1.0}, "arm": rod(MASS, LENGTH)}
+    joints = {
+        "drive": joint("prismatic", frame("ground", (0, 1, 0)), frame("slide"), axis=(1, 0, 0)),
+        "pivot": joint(
+            "revolute", frame("ground"), frame("arm"), axis=(0, 1, 0),
+            friction={"coulomb": 0.01 * MOMENT, "static": 10 * MOMENT},
+            start={"phi": 0.0, "w": 0.0, "fixed": True},
+        ),
+    }  # fmt: skip
+    if loop:  # of five links, of which the others swing
+        lengths = {"arm": LENGTH, "one": 0.4, "two": 0.45, "three": 0.3}
+        guesses = {"one": 1.1, "two": -0.28, "three": 2.61}
+        bodies |= {name: rod(0.1, length) for name, length in list(lengths.items())[1:]}
+        for (inner, length), outer in zip(lengths.items(), list(lengths)[1:], strict=False):
+            joints[outer] = joint(
+                "revolute",
+                frame(inner, (length, 0, 0)),
+                frame(outer),
+                axis=(0, 1, 0),
+                start={"phi": guesses[outer]},
+            )
+        joints["one"]["start"] |= {"w": 2.0, "fixed": True}
+        joints["far"] = joint(
+            "revolute", frame("three", (0.3, 0, 0)), frame("ground", (0.7, 0, -0.6)), axis=(0, 1, 0)
+        )
+    source = scene(bodies, joints, gravity=[0, 0, -GRAVITY])
+    source["constraints"] = {"m": {"type": "motion", "joint": "drive", "input": "position"}}
+    source["forces"] = {
+        "spring": {"type": "spring_damper", "from": "arm", "to": "slide", "stiffness": 1e-9, "length": 1.0}
+    }
+    source["solver"] = {"integrator": "erk"}
+    return source
+
+
+def set_motion(plant: gelenk.Simulation, position: float, speed: float) -> None:
+    plant.set_input("m.s_ref", position)
+    plant.set_input_derivative("m.s_ref", 1, speed)
+
+
+@pytest.mark.parametrize("loop", [False, True])
+@pytest.mark.parametrize("integrator", ["auto", "erk", "dirk", "cvode", "rk4"])
+def test_what_a_jump_does_not_move_stays_at_rest(integrator: str, loop: bool) -> None:
+    """It had no static friction for an instant, and slid from there, without an event."""
+    source = held_beside_a_slide(loop)
+    source["solver"]["integrator"] = integrator
+    plant = gelenk.Simulation(source)
+    plant.initialize(0.0, 1e-8)
+    for k in range(50):
+        set_motion(plant, 0.1 * (k % 3), 1.0 - k % 2)
+        plant.step_to((k + 1) * STEP)
+        assert plant.output("pivot.phi") == pytest.approx(0, abs=1e-12)
+        assert plant.output("pivot.w") == 0
+        assert plant.output("pivot.friction.mode") == 0
+        assert not [text for _, text in plant.events if "pivot" in text]
+
+
+def test_what_a_jump_moves_slides_and_says_so() -> None:
+    """The slide carries the link: friction exerts no impulse, and cannot stop it from there."""
+    source = held_beside_a_slide(loop=False)
+    source["joints"]["pivot"]["parent"] = frame("slide")
+    del source["forces"]
+    source["joints"]["pivot"]["start"]["phi"] = 0.3
+    plant = gelenk.Simulation(source)
+    plant.initialize(0.0, 1e-8)
+    set_motion(plant, 0.0, 0.0)
+    plant.step_to(STEP)
+    assert plant.output("pivot.w") == 0
+    set_motion(plant, 0.0, 0.5)
+    plant.step_to(1.5 * STEP)
+    assert any(text.startswith("pivot.phi slips") and t == STEP for t, text in plant.events)
+    assert plant.output("pivot.friction.mode") != 0
