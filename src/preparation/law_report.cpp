@@ -7,29 +7,29 @@
 namespace gelenk {
 namespace {
 
+// x: in natural units. unit: as in field/field.h, "N.m".
 std::string shown(const Scene& scene, double x, const std::string& unit) {
-  return text::with_unit(text::rounded(x * scene.units.size_of(unit)), unit);
+  return text::with_unit(text::rounded(x * scene.units.size_of(unit)), spelled(unit));
 }
 
 std::string of_joint(const Scene& scene, const Loads& loads, const BrokenLaw& broken) {
   const BranchingForce of = branching_forces(loads)[static_cast<std::size_t>(broken.index)];
   const Joint& joint = scene.joints[static_cast<std::size_t>(of.joint)];
   const Coordinate at = coordinate_of(kind_of(joint.is), of.component);
-  const std::string force = shown(scene, broken.found, spelled(unit_of("{f}", at)));
+  const std::string force = shown(scene, broken.found, unit_of("{f}", at));
   const std::string law = "joints." + joint.name + "." + std::string(of.group);
   switch (broken.kind) {
     case BrokenLaw::Kind::friction_exceeded:
       return law + ": the friction would be " + force + ", but can be at most " +
-             shown(scene, broken.bound, spelled(unit_of("{f}", at)));
+             shown(scene, broken.bound, unit_of("{f}", at));
     case BrokenLaw::Kind::friction_along_motion:
       return law + ": the friction would be " + force + ", along the motion with " +
-             shown(scene, broken.bound, spelled(unit_of("{v}", at)));
+             shown(scene, broken.bound, unit_of("{v}", at));
     case BrokenLaw::Kind::limit_not_reached:
       return law + ": the limit would exert " + force + " at a distance of " +
-             shown(scene, broken.bound, spelled(unit_of("{q}", at)));
+             shown(scene, broken.bound, unit_of("{q}", at));
     case BrokenLaw::Kind::limit_passed:
-      return law + ": the coordinate is " + shown(scene, broken.bound, spelled(unit_of("{q}", at))) +
-             " beyond its limit";
+      return law + ": the coordinate is " + shown(scene, broken.bound, unit_of("{q}", at)) + " beyond its limit";
     default:
       return law + ": it would pull with " + force;
   }
@@ -48,7 +48,7 @@ std::string of_contact(const Scene& scene, const BrokenLaw& broken) {
     return law + ": surfaces that touch would approach each other with " + shown(scene, broken.found, "m/s") +
            ", since no impulses were found that prevent it (as where a heavy body rests on one of far less mass)";
   const bool is_moment = broken.kind == BrokenLaw::Kind::contact_moment;
-  const std::string unit = is_moment ? "N m" : "N";
+  const std::string unit = is_moment ? "N.m" : "N";
   return law + (is_moment ? ": the moment of friction would be " : ": the friction would be ") +
          shown(scene, broken.found, unit) + ", but can be at most " + shown(scene, broken.bound, unit);
 }
