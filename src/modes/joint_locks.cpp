@@ -228,7 +228,13 @@ void JointLocks::try_answers() {
 }
 
 void JointLocks::read_forces() {
-  const std::vector<double>& forces = forces_.holding_forces().values();
+  // Of redundant ones those that use limits the least: what others can hold is not beyond its limit.
+  std::vector<double> forces = forces_.holding_forces().values();
+  if (forces_.is_redundant()) {
+    const std::vector<double> present = modes_.holding_;
+    forces = modes_.distribute_holding_forces();
+    modes_.holding_ = present;
+  }
   for (LockProblem::Lock& at : problem_.locks) {
     at.holding = forces[static_cast<std::size_t>(at.lock)];
     at.slack = forces_.slack(at.lock);

@@ -120,7 +120,8 @@ int ContactDecision::most_pulling() const {
   double least = -acceleration_tolerance * largest;
   int out = -1;
   for (std::size_t i = 0; i < forces.size(); ++i) {
-    if (!(forces[i].normal < least) || presses(touch_.closed()[i])) continue;
+    const bool is_redundant = !touch_.are_unique() || touch_.is_blocked(i);
+    if (!(forces[i].normal < least) || (is_redundant && presses(touch_.closed()[i]))) continue;
     least = forces[i].normal;
     out = touch_.closed()[i];
   }
