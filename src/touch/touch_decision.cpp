@@ -228,7 +228,8 @@ void ContactDecision::hold_all() { std::ranges::fill(slips_, 0); }
 
 // Where friction of what slides makes a joint that friction holds move the other way (as in Painleve's paradox), the
 // forces above do not settle although one motion obeys the laws: each combination of rest and both directions is tried.
-bool ContactDecision::try_locks(const double* vdot, std::vector<SpotMode>& next) {
+bool ContactDecision::try_locks(const std::vector<Trigger>& triggered, const double* vdot,
+                                std::vector<SpotMode>& next) {
   const std::size_t count = problem_->locks.size();
   if (count == 0 || count > most_tried_locks) return false;
   const std::vector<SpotMode> first = next;
@@ -245,7 +246,7 @@ bool ContactDecision::try_locks(const double* vdot, std::vector<SpotMode>& next)
     next = first;
     const bool possible = std::ranges::none_of(
         problem_->locks, [](const auto& lock) { return lock.contact != 0 && lock.direction == lock.contact; });
-    if (possible && refine(vdot, next) && !locks_exceed_limits()) return true;
+    if (possible && refine(vdot, next) && !exceeds_limits(triggered)) return true;
   }
   next = first;
   problem_->locks = answers;
@@ -293,7 +294,7 @@ ContactDecision::Outcome ContactDecision::decide(const std::vector<int>& spots, 
     outcome = Outcome::ambiguous;
     break;
   }
-  if (possible.empty()) return try_locks(vdot, next) ? Outcome::found : outcome;
+  if (possible.empty()) return try_locks(triggered, vdot, next) ? Outcome::found : outcome;
   next = std::move(possible);
   problem.locks = std::move(possible_locks);
   return Outcome::found;

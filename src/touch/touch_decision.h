@@ -63,7 +63,7 @@ class ContactDecision {
   bool locks_obey(const Eigen::VectorXd& relative) const;
   bool refine(const double* vdot, std::vector<SpotMode>& next);
   bool check(const double* vdot, const std::vector<SpotMode>& next, int& pulls);
-  bool try_locks(const double* vdot, std::vector<SpotMode>& next);
+  bool try_locks(const std::vector<Trigger>& triggered, const double* vdot, std::vector<SpotMode>& next);
   bool let_locks_slip();
   bool let_slide(const std::vector<SpotMode>& tentative, const std::vector<SpotMode>& next);
 
