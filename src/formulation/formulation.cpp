@@ -188,7 +188,7 @@ bool Formulation::jacobian_by_differences(double t, const double* y, Eigen::Map<
   std::vector<double> at(y, y + size());
   std::vector<double> rates(at.size());
   TouchEquations& touch = contacts_.touch()->equations();
-  touch.begin_differences(size());
+  touch.begin_differences(size(), ydot_.data() + mechanism_.nq, contacts_.touch()->since_step_began(t));
   takes_differences_ = true;
   bool is_finite = true;
   for (std::size_t k = 0; k < at.size() && is_finite; ++k) {

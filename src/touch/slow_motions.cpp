@@ -20,7 +20,8 @@ constexpr double kept_fraction = 0.5;
 
 }  // namespace
 
-void TouchEquations::begin_differences(int components) {
+void TouchEquations::begin_differences(int components, const double* vdot, double elapsed) {
+  const Eigen::Map<const VectorXd> a(vdot, mechanism_.nv);
   modes_before_ = modes_;
   slow_.clear();
   differenced_slips_.assign(contact_groups * modes_.size(), Vector3d::Zero());
@@ -32,15 +33,19 @@ void TouchEquations::begin_differences(int components) {
       differenced_slips_[contact_groups * static_cast<std::size_t>(entry.spot) + group] = entry.slip[group];
       if (!(speed <= slow_sliding)) continue;
       Vector3d& before = modes_[static_cast<std::size_t>(entry.spot)].groups[group].direction;
+      const int row = entry.moving[group];
+      const double rise = (rows_.S.row(row).dot(a) + rows_.moving_rates[row]) * elapsed;
+      const double becomes = std::max(speed, rise);
       const bool turns = group != 1;  // spinning has an axis
-      if (turns && speed > 0) {
+      if (turns && becomes > 0) {
         const Vector3d across = entry.at.n.cross(entry.along[group]);
         const bool is_mirrored = entry.slip[group].dot(before) < 0;
         slow_.push_back({.entry = i,
                          .group = group,
                          .slip = entry.slip[group],
                          .across = across,
-                         .turns_with = is_mirrored ? Vector3d(across - 2 * across.dot(before) * before) : across});
+                         .turns_with = is_mirrored ? Vector3d(across - 2 * across.dot(before) * before) : across,
+                         .speed = becomes});
       }
       before = entry.along[group];
     }
@@ -79,7 +84,7 @@ void TouchEquations::end_differences(Eigen::Ref<Eigen::MatrixXd> vdot_y) {
     const SlowMotion& slow = slow_[i];
     const Entry& entry = rows_.entries[slow.entry];
     add_row(entry, slow.across, slow.group > 0, force.data());
-    force *= -coefficient(entry.spot, static_cast<int>(slow.group), true) * x_[entry.first] / slow.slip.norm();
+    force *= -coefficient(entry.spot, static_cast<int>(slow.group), true) * x_[entry.first] / slow.speed;
     vdot_y += constrained_response(force) * turning_.row(static_cast<Index>(i));
   }
 }

@@ -94,8 +94,10 @@ class TouchEquations {
   // Derivatives by differences. From begin_differences(), after accelerate() at a state, slow sliding keeps its
   // direction, which small changes of the state could reverse; record_difference() follows accelerate() at a state of
   // which component k differs by dy; and end_differences(), after accelerate() at the first state again, adds the
-  // effect of the directions to the derivatives of vdot (nv rows, components in columns).
-  void begin_differences(int components);
+  // effect of the directions to the derivatives of vdot (nv rows, components in columns). vdot: at the first state;
+  // elapsed [s]: of the step. Sliding that begins is as fast as it becomes in this time: iterations of a step begin
+  // with the speed at its start, where directions turn infinitely fast, and would leave them as they are.
+  void begin_differences(int components, const double* vdot, double elapsed);
   void record_difference(int k, double dy);
   void end_differences(Eigen::Ref<Eigen::MatrixXd> vdot_y);
   // Whether something slid at quite another speed, or in another direction, at the last accelerate() than at the last
@@ -149,6 +151,7 @@ class TouchEquations {
     Eigen::Vector3d slip;        // at the first state
     Eigen::Vector3d across;      // unit: where the direction turns to
     Eigen::Vector3d turns_with;  // unit: a slip velocity along it turns the direction
+    double speed = 0;            // for which it turns
   };
   double no_direction_ = rest_speed;
   bool keeps_directions_ = false;

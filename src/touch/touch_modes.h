@@ -50,6 +50,7 @@ class TouchModes final : public ConnectedModes {
   void remembered_mode(bool* positive) const override;
   void hold_mode(double t, const bool* positive) override;
   double mode_exit_time() const override { return mode_exit_time_; }
+  double since_step_began(double t) const { return held_ ? t - held_from_ : 0; }
   void found_event(double t, int indicator, bool positive) override;
   void change_mode(double t, double* y) override;
   std::string refusal() const override { return refusal_; }
