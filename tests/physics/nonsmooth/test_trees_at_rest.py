@@ -141,6 +141,54 @@ def test_what_is_at_rest_moves_as_one_body() -> None:
     assert abs(plant.output("j1.friction.tau")) == pytest.approx(abs(moment), rel=1e-7)
 
 
+def test_a_clutch_between_coaxial_disks_holds_them_together() -> None:
+    """Its joint closes a loop without equations of its own: its coordinate is that of two joints."""
+    inertias = (0.7, 0.2)
+    bodies = {f"disk{i}": body(1.0, inertia=(J, 1.0, 1.0)) for i, J in enumerate(inertias)}
+    joints = {
+        f"j{i}": joint(
+            "revolute",
+            frame("ground"),
+            frame(f"disk{i}"),
+            axis=X,
+            start={"phi": 0.0, "w": 0.0, "fixed": True},
+        )
+        for i in range(2)
+    }
+    joints["clutch"] = joint("revolute", frame("disk0"), frame("disk1"), axis=X, friction={"coulomb": 5.0})
+    plant = gelenk.Simulation(scene(bodies, joints, motors={"m": {"joint": "j0"}}))
+    plant.initialize()
+    plant.set_input("m.tau", 3.0)
+    plant.step_to(0.1)
+    for i in range(2):
+        assert plant.output(f"j{i}.w") == pytest.approx(3.0 * 0.1 / sum(inertias), rel=1e-9)
+    assert abs(plant.output("clutch.friction.tau")) == pytest.approx(3.0 * 0.2 / sum(inertias), rel=1e-9)
+
+
+def test_a_limit_does_not_pull_at_any_torque() -> None:
+    """Beyond the square root of the largest number, what counts as rounding was infinite."""
+    source = scene(
+        {"rod": rod(1.0, 0.5)},
+        {
+            "j0": joint(
+                "revolute", frame("ground"), frame("rod"), axis=Z, limit={"lower": 0.0},
+                start={"phi": 0.0, "w": 0.0, "fixed": True},
+            )
+        },
+        motors={"m": {"joint": "j0"}},
+    )  # fmt: skip
+    plant = gelenk.Simulation(source)
+    plant.initialize()
+    plant.set_input("m.tau", -1.0)
+    plant.step_to(0.1)
+    assert plant.output("j0.limit.mode") == -1
+    plant.set_input("m.tau", 1e160)
+    plant.step_to(0.2)
+    assert plant.output("j0.limit.mode") == 0
+    assert plant.output("j0.limit.tau") == 0
+    assert plant.output("j0.phi") > 0
+
+
 def test_linear_models_of_both_ways_agree() -> None:
     """With what is at rest locked; poles of the tree are poles of both."""
     for seed in range(6):
