@@ -216,13 +216,14 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
       return modes_.loads().solve_columns(r, c, columns, solve);
     }
     if (model_.rows > 0) M_.add_right_side(c, r, columns);
-    if (modes_.locks_any() && modes_.locked().solve_tree(r, columns)) return;
+    const bool locks = modes_.locks_any();
+    if (locks && modes_.locked().solve_tree(r, columns)) return;
     M_.solve_transposed(r, columns);
     if (model_.rows > 0) Y_.solve_constrained(r, c, columns, regularized_);
-    if (modes_.locks_any()) modes_.locked().stop(r, columns);
+    if (locks) modes_.locked().stop(r, columns);
     M_.solve(r, columns);
     // Exactly 0 also in an implicit method's iterations, lest a coordinate at rest on the bound of a stop cross it.
-    if (modes_.locks_any()) modes_.locked().clear(r, columns);
+    if (locks) modes_.locked().clear(r, columns);
   }
 
   const std::vector<double>& Phi() const override { return ws_.Phi; }

@@ -98,11 +98,14 @@ class LockedCoordinates {
     std::ranges::fill(mobility_is_current_, 0);
   }
   // f <- the accelerations that generalized forces f cause in a tree without constraint equations, and x <- the forces
-  // (0 where not locked) that stop the locked coordinates. Returns false, and does nothing, in other mechanisms.
+  // (0 where not locked) that stop the locked coordinates. Returns false, and does nothing, in other mechanisms. As
+  // MassFactor, refuses motion without inertia.
   bool solve_tree(double* f, double* x) {
     if (!tree_) return false;
-    if (!tree_is_current_) tree_->factorize(added_inertia_, held_velocities_);
-    tree_is_current_ = true;
+    if (!tree_is_current_) {
+      if (const int k = tree_->factorize(added_inertia_, held_velocities_); k >= 0) M_.refuse(k);
+      tree_is_current_ = true;
+    }
     tree_->solve_held(held_velocities_, f);
     for (int i = 0; i < count(); ++i) {
       double& vdot = f[rows_[i].front().v];

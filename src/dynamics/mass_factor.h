@@ -71,6 +71,7 @@ class MassFactor {
   }
   // The same, but not before a factor is needed.
   void postpone() { is_postponed_ = true; }
+  void refuse(int velocity) const { refuse_(velocity); }
   // If the mass matrix is augmented: f += J^T S gamma (augmented_mass.h), for each column of f and gamma.
   void add_right_side(const double* gamma, double* f, int columns = 1) const {
     if (augmented_) augmented_->add_right_side(gamma, f, columns);

@@ -130,7 +130,12 @@ bool Formulation::project_onto_constraints(double t, double* y, bool keeps_limit
     dynamics_.set_velocity(v);
     if (!projector().close_velocity(v)) return false;
   }
-  if (!contacts_.are_used()) keeps_limits ? modes_.locks().restart(t, y, modes) : modes_.locks().start(t, y);
+  if (contacts_.are_used()) return true;
+  if (keeps_limits) {
+    modes_.locks().restart(t, y, modes);
+  } else {
+    modes_.locks().start(t, y);
+  }
   return true;
 }
 

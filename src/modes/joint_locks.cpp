@@ -229,12 +229,8 @@ void JointLocks::try_answers() {
 
 void JointLocks::read_forces() {
   // Of redundant ones those that use limits the least: what others can hold is not beyond its limit.
-  std::vector<double> forces = forces_.holding_forces().values();
-  if (forces_.is_redundant()) {
-    const std::vector<double> present = modes_.holding_;
-    forces = modes_.distribute_holding_forces();
-    modes_.holding_ = present;
-  }
+  std::vector<double> forces;
+  modes_.distribute(forces);
   for (LockProblem::Lock& at : problem_.locks) {
     at.holding = forces[static_cast<std::size_t>(at.lock)];
     at.slack = forces_.slack(at.lock);

@@ -101,8 +101,14 @@ void LockModes::find_holding_forces(double t, const double* y) {
 }
 
 const std::vector<double>& LockModes::distribute_holding_forces() {
-  holding_ = forces_.holding_forces().values();
-  if (!any_at_rest_ || !forces_.is_redundant()) return holding_;
+  distribute(holding_);
+  return holding_;
+}
+
+// holding: out, see distribute_holding_forces().
+void LockModes::distribute(std::vector<double>& holding) const {
+  holding = forces_.holding_forces().values();
+  if (!any_at_rest_ || !forces_.is_redundant()) return;
   std::vector<int> locks;
   for (int i = 0; i < count(); ++i) {
     if (rests(i)) locks.push_back(i);
@@ -113,16 +119,15 @@ const std::vector<double>& LockModes::distribute_holding_forces() {
     double largest = 0;
     change = 0;
     for (Index i = 0; i < x.size(); ++i) {
-      double& holding = holding_[static_cast<std::size_t>(locks[i])];
-      change = std::max(change, std::abs(x[i] - holding));
+      double& of = holding[static_cast<std::size_t>(locks[i])];
+      change = std::max(change, std::abs(x[i] - of));
       largest = std::max(largest, std::abs(x[i]));
-      holding = x[i];
+      of = x[i];
     }
     if (forces_.loads().empty()) break;
     change = largest > 0 ? change / largest : 0;
-    forces_.distribute_loads(holding_);
+    forces_.distribute_loads(holding);
   }
-  return holding_;
 }
 
 bool LockModes::exceed(const std::vector<double>& holding) const {
@@ -336,8 +341,7 @@ void LockModes::start(double t, const double* y) {
 void LockModes::restart(double t, double* y, const State& before) {
   if (empty()) return;
   for (int i = 0; i < count(); ++i) {
-    const bool rested = before.motions[i] == 0 || before.contacts[i] != 0;
-    if (rested && is_slow(i, y + nq_, unmoved_tolerance)) triggered_[i] = by_friction;
+    if (before.rests(i) && is_slow(i, y + nq_, unmoved_tolerance)) triggered_[i] = by_friction;
   }
   start(t, y);
   std::ranges::fill(triggered_, nothing);

@@ -72,6 +72,7 @@ class LockModes {
     std::vector<double> leaves_from;
     // The indicator of a limit beyond which its coordinate moves and no force can stop it; -1: none.
     int unstoppable = -1;
+    bool rests(int lock) const { return motions[lock] == 0 || contacts[lock] != 0; }
     bool operator==(const State&) const = default;
   };
   // Sets the tolerance of the integration, below which displacements do not matter (natural units).
@@ -117,11 +118,12 @@ class LockModes {
 
   int count() const { return static_cast<int>(modes_.motions.size()); }
   bool has_friction(int lock) const { return forces_.lock(lock).friction >= 0; }
-  bool rests(int lock) const { return modes_.motions[lock] == 0 || modes_.contacts[lock] != 0; }
+  bool rests(int lock) const { return modes_.rests(lock); }
   bool is_slow(int lock, const double* v) const;
   bool is_slow(int lock, const double* v, double tolerance) const;
   int touched_side(int lock) const;
   void find_holding_forces(double t, const double* y);
+  void distribute(std::vector<double>& holding) const;
   bool exceed(const std::vector<double>& holding) const;
   int on_boundary(double t, const double* y);
   int limit_indicator(int lock, int side) const { return 2 * forces_.lock(lock).limit + (side > 0 ? 0 : 1); }

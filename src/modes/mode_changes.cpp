@@ -183,8 +183,7 @@ bool LockModes::returns(int lock, const State& before, const double* v) const {
     const bool rebounds = of.restitution > 0 && before.contacts[lock] == 0;
     if (ends_series(lock, side, speed, 0, rebounds ? 0 : resolution_)) return true;
   }
-  const bool rested = before.motions[lock] == 0 || before.contacts[lock] != 0;
-  if (of.friction < 0 || !rested || rests(lock)) return false;
+  if (of.friction < 0 || !before.rests(lock) || rests(lock)) return false;
   const double deceleration = (speed > 0 ? -1 : 1) * forces_.speed(lock, vdot_.data());
   return deceleration > 0 && speed * speed <= 2 * deceleration * std::max(resolution_, shortest_slip);
 }
@@ -197,7 +196,7 @@ std::vector<int> LockModes::find_returning(double t, const double* y, const Stat
   dynamics_.set_position(y);
   for (int i = 0; i < count(); ++i) {
     const bool left = modes_.leaves_from[i] != 0 && modes_.contacts[i] == 0 && touched_side(i) != 0;
-    const bool slips = has_friction(i) && !rests(i) && (before.motions[i] == 0 || before.contacts[i] != 0);
+    const bool slips = has_friction(i) && !rests(i) && before.rests(i);
     if (left || slips) out.push_back(i);
   }
   if (out.empty()) return out;

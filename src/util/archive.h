@@ -22,11 +22,10 @@ class Archive {
   // An empty archive for writing.
   Archive() = default;
   // An archive for reading, from its first word.
-  explicit Archive(std::vector<std::uint64_t> words)
-      : words_(std::move(words)), written_(words_.size()), end_(written_), reading_(true) {}
+  explicit Archive(std::vector<std::uint64_t> words) : words_(std::move(words)), end_(words_.size()), reading_(true) {}
 
   bool reading() const { return reading_; }
-  std::span<const std::uint64_t> words() const { return {words_.data(), reading_ ? written_ : next_}; }
+  std::span<const std::uint64_t> words() const { return {words_.data(), reading_ ? end_ : next_}; }
 
   // Empties the archive for writing; its memory is kept.
   void start_writing() {
@@ -36,7 +35,7 @@ class Archive {
   }
   // Switches to reading, from the first word.
   void start_reading() {
-    if (!reading_) written_ = end_ = next_;
+    if (!reading_) end_ = next_;
     next_ = 0;
     reading_ = true;
   }
@@ -146,7 +145,6 @@ class Archive {
   [[noreturn]] static void fail() { throw std::invalid_argument("it is not of this plant, or damaged"); }
 
   std::vector<std::uint64_t> words_;  // those of the archive, and room for more
-  std::size_t written_ = 0;           // number of words, when they are read
   std::size_t next_ = 0;              // index of the next word to write or to read
   std::size_t end_ = 0;               // of the room for words, or of the words to read
   bool reading_ = false;

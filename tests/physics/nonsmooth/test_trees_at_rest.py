@@ -165,6 +165,29 @@ def test_a_clutch_between_coaxial_disks_holds_them_together() -> None:
     assert abs(plant.output("clutch.friction.tau")) == pytest.approx(3.0 * 0.2 / sum(inertias), rel=1e-9)
 
 
+def test_motion_without_inertia_is_refused_beside_rest() -> None:
+    """A point mass slides to the axis of its turning, on an arm at rest; Euler's steps meet it exactly."""
+    bodies = {"arm": rod(1.0, 0.5), "turning": {"mass": 0}, "point": {"mass": 1.0}}
+    joints = {
+        "hold": joint(
+            "revolute", frame("ground"), frame("arm"), axis=Z, friction={"coulomb": 100.0},
+            start={"phi": 0.0, "w": 0.0, "fixed": True},
+        ),
+        "turn": joint(
+            "revolute", frame("arm", (0.5, 0, 0)), frame("turning"), axis=Z,
+            start={"phi": 0.0, "w": 0.0, "fixed": True},
+        ),
+        "slide": joint(
+            "prismatic", frame("turning"), frame("point"), axis=X, start={"s": -0.25, "v": 1.0, "fixed": True}
+        ),
+    }  # fmt: skip
+    source = scene(bodies, joints, solver={"integrator": "euler", "step": 0.125})
+    plant = gelenk.Simulation(source)
+    plant.initialize()
+    with pytest.raises(gelenk.StepError, match="inertia"):
+        plant.step_to(0.5)
+
+
 def test_a_limit_does_not_pull_at_any_torque() -> None:
     """Beyond the square root of the largest number, what counts as rounding was infinite."""
     source = scene(
