@@ -52,14 +52,11 @@ set(GELENK_HARDENING -fstack-protector-strong)
 if(NOT WIN32)
   list(APPEND GELENK_HARDENING -U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=2)
 endif()
-function(gelenk_harden)
-  if(GELENK_SANITIZE)
-    return()
+function(gelenk_harden target)
+  if(NOT GELENK_SANITIZE)
+    target_compile_options(${target} PRIVATE
+      "$<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:GNU,Clang>>:${GELENK_HARDENING}>")
   endif()
-  foreach(flag IN LISTS GELENK_HARDENING)
-    set_property(SOURCE ${ARGN} APPEND PROPERTY COMPILE_OPTIONS
-      "$<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:GNU,Clang>>:${flag}>")
-  endforeach()
 endfunction()
 
 if(GELENK_COVERAGE)

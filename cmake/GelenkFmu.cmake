@@ -6,19 +6,19 @@ set(exports_map ${CMAKE_CURRENT_LIST_DIR}/fmu_exports.map)
 set(zig_source ${CMAKE_CURRENT_SOURCE_DIR}/fmu/zig.cpp)
 list(REMOVE_ITEM fmu_sources ${zig_source} ${CMAKE_CURRENT_SOURCE_DIR}/fmu/glibc.cpp)  # see GelenkGlibc.cmake
 
-gelenk_harden(${fmu_sources})
-set(fmu_once ${fmu_sources})
-list(FILTER fmu_once INCLUDE REGEX "/(derivatives|instance|lifecycle|log|model_exchange|states|uri)\\.cpp$")  # called once or rarely
-set_property(SOURCE ${fmu_once} APPEND PROPERTY COMPILE_OPTIONS
-  "$<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:GNU,Clang>>:-Os>")
-gelenk_precompiled(small ${fmu_once})
-# The objects of the core are linked in a fixed order (GelenkTargets.cmake). From an archive the linker would take them in
-# the order in which they are needed, which would decide which copies of shared templates it keeps.
+# The objects of the core are linked in a fixed order, hot folders first (GelenkTargets.cmake). From an archive the linker
+# would take them in the order in which they are needed, which would decide which copies of shared templates it keeps.
 set(library_type MODULE)
 if(APPLE)  # CMake makes a bundle of a MODULE, which cannot be opened like a library
   set(library_type SHARED)
 endif()
-add_library(gelenk_fmu ${library_type} ${fmu_sources} $<TARGET_OBJECTS:gelenk_core>)
+add_library(gelenk_fmu ${library_type} ${fmu_sources} $<TARGET_OBJECTS:gelenk_hot> $<TARGET_OBJECTS:gelenk_warm>
+  $<TARGET_OBJECTS:gelenk_cold>)
+set_property(SOURCE ${fmu_sources} PROPERTY UNITY_GROUP fmu)
+set_property(SOURCE ${CMAKE_CURRENT_SOURCE_DIR}/fmu/unload.cpp PROPERTY SKIP_UNITY_BUILD_INCLUSION ON)  # declares what the compiler has
+set_target_properties(gelenk_fmu PROPERTIES UNITY_BUILD ${GELENK_TOGETHER} UNITY_BUILD_MODE GROUP)
+target_compile_options(gelenk_fmu PRIVATE "$<$<CONFIG:Release>:-Os>")
+gelenk_harden(gelenk_fmu)
 add_library(gelenk::gelenk_fmu ALIAS gelenk_fmu)
 target_link_libraries(gelenk_fmu PRIVATE gelenk_flags gelenk_core gelenk_fmi)
 target_link_options(gelenk_fmu PRIVATE $<$<CONFIG:Release>:-Wl,-s>)

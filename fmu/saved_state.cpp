@@ -32,7 +32,7 @@ Header header_of(std::string_view guid, std::size_t words) {
 
 constexpr std::size_t overhead = sizeof(Header) + sizeof(std::uint64_t);  // header and checksum
 
-[[noreturn]] void refuse(const std::string& found, const std::string& expected) {
+[[noreturn]] void refuse_bytes(const std::string& found, const std::string& expected) {
   throw std::invalid_argument("found " + found + ", expected " + expected);
 }
 
@@ -54,26 +54,26 @@ void serialize(const SavedState& state, std::string_view guid, std::span<char> b
 
 std::unique_ptr<SavedState> deserialize(std::string_view guid, std::span<const char> bytes) {
   if (bytes.size() < overhead) {
-    refuse(std::to_string(bytes.size()) + " bytes", "at least " + std::to_string(overhead));
+    refuse_bytes(std::to_string(bytes.size()) + " bytes", "at least " + std::to_string(overhead));
   }
   Header header{};
   std::memcpy(&header, bytes.data(), sizeof header);
-  if (header.magic != magic) refuse("bytes that are not a saved state", "bytes written by fmi2SerializeFMUstate");
+  if (header.magic != magic) refuse_bytes("bytes that are not a saved state", "bytes written by fmi2SerializeFMUstate");
   if (header.version != version) {
-    refuse("a state of layout " + std::to_string(header.version), "layout " + std::to_string(version));
+    refuse_bytes("a state of layout " + std::to_string(header.version), "layout " + std::to_string(version));
   }
   const std::string_view found(header.guid.data(), guid_length);
   if (found != guid) {
-    refuse("a state of another FMU, whose GUID is '" + std::string(found) + "'", "'" + std::string(guid) + "'");
+    refuse_bytes("a state of another FMU, whose GUID is '" + std::string(found) + "'", "'" + std::string(guid) + "'");
   }
   const std::size_t length = bytes.size() - overhead;
   if (length % sizeof(std::uint64_t) != 0 || header.words != length / sizeof(std::uint64_t)) {
-    refuse(std::to_string(bytes.size()) + " bytes", "the number returned by fmi2SerializedFMUstateSize");
+    refuse_bytes(std::to_string(bytes.size()) + " bytes", "the number returned by fmi2SerializedFMUstateSize");
   }
   std::uint64_t sum = 0;
   std::memcpy(&sum, bytes.data() + sizeof header + length, sizeof sum);
   if (sum != checksum({bytes.data(), sizeof header + length})) {
-    refuse("a state with a wrong checksum", "the state as it was written");
+    refuse_bytes("a state with a wrong checksum", "the state as it was written");
   }
   std::vector<std::uint64_t> words(header.words);
   if (length > 0) std::memcpy(words.data(), bytes.data() + sizeof header, length);

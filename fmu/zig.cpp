@@ -11,7 +11,7 @@ namespace {
 using Words __attribute__((vector_size(16))) = std::uint64_t;
 
 template <class T>
-T load(const unsigned char* at) {
+T read_unaligned(const unsigned char* at) {
   T value;
   __builtin_memcpy_inline(&value, at, sizeof value);
   return value;
@@ -25,7 +25,7 @@ void store(unsigned char* at, T value) {
 // sizeof(T) to 2 sizeof(T) bytes. All are read before any is written.
 template <class T>
 void move_ends(unsigned char* to, const unsigned char* from, std::size_t n) {
-  const T first = load<T>(from), last = load<T>(from + n - sizeof(T));
+  const T first = read_unaligned<T>(from), last = read_unaligned<T>(from + n - sizeof(T));
   store(to, first);
   store(to + n - sizeof(T), last);
 }
@@ -49,26 +49,26 @@ void move_few(unsigned char* to, const unsigned char* from, std::size_t n) {
 }
 
 void move_up(unsigned char* to, const unsigned char* from, std::size_t n) {
-  const auto last = load<Words>(from + n - 16);
+  const auto last = read_unaligned<Words>(from + n - 16);
   std::size_t i = 0;
   for (; i + 32 < n; i += 32) {
-    const auto a = load<Words>(from + i), b = load<Words>(from + i + 16);
+    const auto a = read_unaligned<Words>(from + i), b = read_unaligned<Words>(from + i + 16);
     store(to + i, a);
     store(to + i + 16, b);
   }
-  if (i + 16 < n) store(to + i, load<Words>(from + i));
+  if (i + 16 < n) store(to + i, read_unaligned<Words>(from + i));
   store(to + n - 16, last);
 }
 
 void move_down(unsigned char* to, const unsigned char* from, std::size_t n) {
-  const auto first = load<Words>(from);
+  const auto first = read_unaligned<Words>(from);
   std::size_t i = n;
   for (; i > 32; i -= 32) {
-    const auto a = load<Words>(from + i - 16), b = load<Words>(from + i - 32);
+    const auto a = read_unaligned<Words>(from + i - 16), b = read_unaligned<Words>(from + i - 32);
     store(to + i - 16, a);
     store(to + i - 32, b);
   }
-  if (i > 16) store(to + i - 16, load<Words>(from + i - 16));
+  if (i > 16) store(to + i - 16, read_unaligned<Words>(from + i - 16));
   store(to, first);
 }
 
@@ -87,7 +87,7 @@ void move(unsigned char* to, const unsigned char* from, std::size_t n) {
 int compare(const unsigned char* a, const unsigned char* b, std::size_t n) {
   std::size_t i = 0;
   for (; i + 8 <= n; i += 8) {
-    if (load<std::uint64_t>(a + i) != load<std::uint64_t>(b + i)) break;  // the bytes decide
+    if (read_unaligned<std::uint64_t>(a + i) != read_unaligned<std::uint64_t>(b + i)) break;  // the bytes decide
   }
   for (; i < n; ++i) {
     if (a[i] != b[i]) return a[i] < b[i] ? -1 : 1;

@@ -24,19 +24,19 @@ namespace nb = nanobind;
 namespace gelenk {
 namespace {
 
-using Clock = std::chrono::steady_clock;
+using SteadyClock = std::chrono::steady_clock;
 using History = std::vector<std::tuple<int, double, double>>;  // products, seconds, residual
 
 class Recorder final : public ConeObserver {
  public:
   void reached(const ConeResult& so_far) override {
-    const std::chrono::duration<double> time = Clock::now() - start_;
+    const std::chrono::duration<double> time = SteadyClock::now() - start_;
     history_.emplace_back(so_far.products, time.count(), so_far.residual);
   }
   const History& history() const { return history_; }
 
  private:
-  Clock::time_point start_ = Clock::now();
+  SteadyClock::time_point start_ = SteadyClock::now();
   History history_;
 };
 

@@ -17,7 +17,7 @@ namespace nb = nanobind;
 namespace gelenk {
 namespace {
 
-const char* type_name(Field::Type type) {
+const char* field_type(Field::Type type) {
   static constexpr const char* names[] = {"number", "vector", "direction", "numbers", "flag", "choice", "group"};
   return names[static_cast<int>(type)];
 }
@@ -25,7 +25,7 @@ const char* range_name(Range range) {
   static constexpr const char* names[] = {"any", "not_negative", "positive", "not_zero", "fraction"};
   return names[static_cast<int>(range)];
 }
-const char* kind_name(Port::Kind kind) {
+const char* port_kind(Port::Kind kind) {
   static constexpr const char* names[] = {"frame", "point", "body", "joint", "surfaces"};
   return names[static_cast<int>(kind)];
 }
@@ -37,7 +37,7 @@ nb::list units(std::string_view unit) {
   return out;
 }
 
-nb::object shown(const Eigen::Vector3d& x) { return nb::cast(std::vector<double>(x.begin(), x.end())); }
+nb::object value_of(const Eigen::Vector3d& x) { return nb::cast(std::vector<double>(x.begin(), x.end())); }
 
 // The value of a field of an element.
 nb::object value_in(const Field& field, const void* element) {
@@ -45,9 +45,9 @@ nb::object value_in(const Field& field, const void* element) {
     case Field::Type::number:
       return nb::cast(field.of<double>(element));
     case Field::Type::vector:
-      return shown(field.of<Eigen::Vector3d>(element));
+      return value_of(field.of<Eigen::Vector3d>(element));
     case Field::Type::direction:
-      return shown(field.of<Direction>(element).along);
+      return value_of(field.of<Direction>(element).along);
     case Field::Type::numbers:
       return nb::cast(field.of<std::vector<double>>(element));
     case Field::Type::flag:
@@ -61,7 +61,7 @@ nb::object value_in(const Field& field, const void* element) {
 }
 
 template <class Strings>
-nb::list listed(const Strings& strings) {
+nb::list list_of(const Strings& strings) {
   nb::list out;
   for (const std::string_view s : strings) out.append(std::string(s));
   return out;
@@ -76,11 +76,11 @@ nb::list joints_that_fit(const Fits& fits) {
   return out;
 }
 
-nb::list shown(std::span<const Port> ports) {
+nb::list value_of(std::span<const Port> ports) {
   nb::list out;
   for (const Port& port : ports) {
     nb::dict entry;
-    entry["kind"] = kind_name(port.kind);
+    entry["kind"] = port_kind(port.kind);
     entry["name"] = std::string(port.name);
     entry["text"] = std::string(port.text);
     entry["optional"] = port.optional;
@@ -103,7 +103,7 @@ nb::list section() {
     nb::dict entry;
     entry["name"] = std::string(kind.kind);
     entry["summary"] = std::string(kind.summary);
-    entry["ports"] = shown(kind.ports);
+    entry["ports"] = value_of(kind.ports);
     entry["fields"] = shown_fields(kind.fields, data_of(plain));
     entry["outputs"] = shown_signals(kind.outputs);
     entry["between_bodies"] = kind.is_between_bodies;
@@ -141,7 +141,7 @@ nb::list shown_fields(std::span<const Field> fields, const void* defaults) {
     entry["unit"] = std::string(field.unit);
     entry["units"] = units(field.unit);
     entry["text"] = about_any(field.text);
-    entry["type"] = type_name(field.type);
+    entry["type"] = field_type(field.type);
     entry["range"] = range_name(field.range);
     entry["required"] = field.required;
     entry["optional"] = field.optional;
@@ -150,7 +150,7 @@ nb::list shown_fields(std::span<const Field> fields, const void* defaults) {
     entry["by_time"] = field.by_time;
     entry["way"] = field.alternative;
     entry["size"] = field.type == Field::Type::vector || field.type == Field::Type::direction ? 3 : field.min_count;
-    entry["words"] = listed(field.words);
+    entry["words"] = list_of(field.words);
     entry["default"] = value_in(field, defaults);
     const bool group = field.type == Field::Type::group;
     entry["fields"] = group ? shown_fields(field.inner(), field.defaults()) : nb::list();

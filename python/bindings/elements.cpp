@@ -47,12 +47,12 @@ std::variant<E...> made(const std::variant<E...>*, const std::string& kind, cons
   return out;
 }
 
-void check(const Vector& values, Eigen::Index size, const char* name) {
+void check_size(const Vector& values, Eigen::Index size, const char* name) {
   if (values.size() != size)
     throw std::invalid_argument(std::string(name) + " must have length " + std::to_string(size));
 }
 
-nb::dict shown(const PortJacobians& jacobians) {
+nb::dict shown_jacobians(const PortJacobians& jacobians) {
   nb::dict out;
   out["f_p"] = jacobians.f_p;
   out["f_a"] = jacobians.f_a;
@@ -86,7 +86,7 @@ class ForceAtPorts {
           const Function& function) const {
     if (poses.size() != ports() || velocities.size() != ports())
       throw std::invalid_argument("expected poses and velocities of " + std::to_string(ports()) + " ports");
-    check(u, input_count(force_), "inputs");
+    check_size(u, input_count(force_), "inputs");
     return std::visit(
         [&]<class F>(const F& force) {
           Here<std::size(F::ports)> here;
@@ -147,7 +147,7 @@ class ForceAtPorts {
                        const Eigen::Matrix3d& R_0W) const {
     return at(poses, velocities, u, R_0W, [&](const auto& force, auto& here) -> nb::object {
       if constexpr (gelenk::HasPortJacobians<std::decay_t<decltype(force)>, std::decay_t<decltype(here.ports[0])>>) {
-        return shown(force.jacobians(here.ports.data(), u.data()));
+        return shown_jacobians(force.jacobians(here.ports.data(), u.data()));
       }
       return nb::none();
     });
@@ -159,7 +159,7 @@ class ForceAtPorts {
       Spatial::Motion U = here.V.back();
       if (moved.size() > 1) U = U - here.V.front();
       const Eigen::Vector3d v = detail::velocity(U, here.X.back().p);
-      return shown(detail::derivatives_by_duals(force, moved, u.data(), U.w, v));
+      return shown_jacobians(detail::derivatives_by_duals(force, moved, u.data(), U.w, v));
     });
   }
 
@@ -188,7 +188,7 @@ class AlongOne {
   double effort(double q, double v, const Vector& u) const {
     return std::visit(
         [&](const auto& force) {
-          check(u, count_of(own_inputs(force)), "inputs");
+          check_size(u, count_of(own_inputs(force)), "inputs");
           return force.effort(q, v, u.data());
         },
         force_);
@@ -233,7 +233,7 @@ class AlongOne {
     return std::visit(
         [&]<class F>(const F& force) {
           const int n = count_of(own_inputs(force));
-          check(u, n, "inputs");
+          check_size(u, n, "inputs");
           AlongCoordinate<F> placed;
           placed.element = force;
           Dual::Directions found = gelenk::derivatives_by_duals(placed, &q, &v, u.data(), n);

@@ -27,7 +27,7 @@ namespace {
 
 template <int dimensions>
 using Table = nb::ndarray<double, nb::ndim<dimensions>, nb::c_contig, nb::device::cpu>;
-using Numbers = nb::ndarray<const int, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+using Indices = nb::ndarray<const int, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 
 // An instance is the saved state of the plant with which it has started.
 class Fleet {
@@ -51,7 +51,7 @@ class Fleet {
   }
 
   // Puts instances to starts, and writes the readings there into their rows.
-  void reset(const Numbers& instances, const Numbers& starts, const Table<2>& rows) {
+  void reset(const Indices& instances, const Indices& starts, const Table<2>& rows) {
     if (starts.size() != instances.size()) throw nb::index_error("there are not as many starts as instances");
     check(rows);
     for (std::size_t k = 0; k < instances.size(); ++k) {

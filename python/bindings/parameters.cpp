@@ -21,7 +21,7 @@ namespace {
 
 using Setting = std::pair<std::string, double>;
 
-const char* type_name(const Parameter& p) {
+const char* parameter_type(const Parameter& p) {
   switch (p.type) {
     case gelenk::ParameterType::boolean:
       return "boolean";
@@ -64,7 +64,8 @@ void gelenk::bind_parameters(nb::module_& m) {
       .def_ro("name", &Parameter::name)
       .def_ro("unit", &Parameter::unit)
       .def_ro("description", &Parameter::description)
-      .def_prop_ro("type", &type_name, "real, integer, boolean (0 or 1) or enumeration (number of the item, from 1).")
+      .def_prop_ro("type", &parameter_type,
+                   "real, integer, boolean (0 or 1) or enumeration (number of the item, from 1).")
       .def_ro("items", &Parameter::items, "Names of the items of an enumeration.")
       .def_ro("min", &Parameter::min)
       .def_ro("max", &Parameter::max)

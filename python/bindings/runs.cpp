@@ -50,7 +50,7 @@ Events to_python(const std::vector<gelenk::EventReport>& events) {
   return out;
 }
 
-void check(const Channels& channels, const Simulation& simulation) {
+void check_channels(const Channels& channels, const Simulation& simulation) {
   const auto in_range = [](const std::vector<int>& indices, int from, std::size_t to) {
     return std::ranges::all_of(indices, [&](int i) { return i >= from && i < static_cast<int>(to); });
   };
@@ -70,7 +70,7 @@ using Sample = std::tuple<int, Events, std::string, std::string>;
 // Runs a leg; returns the number of steps, the events, and the class and message of an error, empty if there was none.
 Sample record(Plant& plant, const Channels& channels, const Numbers<1>& times, const Numbers<2>& inputs,
               const nb::ndarray<double, nb::ndim<2>, nb::device::cpu>& rows, double seconds) {
-  check(channels, plant.fixed());
+  check_channels(channels, plant.fixed());
   const std::size_t steps = times.size() == 0 ? 0 : times.size() - 1;
   if (inputs.shape(0) < steps || inputs.shape(1) != channels.columns() || rows.shape(0) < steps ||
       rows.shape(1) != channels.readings.size()) {
@@ -131,7 +131,7 @@ class Batch {
     }
     only_numbers_ =
         std::ranges::none_of(parameters, [this](const std::string& name) { return is_method_or_start(name); });
-    check(channels_, Simulation(scene_));
+    check_channels(channels_, Simulation(scene_));
     if (times_.empty() || inputs.shape(0) < std::max<std::size_t>(1, times_.size() - 1) ||
         inputs.shape(1) != channels_.columns()) {
       throw nb::index_error("the table of inputs does not have a row for each step, or none");

@@ -10,7 +10,6 @@ namespace gelenk {
 namespace {
 
 using Eigen::Index;
-using Eigen::SparseMatrix;
 
 // Relative to the largest entry: good pivots, and pivots that are rounding.
 constexpr double good_pivot_ratio = 1e-3;
@@ -21,7 +20,7 @@ constexpr double zero_entry_ratio = 1e-14;  // entries up to this are set to zer
 // visits only rows with an entry in the pivot column, so the cost of sparse rows is that of their entries.
 class Elimination {
  public:
-  Elimination(const SparseMatrix<double>& J, const std::vector<bool>& preferred)
+  Elimination(const Eigen::SparseMatrix<double>& J, const std::vector<bool>& preferred)
       : rows_(J.rows()),
         holders_(J.cols()),
         eligible_(J.cols()),
@@ -31,7 +30,7 @@ class Elimination {
         best_(J.rows()) {
     for (Index k = 0; k < J.cols(); ++k) eligible_[k] = !preferred[k];
     for (Index k = 0; k < J.outerSize(); ++k) {
-      for (SparseMatrix<double>::InnerIterator at(J, k); at; ++at) {
+      for (Eigen::SparseMatrix<double>::InnerIterator at(J, k); at; ++at) {
         if (std::abs(at.value()) <= zero_entry_ratio * largest_) continue;
         rows_[at.row()].push_back({k, at.value()});
         holders_[k].push_back(at.row());
@@ -131,7 +130,7 @@ class Elimination {
 
 }  // namespace
 
-std::vector<int> independent_columns(const SparseMatrix<double>& J, int rank, const std::vector<bool>& prefer) {
+std::vector<int> independent_columns(const Eigen::SparseMatrix<double>& J, int rank, const std::vector<bool>& prefer) {
   Elimination elimination(J, prefer);
   // Columns that are not preferred become dependent first.
   for (int step = 0, pass = 0; step < rank && pass < 2;) {

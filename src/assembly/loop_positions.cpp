@@ -14,7 +14,8 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double longest_step = 0.3;   // rad or m, of a closing step: the linearized equations are inaccurate beyond
+constexpr double longest_closing_step =
+    0.3;                               // rad or m, of a closing step: the linearized equations are inaccurate beyond
 constexpr double stride = 0.4;         // rad or m, between positions, so that they differ clearly
 constexpr double min_progress = 0.05;  // rad or m: a step that moves less has reached the end of the range of motion
 // Relative to the largest singular value: at regular positions of mechanisms of all proportions it is 1e-3 or more.
@@ -35,7 +36,7 @@ LoopPositions::Position LoopPositions::closed(std::vector<double> q) const {
   // The equations contradict each other, so the least closure error is not zero; it is reached when it no longer
   // decreases.
   const VectorXd left = descend(
-      q, {.min_progress = 1e-3, .max_step = longest_step, .max_steps = 80},
+      q, {.min_progress = 1e-3, .max_step = longest_closing_step, .max_steps = 80},
       [&](const auto& at) { return loops_.equations(at).Phi; }, linearized,
       [&](const auto& at, const VectorXd& step) { return loops_.displaced(at, step); });
   return {q, largest(left), SingularValues(loops_.equations(q).J).sigma};

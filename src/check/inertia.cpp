@@ -22,11 +22,11 @@ constexpr double parallel_axis_tolerance = 1e-12;
 // Axes are parallel if the sine of their angle is below this; its effect on a moment is quadratic.
 constexpr double parallel_sine_limit = 1e-6;
 
-using Names = std::array<const char*, 3>;
+using AxisNames = std::array<const char*, 3>;
 
 // Checks that no moment about three orthogonal axes is negative or exceeds the sum of the other two by more than
 // `tolerance` [kg m2]. Returns a description of the violation, or an empty text.
-std::string impossible(const Eigen::Vector3d& moments, double tolerance, const Names& names,
+std::string impossible(const Eigen::Vector3d& moments, double tolerance, const AxisNames& names,
                        const std::string& prefix) {
   const auto name = [&](int n) { return std::string(names[static_cast<std::size_t>(n)]); };
   for (int i = 0; i < 3; ++i) {

@@ -33,9 +33,9 @@ void check_section(const std::vector<Element>& elements, const std::string& sect
 }
 
 // Owners of the structured names of variables ("A.phi"), without indices.
-class Names {
+class NameClaims {
  public:
-  explicit Names(Faults& faults) : faults_(faults) {}
+  explicit NameClaims(Faults& faults) : faults_(faults) {}
 
   // Assigns names to an owner; adds at most one error for each pair of owners with a common name.
   void claim(const std::string& owner, const std::string& element, const std::vector<std::string>& suffixes) {
@@ -97,19 +97,19 @@ void check_names(const Scene& scene, Faults& faults) {
     check_section(elements, std::string(section.name), faults);
   });
 
-  Names names(faults);
+  NameClaims claims(faults);
   const std::string always = "every mechanism";
-  names.claim(always, "assembly", {"tolerance"});
-  names.claim(always, "constraints", {"position", "velocity"});
-  names.claim(always, "energy", {"kinetic", "potential", "total"});
-  names.claim(always, "solver",
-              {"steps", "evaluations", "rejected_steps", "jacobians", "singular_positions", "events", "tolerance",
-               "formulation", "integrator", "step", "start"});
-  for (const Body& body : scene.bodies) names.claim("bodies." + body.name, body.name, {"m", "mass", "com", "inertia"});
-  for (const Joint& joint : scene.joints) names.claim("joints." + joint.name, joint.name, joint_suffixes(joint));
+  claims.claim(always, "assembly", {"tolerance"});
+  claims.claim(always, "constraints", {"position", "velocity"});
+  claims.claim(always, "energy", {"kinetic", "potential", "total"});
+  claims.claim(always, "solver",
+               {"steps", "evaluations", "rejected_steps", "jacobians", "singular_positions", "events", "tolerance",
+                "formulation", "integrator", "step", "start"});
+  for (const Body& body : scene.bodies) claims.claim("bodies." + body.name, body.name, {"m", "mass", "com", "inertia"});
+  for (const Joint& joint : scene.joints) claims.claim("joints." + joint.name, joint.name, joint_suffixes(joint));
   each_section(scene, [&](const Section& section, const auto& elements) {
     for (const auto& element : elements) {
-      names.claim(std::string(section.name) + "." + element.name, element.name, suffixes(scene, element));
+      claims.claim(std::string(section.name) + "." + element.name, element.name, suffixes(scene, element));
     }
   });
 }

@@ -20,7 +20,7 @@ constexpr double regularization = 1e-12;
 constexpr double rounding = 8 * std::numeric_limits<double>::epsilon();
 
 // An iterate: x, u = W x + q, z = x - u - s(u) and F = x - P_K(z).
-struct Iterate {
+struct BlockIterate {
   Block x{}, u{}, z{}, F{};
   double merit = 0;  // squared norm of F
 };
@@ -30,7 +30,7 @@ class BlockProblem {
   BlockProblem(const Cone& cone, const double* W, const double* q, bool exact)
       : cone_(cone), W_(W), q_(q), n_(static_cast<std::size_t>(cone.size())), exact_(exact && !cone.interval) {}
 
-  void evaluate(Iterate& at) const {
+  void evaluate(BlockIterate& at) const {
     for (std::size_t i = 0; i < n_; ++i) {
       at.u[i] = q_[i];
       for (std::size_t j = 0; j < n_; ++j) at.u[i] += W_[i * n_ + j] * at.x[j];
@@ -46,14 +46,14 @@ class BlockProblem {
   }
 
   // What rounding leaves of the norm of F.
-  double floor(const Iterate& at) const {
+  double floor(const BlockIterate& at) const {
     double largest = 0;
     for (std::size_t i = 0; i < n_; ++i) largest = std::max(largest, std::abs(at.x[i]) + std::abs(q_[i]));
     return rounding * largest;
   }
 
   // x <- x + the Newton step
-  Iterate newton(const Iterate& at) const {
+  BlockIterate newton(const BlockIterate& at) const {
     Block sigma{};
     if (exact_) lift(at.u, sigma.data());
     ProjectionModes modes;
@@ -83,7 +83,7 @@ class BlockProblem {
     const DenseMatrix matrix(A.data(), modes.count, modes.count);
     factorize_general(matrix, pivots.data(), regularization);
     solve_general(matrix, pivots.data(), DenseVector(y.data(), modes.count));
-    Iterate out = at;
+    BlockIterate out = at;
     for (std::size_t i = 0; i < n_; ++i) {
       for (std::size_t k = 0; k < count; ++k) step[i] += modes.q[k][i] * y[k];
       out.x[i] += step[i];
@@ -92,11 +92,11 @@ class BlockProblem {
   }
 
   // x <- P_K(x - (u + s) / trace W)
-  Iterate projected_gradient(const Iterate& at) const {
+  BlockIterate projected_gradient(const BlockIterate& at) const {
     double trace = 0;
     for (std::size_t i = 0; i < n_; ++i) trace += W_[i * n_ + i];
     const double length = trace > 0 ? 1 / trace : 1;
-    Iterate out = at;
+    BlockIterate out = at;
     for (std::size_t i = 0; i < n_; ++i) out.z[i] = at.x[i] + length * (at.z[i] - at.x[i]);
     project(cone_, out.z.data(), out.x.data());
     return out;
@@ -217,13 +217,13 @@ bool is_point(const Cone& cone) { return !cone.interval && cone.tangential == 2 
 void solve_block(const Cone& cone, const double* W, const double* q, bool exact, double* x) {
   if (exact && is_point(cone) && PointProblem(cone.friction, W, q).solve(x)) return;
   const BlockProblem problem(cone, W, q, exact);
-  Iterate at;
+  BlockIterate at;
   std::copy_n(x, cone.size(), at.x.begin());
   problem.evaluate(at);
   for (int k = 0; k < max_steps; ++k) {
     const double floor = problem.floor(at);
     if (!(at.merit > floor * floor)) break;
-    Iterate next = problem.newton(at);
+    BlockIterate next = problem.newton(at);
     problem.evaluate(next);
     if (!(next.merit < 0.8 * at.merit)) {
       next = problem.projected_gradient(at);

@@ -20,6 +20,8 @@
 
 namespace gelenk {
 
+inline std::size_t at_index(int i) { return static_cast<std::size_t>(i); }
+
 // A group of components of a contact, limited in proportion to the normal impulse n: |x[offset .. offset + size)| <=
 // coefficient n.
 struct ConeGroup {

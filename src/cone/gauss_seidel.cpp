@@ -16,10 +16,11 @@ using Eigen::Index;
 constexpr int plain_sweeps = 10;  // at the start: the active contacts change
 constexpr int stall = 20;         // sweeps without gain, after which some follow with momentum
 constexpr int momentum_sweeps = 100;
-constexpr double max_growth = 2;      // of the change by a sweep, beyond which the acceleration starts again
-constexpr Index large = 300;          // unknowns, beyond which residuals are looked at once in an interval
-constexpr int interval = 5;           // sweeps; they count as one iteration then
-constexpr int renewal_interval = 20;  // sweeps without acceleration between evaluations of G x: updates add rounding
+constexpr double max_change_growth = 2;  // of the change by a sweep, beyond which the acceleration starts again
+constexpr Index sampled_size = 300;      // unknowns, beyond which residuals are looked at once in an sampling_interval
+constexpr int sampling_interval = 5;     // sweeps; they count as one iteration then
+constexpr int sweeps_between_renewals =
+    20;  // sweeps without acceleration between evaluations of G x: updates add rounding
 
 std::size_t index(Index i) { return static_cast<std::size_t>(i); }
 
@@ -165,7 +166,7 @@ void GaussSeidel::start_acceleration(ConeIteration& at) {
 bool GaussSeidel::accelerate(ConeIteration& at) {
   const ConeVector before(before_, at.size());
   const double change = (at.x() - before).norm();
-  if (change > max_growth * last_change_) {
+  if (change > max_change_growth * last_change_) {
     start_acceleration(at);
     return false;
   }
@@ -182,7 +183,7 @@ void GaussSeidel::sweep_all(ConeIteration& at, Velocities& velocities, int max_s
   for (int k = 1; k <= max_sweeps && k - least_at <= patience; ++k) {
     ConeVector(before_, at.size()) = at.x();
     sweep(at, velocities);
-    if (at.size() <= large || k % interval == 0) {
+    if (at.size() <= sampled_size || k % sampling_interval == 0) {
       velocities.set_all();
       if (!at.advance()) return;
       if (at.best_residual() < least / 2) {
@@ -195,7 +196,7 @@ void GaussSeidel::sweep_all(ConeIteration& at, Velocities& velocities, int max_s
       start_momentum(at);
       start_acceleration(at);
     }
-    bool renewed = k % renewal_interval == 0;
+    bool renewed = k % sweeps_between_renewals == 0;
     if (k < momentum_until) {
       add_momentum(at);
       renewed = true;

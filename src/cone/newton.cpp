@@ -15,12 +15,10 @@ using Eigen::Index;
 // Regularization relative to the mean diagonal of G: above the rounding of the factorization (1e-13 of 300 unknowns),
 // and raised to the last value if smaller ones give no progress.
 constexpr double regularizations[] = {1e-9, 1e-7, 1e-4, 1e-2};
-constexpr double sufficient_decrease = 0.1;  // of the squared norm of the natural map
-constexpr double fraction_solved = 1e-6;     // of a problem with a constant shift, squared
-constexpr int patience = 20;                 // steps without a new least value after which the method gives up
-constexpr int halvings = 10;                 // of a step
-
-std::size_t at_index(int i) { return static_cast<std::size_t>(i); }
+constexpr double merit_decrease = 0.1;    // of the squared norm of the natural map
+constexpr double solved_fraction = 1e-6;  // of a problem with a constant shift, squared
+constexpr int newton_patience = 20;       // steps without a new least value after which the method gives up
+constexpr int halvings = 10;              // of a step
 
 }  // namespace
 
@@ -213,7 +211,7 @@ bool SemismoothNewton::take_step(ConeIteration& at) {
       trial_u_[i] = at.u()[i] + fraction * Gdx_[i];
     }
     const double merit = natural_map(at, trial_x_, trial_u_, trial_F_);
-    if (merit < (1 - sufficient_decrease * fraction) * largest) {
+    if (merit < (1 - merit_decrease * fraction) * largest) {
       std::copy_n(trial_x_, n, at.x().data());
       std::copy_n(trial_u_, n, at.u().data());
       return true;
@@ -231,7 +229,7 @@ void SemismoothNewton::run(ConeIteration& at, int max_steps) {
 void SemismoothNewton::run_with(const double* shift, ConeIteration& at, int max_steps) {
   exact_ = false;
   shift_ = shift;
-  iterate(at, max_steps, fraction_solved);
+  iterate(at, max_steps, solved_fraction);
 }
 
 // Ends, too, if the natural map's squared norm is below this fraction of that at the start.
@@ -241,7 +239,7 @@ void SemismoothNewton::iterate(ConeIteration& at, int max_steps, double fraction
   double first = 0;
   double least = std::numeric_limits<double>::infinity();
   int least_at = 0;
-  for (int step = 0; step < max_steps && step - least_at < patience; ++step) {
+  for (int step = 0; step < max_steps && step - least_at < newton_patience; ++step) {
     const double merit = natural_map(at, at.x().data(), at.u().data(), F_);
     if (step == 0) first = merit;
     if (step > 0 && merit < fraction * first) return;

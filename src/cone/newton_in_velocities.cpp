@@ -18,8 +18,6 @@ constexpr int max_refinements = 4;
 constexpr double refined = 1e-6;  // of the norm of the right side
 constexpr double gmres_tolerance = 1e-8;
 
-std::size_t at_index(int i) { return static_cast<std::size_t>(i); }
-
 }  // namespace
 
 // rhs <- y. Returns false if the factorization fails.

@@ -10,8 +10,6 @@ namespace {
 
 constexpr int max_gmres_steps = 50;
 
-std::size_t at_index(int i) { return static_cast<std::size_t>(i); }
-
 // The pattern of the factor of groups of rows.
 class GroupFactor final : public Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> {
  public:

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
 // Newton's method doubles the digits: from the angle of a step of 1 rad, rounding is reached in five iterations.
-constexpr int max_iterations = 12;
+constexpr int most_newton_steps = 12;
 
 using Vector = Eigen::Vector3d;
 using Matrix = Eigen::Matrix3d;
@@ -136,7 +136,7 @@ void FreeRotation::set_rest(double h, const double* v0, const double* v1, const 
 // false if the body turns by more than `most` [rad].
 bool FreeRotation::Body::solve(double h, const Vector& w0, const Vector& other, double most, Vector& wm) const {
   double last = std::numeric_limits<double>::infinity();
-  for (int iteration = 0; iteration < max_iterations; ++iteration) {
+  for (int iteration = 0; iteration < most_newton_steps; ++iteration) {
     const double angle = h * wm.norm();
     if (!(angle <= most)) return false;
     const TangentRatio k(angle / 2);

@@ -14,7 +14,7 @@ inline constexpr double negligible_change = 1e-11;
 inline constexpr double residual_floor = 1e-3;
 
 // Of a cone problem.
-inline constexpr int max_iterations = 200;
+inline constexpr int most_cone_iterations = 200;
 
 // A step is divided into halves, and these again, up to this number of times.
 inline constexpr int most_halvings = 4;

@@ -2,15 +2,14 @@
 // What dry friction, limits and one-way clutches of joints do in steps of TimeStepper.
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "contact/step_limits.h"
 #include "contact/time_stepper.h"
+#include "math/bounds.h"
 
 namespace gelenk {
 namespace {
 
-constexpr double unlimited = std::numeric_limits<double>::infinity();
 // Part of the static friction from which on it is all of it, as the solver leaves it.
 constexpr double at_bound = 1 - 1e-6;
 // Speed that a projection may give, relative to that which a step without friction would: of the third order in the

@@ -3,14 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "contact/step_limits.h"
+#include "math/bounds.h"
 
 namespace gelenk {
 namespace {
-
-constexpr double unlimited = std::numeric_limits<double>::infinity();
 
 // Penetration that is removed within a step, relative to the smaller shape: the displacement is linear in the
 // coordinates.
@@ -289,7 +287,7 @@ void TimeStepper::solve(const std::vector<Cone>& cones, std::vector<double>& x) 
 ConeResult TimeStepper::solve_for(const std::vector<Cone>& cones, std::vector<double>& x) {
   ConeOptions options;
   options.tolerance = velocity_tolerance();
-  options.max_iterations = max_iterations;
+  options.max_iterations = most_cone_iterations;
   return solver_->solve({*operator_, b_, cones, true}, options, x.data());
 }
 
@@ -368,7 +366,7 @@ void TimeStepper::correct_position(double h, double* dq) {
   correction_.assign(correction_rows_.size(), 0.0);
   ConeOptions options;
   options.tolerance = std::max(touch_tolerance, h * velocity_tolerance()) / 10;
-  options.max_iterations = max_iterations;
+  options.max_iterations = most_cone_iterations;
   const ConeResult result =
       solver_->solve({normal_operator_, correction_b_, correction_cones_, false}, options, correction_.data());
   solved_.iterations = std::max(solved_.iterations, result.iterations);

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double convergence_tolerance = 1e-13;  // change of vdot relative to 1 + |vdot|
 constexpr double stagnation_tolerance = 1e-8;    // the same, accepted if rounding ends the progress earlier
-constexpr int max_iterations = 50;               // each iteration gains some digits; near singular configurations, few
+constexpr int multiplier_iterations = 50;        // each iteration gains some digits; near singular configurations, few
 
 class AugmentedLagrangian final : public Penalized {
  public:
@@ -28,7 +28,7 @@ class AugmentedLagrangian final : public Penalized {
     Eigen::Map<Eigen::VectorXd> x(vdot, mechanism_.nv);
     lambda_.setZero();
     double before = INFINITY;
-    for (int i = 0; i < max_iterations; ++i) {
+    for (int i = 0; i < multiplier_iterations; ++i) {
       increment_ = -a_ * target_;
       increment_.noalias() += a_ * dynamics_.J() * x;
       lambda_ += increment_;

@@ -9,7 +9,7 @@ namespace {
 
 // Error of the constraint equations relative to the length of the mechanism: some tens of roundings.
 constexpr double closure_tolerance = 1e-14;
-constexpr int max_iterations = 30;
+constexpr int most_projections = 30;
 // Ratio of successive errors above which an iteration makes no progress; and above which old factors are renewed.
 constexpr double stall_ratio = 0.5;
 constexpr double refactorization_ratio = 0.1;
@@ -17,7 +17,7 @@ constexpr double refactorization_ratio = 0.1;
 // lies another assembly, reached when a prescribed motion leads where the loops cannot follow.
 constexpr double max_correction_fraction = 0.3;
 
-double largest(const std::vector<double>& x) {
+double largest_size(const std::vector<double>& x) {
   double max = 0;
   for (const double value : x) {
     if (!(std::abs(value) <= max)) max = std::abs(value);  // keeps NaN
@@ -55,8 +55,8 @@ bool ConstraintProjector::close_position(double* q) {
   const double floor = rounding(q);
   double before = INFINITY;
   double moved = 0;
-  for (int i = 0; i < max_iterations; ++i) {
-    const double gap = largest(dynamics_.Phi());
+  for (int i = 0; i < most_projections; ++i) {
+    const double gap = largest_size(dynamics_.Phi());
     if (!std::isfinite(gap)) return false;
     if (gap <= floor) return true;
     // No progress: rounding, or the old factors are too inaccurate.
@@ -64,7 +64,7 @@ bool ConstraintProjector::close_position(double* q) {
     if (!has_factors_ || gap > refactorization_ratio * before) refactorize();
     before = gap;
     min_norm_displacement(dynamics_.Phi().data(), dv_.data());
-    moved += largest(dv_);
+    moved += largest_size(dv_);
     if (mechanism_.driven() && !(moved <= max_correction_fraction * length_)) return false;
     dynamics_.displace(q, dv_.data());
     dynamics_.set_position(q);
@@ -76,8 +76,8 @@ bool ConstraintProjector::close_velocity(double* v) {
   dynamics_.set_velocity(v);
   if (mechanism_.rows == 0) return true;
   double before = INFINITY;
-  for (int i = 0; i < max_iterations; ++i) {
-    const double gap = largest(dynamics_.row_rates());
+  for (int i = 0; i < most_projections; ++i) {
+    const double gap = largest_size(dynamics_.row_rates());
     if (!std::isfinite(gap)) return false;
     double speed = 1;
     for (int k = 0; k < mechanism_.nv; ++k) speed = std::max(speed, std::abs(v[k]));

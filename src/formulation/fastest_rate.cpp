@@ -7,8 +7,8 @@
 namespace gelenk {
 namespace {
 
-constexpr int max_iterations = 8;
-constexpr double relative_tolerance = 0.1;  // change of the estimate at which the iteration ends
+constexpr int power_iterations = 8;
+constexpr double rate_tolerance = 0.1;  // change of the estimate at which the iteration ends
 
 }  // namespace
 
@@ -23,7 +23,7 @@ double FastestRate::at(double t, const double* y) {
   for (int k = 0; k < n_; ++k) size += y[k] * y[k];
   const double h = 1e-7 * std::sqrt(1 + size);
   double rate = 0;
-  for (int i = 0; i < max_iterations; ++i) {
+  for (int i = 0; i < power_iterations; ++i) {
     double length = 0;
     for (const double x : direction_) length += x * x;
     length = std::sqrt(length);
@@ -37,7 +37,7 @@ double FastestRate::at(double t, const double* y) {
       rate += direction_[k] * direction_[k];
     }
     rate = std::sqrt(rate);
-    if (std::abs(rate - before) < relative_tolerance * rate) break;
+    if (std::abs(rate - before) < rate_tolerance * rate) break;
   }
   if (!(rate > 0 && std::isfinite(rate))) std::ranges::fill(direction_, 1.0);
   return rate;

@@ -11,11 +11,11 @@ namespace {
 // small against what changes stiffness.
 constexpr double small_displacement = 1e-6;
 // Iterations for the fastest vibration, which end where its frequency changes by no more than this part.
-constexpr int max_iterations = 12;
-constexpr double relative_tolerance = 0.02;
+constexpr int vibration_iterations = 12;
+constexpr double vibration_tolerance = 0.02;
 constexpr double slow = 1;  // rad^2/s^2: slower vibrations limit no steps
 // Energies and other outputs contain products of two numbers of the state, of two components of a force, and a mass.
-constexpr double largest = 1e120;
+constexpr double largest_number = 1e120;
 
 }  // namespace
 
@@ -38,14 +38,15 @@ void ImpulseSteps::start(double t, double h, const double* y) {
 
 bool ImpulseSteps::step(double t, double h, double* y) {
   const auto finite = [&] {
-    return std::all_of(y, y + with_.mechanism.nq + with_.mechanism.nv, [](double x) { return std::abs(x) < largest; });
+    return std::all_of(y, y + with_.mechanism.nq + with_.mechanism.nv,
+                       [](double x) { return std::abs(x) < largest_number; });
   };
   if (!finite()) return false;
   with_.drives.go_to(t + h / 2);
   const bool made = stepper_->step(h, with_.drives.u().data(), y);
   const ContactState& state = stepper_->state();
   return made && finite() && std::ranges::all_of(state.sums, [](const ContactSum& sum) {
-           return sum.force.squaredNorm() < largest * largest;
+           return sum.force.squaredNorm() < largest_number * largest_number;
          });
 }
 
@@ -76,7 +77,7 @@ double ImpulseSteps::highest_frequency(double t, const double* y) {
   change_of_accelerations(y, rest_);
   for (std::size_t k = 0; k < at_rest_.size(); ++k) at_rest_[k] = small_displacement * displacement_[k];
   double square = 0;
-  for (int i = 0; i < max_iterations; ++i) {
+  for (int i = 0; i < vibration_iterations; ++i) {
     double length = 0;
     for (const double x : vibration_) length += x * x;
     length = std::sqrt(length);
@@ -85,7 +86,7 @@ double ImpulseSteps::highest_frequency(double t, const double* y) {
     const double before = square;
     square = change_of_accelerations(y, vibration_);
     vibration_.swap(displacement_);
-    if (square < slow || std::abs(square - before) < relative_tolerance * square) break;
+    if (square < slow || std::abs(square - before) < vibration_tolerance * square) break;
   }
   if (square > 0 && std::isfinite(square)) return std::sqrt(square);
   std::ranges::fill(vibration_, 1.0);

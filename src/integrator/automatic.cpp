@@ -19,7 +19,7 @@ constexpr int window_steps = 100;      // steps over which a cost is measured
 constexpr double stages = 13;          // of an explicit step of order 8
 constexpr double accuracy_margin = 4;  // factor by which accuracy limits explicit steps more than stability does
 constexpr double required_gain = 0.8;  // a method must cost less than this fraction to be switched to
-constexpr int max_wait = 1 << 10;      // windows between two unsuccessful trials
+constexpr int most_windows_between_trials = 1 << 10;  // windows between two unsuccessful trials
 // For systems up to this size the implicit method, whose matrices are dense, is created at the start; for larger ones
 // when it is needed, which allocates memory within a step.
 constexpr int max_size_prepared = 1000;
@@ -231,7 +231,7 @@ class Automatic final : public Integrator {
   Window window_;
   std::array<double, 2> cost_per_second_ = {INFINITY, INFINITY};  // evaluations per simulated second, at the last use
   int probation_ = 0;                                             // windows left in a trial
-  Backoff trials_{4, max_wait};
+  Backoff trials_{4, most_windows_between_trials};
   FastestRate fastest_rate_;
 };
 

@@ -12,15 +12,13 @@
 namespace gelenk {
 namespace {
 
-using NewtonSolve = int (*)(SUNNonlinearSolver, N_Vector, N_Vector, N_Vector, sunrealtype, sunbooleantype, void*);
-
 // Fraction of the tolerance used in the local error test, for BDF at a tolerance of 1e-4 (bdf_tolerance, see ida.cpp).
 // On the same scenes errors are 0.3 to 60 times the tolerance.
 constexpr double bdf_fraction = 0.002;
 constexpr double adams_fraction = 0.003;
 // Below this the error test is dominated by rounding: with half of it the squeezer takes seventy times as many steps,
 // whose errors add up.
-constexpr double min_tolerance = 2e-13;
+constexpr double cvode_min_tolerance = 2e-13;
 
 class Cvode : public SundialsIntegrator {
  public:
@@ -31,7 +29,7 @@ class Cvode : public SundialsIntegrator {
     memory_ = sundials::made(CVodeCreate(method, context_));
     CVodeInit(memory_, sundials::rhs, 0, y_.get());
     CVodeSetUserData(memory_, static_cast<SundialsIntegrator*>(this));
-    tolerance = std::max(min_tolerance, tolerance);
+    tolerance = std::max(cvode_min_tolerance, tolerance);
     CVodeSStolerances(memory_, tolerance, tolerance);
     CVodeSetMaxNumSteps(memory_, -1);
     CVodeSetMaxErrTestFails(memory_, max_error_test_failures);
@@ -100,7 +98,7 @@ class Bdf final : public Cvode {
  private:
   // If the starter does not handle them (starter.cpp), the scene is stiff, and the history is worth keeping.
   bool restarts_at_jumps() const override { return false; }
-  double finest_tolerance() const override { return inverse_bdf_tolerance(bdf_fraction, min_tolerance); }
+  double finest_tolerance() const override { return inverse_bdf_tolerance(bdf_fraction, cvode_min_tolerance); }
 
   // CVODE reuses a Jacobian for up to 51 steps. If it is too stiff in one direction, corrections there are too small,
   // but look as if Newton's method converged.
@@ -139,7 +137,7 @@ class Bdf final : public Cvode {
   sundials::DenseSolver linear_;
   sundials::Vector projected_;
   sundials::NonlinearSolver newton_;
-  NewtonSolve newton_solve_ = nullptr;
+  sundials::NewtonSolve newton_solve_ = nullptr;
 };
 
 // An Adams method extrapolates derivatives: a projection returned as part of the correction, as with BDF, would enter
@@ -157,7 +155,7 @@ class Adams final : public Cvode {
   // Derivatives continued across a jump spoil many steps: on the four-bar with a new torque every millisecond and no
   // starter, tolerance 1e-8, errors are 1e4 times the tolerance instead of some hundred times, for as much work.
   bool restarts_at_jumps() const override { return true; }
-  double finest_tolerance() const override { return min_tolerance / adams_fraction; }
+  double finest_tolerance() const override { return cvode_min_tolerance / adams_fraction; }
 
   bool finish(double t) override {
     if (!system_.project(t, sundials::data(y_.get()))) return false;

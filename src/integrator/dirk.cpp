@@ -16,16 +16,16 @@ namespace {
 
 // Newton's method starts from the state at the start of the step, which may be far away: with 3 iterations, ARKODE's
 // default, it fails in every second step on the stiff flyball governor.
-constexpr int max_iterations = 10;
-constexpr double safety = 0.8;  // with ARKODE's own 0.96 more steps are rejected
+constexpr int dirk_newton_iterations = 10;
+constexpr double dirk_safety = 0.8;  // with ARKODE's own 0.96 more steps are rejected
 // Fraction of the tolerance used in the local error test (see ida.cpp). On the same scenes errors are 0.2 to 35 times
 // the tolerance.
-constexpr double local_fraction = 0.02;
-constexpr double min_tolerance = 1e-13;
+constexpr double dirk_fraction = 0.02;
+constexpr double dirk_min_tolerance = 1e-13;
 // Fraction of the tolerance of a step that Newton's method may leave in a stage. These errors add up over steps, unseen
 // by the error test: a stiff torsion spring of 95 rad at 1e-10 has five times the error with ARKODE's default 0.1,
 // which saves 6 % of the evaluations.
-constexpr double newton_fraction = 0.01;
+constexpr double dirk_newton_fraction = 0.01;
 // Relative size of corrections that are rounding.
 constexpr double newton_rounding = 100 * std::numeric_limits<double>::epsilon();
 constexpr double divergence_ratio = 2.3;  // of a correction to the one before; ARKODE's own
@@ -65,18 +65,18 @@ class Dirk final : public ArkodeIntegrator {
     set_owner(y_.get(), this);
     y_->ops->nvclone = clone;
     y_->ops->nvwrmsnorm = [](N_Vector x, N_Vector weights) { return owner(x).norm(x, weights); };
-    const double tolerance = std::max(min_tolerance, local_fraction * options.tolerance);
+    const double tolerance = std::max(dirk_min_tolerance, dirk_fraction * options.tolerance);
     adopt(ARKStepCreate(nullptr, sundials::rhs, 0, y_.get(), context_), tolerance);
     rounding_ = newton_rounding / tolerance;
     // Order 5: a pair of order 4 (ESDIRK436L2SA) takes 1.6 times the evaluations at 1e-8; with a fast undamped
     // oscillation, where the errors of all steps add up, errors are ten times as large in addition.
     ARKStepSetTableNum(memory_, ARKODE_ESDIRK547L2SA2_7_4_5, ARKODE_ERK_NONE);
-    ARKodeSetSafetyFactor(memory_, safety);
+    ARKodeSetSafetyFactor(memory_, dirk_safety);
     ARKodeSetNonlinearSolver(memory_, newton_.get());
     SUNNonlinSolSetConvTestFn(newton_.get(), converged, this);
-    ARKodeSetMaxNonlinIters(memory_, max_iterations);
+    ARKodeSetMaxNonlinIters(memory_, dirk_newton_iterations);
     ARKodeSetMaxConvFails(memory_, max_error_test_failures);  // discontinuities affect Newton's method, too
-    ARKodeSetNonlinConvCoef(memory_, std::max(newton_fraction, rounding_));
+    ARKodeSetNonlinConvCoef(memory_, std::max(dirk_newton_fraction, rounding_));
     ARKodeSetLinearSolver(memory_, linear_.solver.get(), linear_.matrix.get());
     ARKodeSetJacFn(memory_, sundials::jacobian);
     // By default a Jacobian is used for up to 51 steps, also if the factors are renewed: that takes up to 1.4

@@ -51,19 +51,19 @@ constexpr std::array<EmbeddedPair, 4> embedded_pairs = {{
     {ARKODE_VERNER_13_7_8, 13, 0.1, false, 1e-8},
 }};
 // Below this the error test is dominated by rounding.
-constexpr double min_tolerance = 1e-13;
+constexpr double erk_min_tolerance = 1e-13;
 
 double local_tolerance(const EmbeddedPair& pair, double tolerance) {
-  return std::max(min_tolerance, pair.tolerance_fraction * std::min(tolerance, pair.loosest));
+  return std::max(erk_min_tolerance, pair.tolerance_fraction * std::min(tolerance, pair.loosest));
 }
 int highest_pair(double tolerance) { return tolerance > 3e-7 ? 2 : 3; }
 
 // With it every twentieth step is rejected; with ARKODE's own 0.96, every fifth (scenes as above).
-constexpr double safety = 0.9;
+constexpr double erk_safety = 0.9;
 
 // Step attempts of a lower pair in one communication step, above which the highest pair takes over.
 constexpr long max_attempts = 6;
-constexpr int max_wait = 256;  // communication steps between two trials of another pair
+constexpr int most_steps_between_trials = 256;  // communication steps between two trials of another pair
 
 class Erk final : public ArkodeIntegrator {
  public:
@@ -72,7 +72,7 @@ class Erk final : public ArkodeIntegrator {
     for (int i = 0; i <= top_; ++i) {
       adopt(ERKStepCreate(rhs, 0, y_.get(), context_), local_tolerance(embedded_pairs[i], options.tolerance));
       take_table(embedded_pairs[i].table);
-      ARKodeSetSafetyFactor(memory_, safety);
+      ARKodeSetSafetyFactor(memory_, erk_safety);
       controllers_[i] = sundials::make_step_controller(context_);
       ARKodeSetAdaptController(memory_, controllers_[i].get());
     }
@@ -116,7 +116,7 @@ class Erk final : public ArkodeIntegrator {
   bool keeps_derivative() const override { return embedded_pairs[pair_].keeps_derivative; }
 
   double step_after_stop(std::size_t stepper) const override {
-    return sundials::next_step(controllers_[stepper], safety, growth(stepper));
+    return sundials::next_step(controllers_[stepper], erk_safety, growth(stepper));
   }
 
   void choose_stepper(double end) override {
@@ -176,7 +176,7 @@ class Erk final : public ArkodeIntegrator {
   bool trial_ = false;  // of another pair, in the last communication step
   int pair_before_ = 0;
   long cost_before_ = 0;  // evaluations
-  Backoff trials_{2, max_wait};
+  Backoff trials_{2, most_steps_between_trials};
 };
 
 }  // namespace

@@ -35,9 +35,8 @@ constexpr double stagnation_tolerance = 1e-9;  // if rounding ends the progress;
 // Contraction above which the matrix of an earlier step is recomputed; twice or half this value costs the same.
 constexpr double refactorization_contraction = 0.1;
 constexpr double max_contraction = 0.9;  // above it the iteration is given up
-constexpr int max_iterations = 25;
+constexpr int newton_iterations = 25;
 constexpr double step_change_tolerance = 0.05;  // relative change of the step up to which a matrix is reused
-constexpr double min_pivot_ratio = 1e-16;       // smallest to largest pivot
 
 class GeneralizedAlpha final : public FixedStep {
  public:
@@ -167,7 +166,7 @@ class GeneralizedAlpha final : public FixedStep {
   bool solve(double t, double h, const Weights& s) {
     bool renewed = false;
     double size_before = 0;  // with the same matrix; 0: it is new
-    for (int i = 0; i < max_iterations; ++i) {
+    for (int i = 0; i < newton_iterations; ++i) {
       update_state(h, s);
       if (!system_.residual(t, x_.data(), xdot_.data(), r_.data())) return false;
       if (std::abs(matrix_step_ - s.speed * h) > step_change_tolerance * s.speed * h) {
@@ -224,7 +223,7 @@ class GeneralizedAlpha final : public FixedStep {
     A_.bottomRightCorner(m_, m_).setZero();
     lu_.compute(A_);
     matrix_step_ = s.speed * h;
-    return pivot_ratio(lu_) > min_pivot_ratio;
+    return is_regular(lu_);
   }
 
   Coefficients c_;

@@ -18,15 +18,13 @@
 namespace gelenk {
 namespace {
 
-using NewtonSolve = int (*)(SUNNonlinearSolver, N_Vector, N_Vector, N_Vector, sunrealtype, sunbooleantype, void*);
-
 // Fraction of a tolerance of 1e-4 used in the local error test (bdf_tolerance), such that accumulated errors are some
 // tens of times the tolerance, as with all adaptive methods. Here: four-bar, arm with 7 joints, double pendulum, heavy
 // top, squeezer and a change point, 0.03 to 5 s, tolerances 1e-4 to 1e-8: 1 to 90 times.
-constexpr double local_fraction = 0.006;
+constexpr double ida_fraction = 0.006;
 // Below this, differences of order six of the rounding of the state are no small part of the error test: with half of
 // it an engine with six loops takes three times as many steps.
-constexpr double min_tolerance = 2e-13;
+constexpr double ida_min_tolerance = 2e-13;
 
 // Step of a finite difference relative to the shortest time in which a component changes by its own size.
 constexpr double difference_fraction = 1e-6;
@@ -37,7 +35,7 @@ constexpr double first_step_error_fraction = 0.5;
 constexpr double dae_fraction = 0.01;
 // Fraction of the tolerance that Newton's method leaves in q, and thus of (tolerance / h) in velocities of index 3.
 // With IDA's default 0.33 index3 has some five times the error for as many evaluations (four-bar, 1e-4 to 1e-10).
-constexpr double newton_fraction = 0.03;
+constexpr double ida_newton_fraction = 0.03;
 // Newton's method has to reach its fraction above rounding.
 constexpr double min_dae_tolerance = 1e-13;
 constexpr double max_first_step_fraction = 1e-3;  // first step relative to the first communication step
@@ -49,7 +47,7 @@ class Ida final : public SundialsIntegrator {
         n_(system.size()),
         dae_(system.multipliers() > 0),
         tolerance_(dae_ ? std::max(min_dae_tolerance, dae_fraction * options.tolerance)
-                        : std::max(min_tolerance, bdf_tolerance(local_fraction, options.tolerance))),
+                        : std::max(ida_min_tolerance, bdf_tolerance(ida_fraction, options.tolerance))),
         ydot_(sundials::new_vector(system, context_)),
         f_(system.unknowns()),
         F_xdot_(f_.size() * f_.size()) {
@@ -78,12 +76,12 @@ class Ida final : public SundialsIntegrator {
 
  private:
   double finest_tolerance() const override {
-    return dae_ ? min_dae_tolerance / dae_fraction : inverse_bdf_tolerance(local_fraction, min_tolerance);
+    return dae_ ? min_dae_tolerance / dae_fraction : inverse_bdf_tolerance(ida_fraction, ida_min_tolerance);
   }
 
   void prepare_dae() {
     IDAWFtolerances(memory_, error_weights);
-    IDASetNonlinConvCoef(memory_, newton_fraction);
+    IDASetNonlinConvCoef(memory_, ida_newton_fraction);
     scaled_ = std::make_unique<sundials::ScaledSolver>(system_, memory_, context_);
     IDASetLinearSolver(memory_, scaled_->solver(), scaled_->matrix());
     // The scaling of the solver already accounts for a changed cj.
@@ -241,7 +239,7 @@ class Ida final : public SundialsIntegrator {
   std::unique_ptr<sundials::DenseSolver> linear_;
   std::unique_ptr<sundials::ScaledSolver> scaled_;
   SUNNonlinearSolver newton_ = nullptr;
-  NewtonSolve newton_solve_ = nullptr;
+  sundials::NewtonSolve newton_solve_ = nullptr;
   void* memory_ = nullptr;
 };
 

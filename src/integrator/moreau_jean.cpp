@@ -12,7 +12,7 @@ namespace gelenk {
 namespace {
 
 // Steps longer than 2 / omega amplify a vibration of this circular frequency, which is known to a few percent.
-constexpr double stability_limit_of_steps = 2 * 1.1;
+constexpr double measured_stability_limit = 2 * 1.1;
 // Steps between two determinations of the highest frequency, which then costs no more than some percent.
 constexpr int steps_between_checks = 200;
 
@@ -48,7 +48,7 @@ class MoreauJean final : public FixedStep {
   void check_stability(double t, double h) {
     until_check_ = steps_between_checks;
     const double omega = system_.impulses()->highest_frequency(t, y_.data());
-    if (!(h * omega > stability_limit_of_steps)) return;
+    if (!(h * omega > measured_stability_limit)) return;
     throw IntegrationError(at_time(t) + "steps of " + text::rounded(h) + " s (solver.step) are unstable: the fastest " +
                            "vibration of the scene has " + text::rounded(omega / (2 * std::numbers::pi), 3) +
                            " Hz, expected at most " + text::rounded(2 / omega, 3) +

@@ -11,7 +11,6 @@ namespace gelenk::sundials {
 namespace {
 
 // Below this ratio of pivots the rows are dependent up to rounding.
-constexpr double min_pivot_ratio = 1e-16;
 
 ScaledSolver& of(SUNLinearSolver solver) { return *static_cast<ScaledSolver*>(solver->content); }
 
@@ -57,7 +56,7 @@ int ScaledSolver::setup(SUNLinearSolver solver, SUNMatrix A) {
   self.find_scales();
   self.scaled_ = self.row_scale_.asDiagonal() * J * self.column_scale_.asDiagonal();
   self.lu_.compute(self.scaled_);
-  return pivot_ratio(self.lu_) > min_pivot_ratio ? 0 : 1;
+  return is_regular(self.lu_) ? 0 : 1;
 }
 
 // The scales belong to the present cj, not to that of the factors.

@@ -20,8 +20,8 @@ namespace {
 constexpr long starting_steps = 25;
 // Number of them in one communication step from which stability is checked: fewer cost little anyway.
 constexpr long min_steps_to_check = 5;
-constexpr int max_wait = 1024;          // jumps between two trials, after stability was the limit
-constexpr int max_check_interval = 64;  // starts between two checks, after it was not
+constexpr int most_jumps_between_trials = 1024;  // jumps between two trials, after stability was the limit
+constexpr int max_check_interval = 64;           // starts between two checks, after it was not
 // Near a singular configuration the weak direction of the constraints amplifies rounding to noise, and Newton's method
 // and error tests fail again and again, however short the step. A method that neither solves equations nor predicts can
 // cross it.
@@ -232,7 +232,7 @@ class StartedMultistep final : public Integrator {
   bool jumped_ = false;
   bool using_starter_ = false;  // erk made the last step
   long steps_left_ = 0;         // number of starter steps left
-  Backoff starts_{4, max_wait};
+  Backoff starts_{4, most_jumps_between_trials};
   Backoff stability_checks_{2, max_check_interval};
   FastestRate fastest_rate_;
   double window_start_ = 0;                                  // s

@@ -33,6 +33,9 @@ class Context {
   std::string last_error_;
 };
 
+// A function that solves a nonlinear system (SUNNonlinSolSolve).
+using NewtonSolve = int (*)(SUNNonlinearSolver, N_Vector, N_Vector, N_Vector, sunrealtype, sunbooleantype, void*);
+
 struct DestroyVector {
   void operator()(N_Vector v) const { N_VDestroy(v); }
 };

@@ -12,4 +12,7 @@ inline double pivot_ratio(const Eigen::PartialPivLU<Eigen::MatrixXd>& lu) {
   return pivots.size() == 0 ? 1 : pivots.minCoeff() / pivots.maxCoeff();
 }
 
+// Whether these factors solve to some digits.
+inline bool is_regular(const Eigen::PartialPivLU<Eigen::MatrixXd>& lu) { return pivot_ratio(lu) > 1e-16; }
+
 }  // namespace gelenk

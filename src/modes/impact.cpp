@@ -3,17 +3,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "linear/box_complementarity.h"
+#include "math/bounds.h"
 
 namespace gelenk {
 namespace {
 
 using Eigen::Index;
 using Eigen::VectorXd;
-
-constexpr double unlimited = std::numeric_limits<double>::infinity();
 
 // Of the terms of the energy of an impact.
 constexpr double energy_rounding = 1e-12;

@@ -4,14 +4,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "event/lost_rebound.h"
+
 namespace gelenk {
 namespace {
 
 using Eigen::Index;
 using Eigen::VectorXd;
 
-// As in modes/mode_changes.cpp.
-constexpr double lowest_rebound = 2;
 // Of the accelerations to which rounding is relative: half of what a force that exceeds its limit by its slack causes
 // (Branching::slack).
 constexpr double noticed_fraction = 2e-11;
@@ -98,7 +98,7 @@ void JointLocks::let_go() {
 bool JointLocks::is_lost(const Struck& at, double speed, double acceleration) const {
   if (forces_.lock(at.lock).one_way) return false;
   const double tolerance = forces_.depth(at.lock, at.is.side).tolerance;
-  return acceleration > 0 && speed * speed <= 2 * acceleration * lowest_rebound * tolerance;
+  return rises_no_higher(lowest_rebound * tolerance, speed, acceleration);
 }
 
 void JointLocks::finish_impact(double t, const double* y, const std::vector<Struck>& struck, const VectorXd& rebounds,

@@ -10,7 +10,7 @@ namespace {
 // Beyond a limit, this number of slacks (Branching::slack) is rounding.
 constexpr double slacks = 1e4;
 // Speeds up to this, relative to the largest or 1, may have either sign by rounding.
-constexpr double rest_fraction = 1e-8;
+constexpr double sign_rounding = 1e-8;
 // A limit acts within this multiple of what counts as contact with it (some 1e-12); and may be passed by this one,
 // which is as small as errors of positions at common tolerances, by which loops and prescribed motions move it.
 constexpr double distances = 1e4;
@@ -57,7 +57,7 @@ LawAudit audit_locks(const Branching& branching, std::span<const double> forces,
     const Branching::Lock lock = branching.lock(i);
     const double slack = slacks * branching.slack(i) + least_audited_force;
     const double speed = branching.speed(i, v);
-    const bool moves = std::abs(speed) > rest_fraction * fastest;
+    const bool moves = std::abs(speed) > sign_rounding * fastest;
     if (lock.friction >= 0)
       audit_friction(lock, forces[static_cast<std::size_t>(lock.friction)], speed, moves, slack, audit);
     if (lock.limit >= 0) audit_limit(branching, i, forces[static_cast<std::size_t>(lock.limit)], slack, audit);

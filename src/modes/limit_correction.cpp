@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "linear/box_complementarity.h"
+#include "math/bounds.h"
 
 namespace gelenk {
 namespace {
@@ -15,7 +15,6 @@ using Eigen::VectorXd;
 
 // Speeds towards a limit of less than this, relative to the largest or 1, are rounding, and no impact follows.
 constexpr double rest_fraction = 1e-12;
-constexpr double unlimited = std::numeric_limits<double>::infinity();
 
 double fastest(std::span<const double> v) {
   double out = 1;

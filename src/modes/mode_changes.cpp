@@ -5,6 +5,7 @@
 #include <iterator>
 #include <utility>
 
+#include "event/lost_rebound.h"
 #include "linear/box_complementarity.h"
 #include "modes/lock_modes.h"
 
@@ -20,9 +21,6 @@ constexpr double break_away_fraction = 1e-9;
 constexpr double shared_fraction = 1e-8;  // the same with the rounding of distributed forces
 // Relative tolerance of accelerations, less than the slack of holding forces (Branching::slack).
 constexpr double acceleration_tolerance = 1e-11;
-// A series of impacts ends in contact when its rebounds are lower than this times what counts as contact: lower ones
-// are lost in the rounding of the position. Their impulses would add up to that of the contact force.
-constexpr double lowest_rebound = 2;
 // Slip that an impact causes and friction stops within this is none [natural units]: the rounding of positions, as of
 // rebounds.
 constexpr double shortest_slip = 2e-12;
@@ -234,7 +232,7 @@ bool LockModes::ends_series(int lock, int side, double speed, double mobility, d
   const double acceleration =
       modes_.contacts[lock] != 0 ? -side * holding * mobility : side * forces_.speed(lock, vdot_.data());
   const Branching::Depth at = forces_.depth(lock, side);
-  return acceleration > 0 && speed * speed / (2 * acceleration) <= std::max(resolution, lowest_rebound * at.tolerance);
+  return rises_no_higher(std::max(resolution, lowest_rebound * at.tolerance), speed, acceleration);
 }
 
 // Determines the modes at (t, y). What moves keeps moving; of what rests, friction and contact hold what they can, and

@@ -54,7 +54,7 @@ std::string name_of_guess(const std::string& joint, std::string_view coordinate,
   return is_set ? start_parameter(joint, coordinate) : "joints." + joint + ".start." + std::string(coordinate);
 }
 
-std::string advice(const std::string& joint, bool is_set) {
+std::string guess_advice(const std::string& joint, bool is_set) {
   return is_set ? joint + ".fixed keeps it exactly" : "gelenk assemblies lists all positions";
 }
 
@@ -84,7 +84,7 @@ std::string describe_changed_guess(const Scene& scene, const ReducedScene& reduc
       };
       out = name_of_guess(joint.name, kind.q[k].name, only_set) + ": found " + shown(guess.q[k]) +
             ", a guess with which the loops cannot be closed, expected one near " + shown(guess.q[k] + change) +
-            ", which is used; " + advice(joint.name, only_set);
+            ", which is used; " + guess_advice(joint.name, only_set);
     }
   }
   return out.empty() || scene.file.empty() || only_set ? out : scene.file + ": " + out;

@@ -91,7 +91,7 @@ Named named(const Scene& scene, const ReducedScene& reduced, int island, const F
 }
 
 // Returns "Leave one of them as a guess (fixed: false): D.phi, for instance, would then be 1.83 rad instead of 2 rad."
-std::string advice(const Scene& scene, const Conflict& conflict, const std::vector<Named>& values) {
+std::string conflict_advice(const Scene& scene, const Conflict& conflict, const std::vector<Named>& values) {
   const bool one = values.size() == 1;
   std::string out = one ? " Leave it as a guess (fixed: false)" : " Leave one of them as a guess (fixed: false)";
   if (conflict.freed < 0) return out + ".";
@@ -120,7 +120,7 @@ std::string describe_fixed_speeds(const Scene& scene, const ReducedScene& reduce
     if (std::ranges::find(joints, name) == joints.end()) joints.push_back(name);
   }
   return prefix(scene) + "the fixed start velocities of " + text::list(joints) + " contradict " + what + left +
-         advice(scene, fault.conflict, values);
+         conflict_advice(scene, fault.conflict, values);
 }
 
 // Describes the fixed values that prevent a loop from closing.
@@ -129,7 +129,7 @@ std::string describe_fixed_positions(const Scene& scene, const std::vector<Named
   for (const Named& value : values) names.push_back(value.name);
   const std::string what = values.size() == 1 ? "The fixed value of " + names[0] + " contradicts the loops."
                                               : "The fixed values of " + text::list(names) + " contradict each other.";
-  return what + advice(scene, conflict, values);
+  return what + conflict_advice(scene, conflict, values);
 }
 
 // Returns the owner of a constraint equation: "the loop through C" or "constraints.drive".

@@ -34,7 +34,7 @@ InitialGuess zero_guess(int nq, int nv) {
 }
 
 // Returns the coordinate of a joint that belongs to velocity i: for a quaternion the first one for all three rotations.
-int coordinate_of(const JointKind& kind, int i) { return kind.has_quaternion() ? std::min(i, kind.nq - 4) : i; }
+int position_index(const JointKind& kind, int i) { return kind.has_quaternion() ? std::min(i, kind.nq - 4) : i; }
 
 // Sets q (nq numbers) to the start values of a joint, in the signs of the mechanism.
 void preferred_coordinates(const Joint& joint, const JointPlace& place, double* q) {
@@ -58,7 +58,7 @@ void add_guesses(const Joint& joint, int rank, const JointPlace& place, InitialG
   const JointStart& start = joint.start;
   preferred_coordinates(joint, place, &out.q[place.iq]);
   for (int i = 0; i < kind.nv; ++i) {
-    const int c = coordinate_of(kind, i);
+    const int c = position_index(kind, i);
     out.q_fixed[place.iv + i] = start.q_fixed[c];
     out.q_weight[place.iv + i] = start.q_given[c] ? start.q_weight[c] : default_guess_weight;
     out.q_given[place.iv + i] = start.q_given[c];
@@ -106,7 +106,7 @@ std::vector<bool> preferred_velocities(const Scene& scene, const ReducedScene& r
     const JointKind& kind = *find_joint_kind(joint.type);
     for (int i = 0; i < kind.nv; ++i) {
       out[place.iv + i] =
-          driven.contains(joint.name) || joint.start.v_fixed[i] || joint.start.q_fixed[coordinate_of(kind, i)];
+          driven.contains(joint.name) || joint.start.v_fixed[i] || joint.start.q_fixed[position_index(kind, i)];
       // A quaternion is independent as a whole or not at all.
       if (contacts && kind.has_quaternion() && i >= kind.nv - 3) out[place.iv + i] = true;
     }

@@ -17,7 +17,7 @@ std::string unit_for_people(const Field& field, const Coordinate& coordinate) {
 
 std::vector<std::string> words_of(const Field& field) { return {field.words.begin(), field.words.end()}; }
 
-std::vector<std::string> names_of(std::span<const Field> fields) {
+std::vector<std::string> field_names(std::span<const Field> fields) {
   std::vector<std::string> names;
   for (const Field& field : fields) names.emplace_back(field.name);
   return names;
@@ -89,7 +89,7 @@ void read_field(const Json& value, const std::string& path, Faults& faults, cons
     case Field::Type::choice:
       return read_choice(value, path, faults, field, field.of<Choice>(element));
     case Field::Type::group: {
-      Fields inner(value, path, faults, "a mapping with " + text::list(names_of(field.inner())));
+      Fields inner(value, path, faults, "a mapping with " + text::list(field_names(field.inner())));
       if (!inner.valid()) return;
       field.emplace(element);
       read_fields(inner, field.inner(), field.in(element), coordinate);

@@ -104,7 +104,7 @@ std::string mapping_of(const Section& section, std::span<const ElementKind> kind
   return "a mapping with " + (names.empty() ? "type" : text::list(names));
 }
 
-std::vector<std::string> names_of(std::span<const ElementKind> kinds) {
+std::vector<std::string> element_kind_names(std::span<const ElementKind> kinds) {
   std::vector<std::string> names;
   for (const ElementKind& kind : kinds) names.emplace_back(kind.kind);
   return names;
@@ -113,7 +113,7 @@ std::vector<std::string> names_of(std::span<const ElementKind> kinds) {
 template <class Any>
 void read_section(const Json& section, const Section& of, Reader& reader, std::vector<Element<Any>>& out) {
   const std::span<const ElementKind> kinds = element_kinds<Any>();
-  const std::vector<std::string> names = names_of(kinds);
+  const std::vector<std::string> names = element_kind_names(kinds);
   const std::string expected = mapping_of(of, kinds);
   each_entry(section, std::string(of.name), reader.faults,
              [&](const std::string& name, const Json& value, const std::string& path) {

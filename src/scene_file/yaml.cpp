@@ -24,13 +24,11 @@ bool is_one_of(const std::string& s, std::initializer_list<const char*> words) {
   return std::ranges::any_of(words, [&](const char* word) { return s == word; });
 }
 
-char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
-
 // Returns the number of consecutive digits in this base from `at`.
-std::size_t digits(std::string_view s, std::size_t at, int base) {
+std::size_t digits_of(std::string_view s, std::size_t at, int base) {
   const std::string_view known = std::string_view("0123456789abcdef").substr(0, static_cast<std::size_t>(base));
   std::size_t n = 0;
-  while (at + n < s.size() && known.find(lower(s[at + n])) != known.npos) ++n;
+  while (at + n < s.size() && known.find(text::lower(s[at + n])) != known.npos) ++n;
   return n;
 }
 
@@ -38,27 +36,27 @@ std::size_t digits(std::string_view s, std::size_t at, int base) {
 bool is_decimal(std::string_view s) {
   const auto sign = [&](std::size_t at) { return at < s.size() && (s[at] == '-' || s[at] == '+') ? at + 1 : at; };
   std::size_t at = sign(0);
-  const std::size_t whole = digits(s, at, 10);
+  const std::size_t whole = digits_of(s, at, 10);
   at += whole;
   std::size_t fraction = 0;
   if (at < s.size() && s[at] == '.') {
-    fraction = digits(s, at + 1, 10);
+    fraction = digits_of(s, at + 1, 10);
     at += 1 + fraction;
   }
   if (whole + fraction == 0) return false;
   if (at == s.size()) return true;
   if (s[at] != 'e' && s[at] != 'E') return false;
   at = sign(at + 1);
-  const std::size_t exponent = digits(s, at, 10);
+  const std::size_t exponent = digits_of(s, at, 10);
   return exponent > 0 && at + exponent == s.size();
 }
 
 // Returns the value of an octal (0o17) or hexadecimal (0xff) number, or null.
 Json prefixed_number(const std::string& s) {
   const int base = s.starts_with("0o") ? 8 : s.starts_with("0x") ? 16 : 0;
-  if (base == 0 || s.size() < 3 || digits(s, 2, base) != s.size() - 2) return nullptr;
+  if (base == 0 || s.size() < 3 || digits_of(s, 2, base) != s.size() - 2) return nullptr;
   double value = 0;  // exact up to 2^53; all numbers of a scene become doubles anyway
-  for (const char c : s.substr(2)) value = base * value + (c <= '9' ? c - '0' : lower(c) - 'a' + 10);
+  for (const char c : s.substr(2)) value = base * value + (c <= '9' ? c - '0' : text::lower(c) - 'a' + 10);
   return value;
 }
 

@@ -9,8 +9,6 @@
 namespace gelenk {
 namespace {
 
-using Points = std::vector<Eigen::Vector3d>;
-
 template <class S>
 constexpr bool made_of_points = requires(const S& shape) { shape.points(); };
 template <class S>
@@ -58,7 +56,7 @@ const ShapeKind& kind_of(const AnyShape& shape) { return shape_kinds()[shape.ind
 
 AnyShape make_shape(std::size_t n) { return make_nth(n, static_cast<const AnyShape*>(nullptr)); }
 
-AnyShape make_shape_of_points(std::size_t n, Points points, std::vector<Triangle> triangles) {
+AnyShape make_shape_of_points(std::size_t n, std::vector<Eigen::Vector3d> points, std::vector<Triangle> triangles) {
   AnyShape out = make_shape(n);
   std::visit(
       [&](auto& shape) {

@@ -4,7 +4,8 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "math/bounds.h"
 
 namespace gelenk {
 namespace {
@@ -12,11 +13,10 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-constexpr double unlimited = std::numeric_limits<double>::infinity();
 // Errors of velocities relative to the largest: of a solution of the cone problem, and up to which one is accepted.
-constexpr double cone_tolerance = 1e-13;
+constexpr double impact_cone_tolerance = 1e-13;
 constexpr double velocity_tolerance = 1e-8;
-constexpr int most_iterations = 500;
+constexpr int impact_cone_iterations = 500;
 // The energy that an impact may gain by rounding, relative to what it exchanges.
 constexpr double energy_rounding = 1e-12;
 constexpr int most_bisections = 40;
@@ -123,8 +123,8 @@ bool ContactImpact::solve(ConeSolver& solver, double part) {
 // x_ <- impulses in the cones. Returns the error of the velocities.
 double ContactImpact::solve_cones(ConeSolver& solver, const Eigen::MatrixXd& matrix, const VectorXd& b) {
   ConeOptions options;
-  options.tolerance = cone_tolerance * b.cwiseAbs().maxCoeff();
-  options.max_iterations = most_iterations;
+  options.tolerance = impact_cone_tolerance * b.cwiseAbs().maxCoeff();
+  options.max_iterations = impact_cone_iterations;
   const DenseConeOperator G(matrix);
   const std::span<const double> right(b.data(), static_cast<std::size_t>(b.size()));
   return solver.solve({G, right, cones_, true}, options, x_.data()).residual;
@@ -134,7 +134,7 @@ double ContactImpact::solve_cones(ConeSolver& solver, const Eigen::MatrixXd& mat
 // friction, and must not depend on rounding. Contacts that yield a little have unique impulses, nearly those of least
 // norm; what they yield is removed by proximal iterations (Rockafellar 1976).
 double ContactImpact::solve_redundant(ConeSolver& solver, const VectorXd& b) {
-  const double enough = cone_tolerance * b.cwiseAbs().maxCoeff();
+  const double enough = impact_cone_tolerance * b.cwiseAbs().maxCoeff();
   x_.setZero();
   double residual = 0;
   double part = 1;

@@ -3,15 +3,13 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
 
 #include "collision/contacts.h"
 #include "contact/contact_finder.h"
+#include "math/bounds.h"
 
 namespace gelenk {
 namespace {
-
-constexpr double unlimited = std::numeric_limits<double>::infinity();
 
 // Of accelerations estimated by the change of velocities in the step: what they may be in between.
 constexpr double acceleration_margin = 2;
@@ -20,7 +18,7 @@ constexpr double acceleration_margin = 2;
 constexpr double interpolation_error = 0.05;
 // Penetrations of less depth may remain unnoticed [natural units of length]: what touches so slightly leaves with a
 // speed that errors of any step change as much.
-constexpr double least_depth = 1e-8;
+constexpr double noticed_depth = 1e-8;
 // Positions that are looked at in a step; and the fraction of it that must be safe if they do not suffice, for the step
 // to be shortened.
 constexpr int most_samples = 100;
@@ -132,7 +130,7 @@ void HiddenTouches::begin() {
   for (std::size_t i = 0; i < pairs_.size(); ++i) {
     Gap& now = pairs_[i].gaps[0];
     gap(static_cast<int>(i), now);
-    if (now.size < -least_depth) now.size = unlimited;
+    if (now.size < -noticed_depth) now.size = unlimited;
     if (now.size < unlimited) read(static_cast<int>(i), 0);
   }
 }
@@ -156,8 +154,8 @@ HiddenTouches::Bounds HiddenTouches::bound(const Pair& pair, const Spots::Approa
 
 bool HiddenTouches::is_safe(const Pair& pair, const Gap& a, const Gap& b, double h) const {
   const Bounds& bounds = pair.tip_is_smaller ? pair.tip_bounds : pair.core_bounds;
-  const double g0 = std::max(0.0, a.size) + least_depth;
-  const double g1 = std::max(0.0, b.size) + least_depth;
+  const double g0 = std::max(0.0, a.size) + noticed_depth;
+  const double g1 = std::max(0.0, b.size) + noticed_depth;
   if (g0 + g1 > h * bounds.speed) return true;
   if (pair.is_sharp()) return stays_apart(pair, a, a, b, h) || stays_apart(pair, b, a, b, h);
   return bends_little(g0, g1, h, bounds.acceleration + pair.curvature * bounds.speed * bounds.speed);
@@ -172,8 +170,8 @@ bool HiddenTouches::stays_apart(const Pair& pair, const Gap& at, const Gap& a, c
     return std::ranges::all_of(moving, [&](const Tip& corner) {
       const double g0 = normal.dot(X0.point(corner.center)) - corner.radius - plane;
       const double g1 = normal.dot(X1.point(corner.center)) - corner.radius - plane;
-      return g0 > -least_depth && g1 > -least_depth &&
-             bends_little(std::max(0.0, g0) + least_depth, std::max(0.0, g1) + least_depth, h, acceleration);
+      return g0 > -noticed_depth && g1 > -noticed_depth &&
+             bends_little(std::max(0.0, g0) + noticed_depth, std::max(0.0, g1) + noticed_depth, h, acceleration);
     });
   };
   if (separates(at.n, pair.core, pair.tip, a.X, b.X, pair.tip_bounds.acceleration)) return true;

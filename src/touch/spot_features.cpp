@@ -13,7 +13,7 @@ using Eigen::Vector3d;
 // Normals up to this beyond those of a face belong to its edge, too: faces that lie on each other touch at their edges.
 constexpr double angle_rounding = 1e-9;
 // Depths below this are rounding [natural units of length].
-constexpr double least_depth = 1e-9;
+constexpr double depth_rounding = 1e-9;
 // Below this sine, the direction of the tilt is arbitrary.
 constexpr double no_tilt = 1e-12;
 
@@ -65,13 +65,13 @@ Spots::Crossing Spots::crossing(const Spot& spot) const {
   out.left = std::min(tip.half - std::abs(out.s), core.half - std::abs(out.t));
   const double least = std::min(least_cosine(core, X_core.R, out.n), least_cosine(tip, X_tip.R, -out.n));
   // Where faces lie on each other, edges may be deep in the direction of one of their faces, but not of the other.
-  out.is_outside = least >= -angle_rounding && (out.gap > -least_depth || -out.gap * least > least_depth);
+  out.is_outside = least >= -angle_rounding && (out.gap > -depth_rounding || -out.gap * least > depth_rounding);
   return out;
 }
 
 bool Spots::is_near(const Spot& spot, const Crossing& at) const {
   if (!at.is_outside) return false;
-  if (at.gap > -least_depth || !spot.core_edge.is_sharp()) return true;
+  if (at.gap > -depth_rounding || !spot.core_edge.is_sharp()) return true;
   // Edges on far sides of both solids seem to be deep inside.
   const Pose3 X_0S = pose(spot.core_link) * spot.X_LS;
   const Vector3d x = X_0S.R.transpose() * (at.p_a - spot.tip_edge.radius * at.n - X_0S.p);

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "contact/contact_finder.h"
+#include "event/lost_rebound.h"
 #include "touch/touch_modes.h"
 
 namespace gelenk {
@@ -15,14 +16,12 @@ using Eigen::VectorXd;
 // What leaves may be closer than touching by rounding, and go further by this fraction of what counts as contact before
 // it touches again.
 constexpr double leaving_fraction = 0.1;
-// A series of impacts ends in contact when its rebounds are lower than this times what counts as contact.
-constexpr double lowest_rebound = 2;
 // Part of the fastest approach with which something may still approach after an impact.
 constexpr double approaching_fraction = 1e-3;
 
 // Whether a rebound at this speed is lost in the rounding of the position, for this acceleration back.
 bool is_lost(double speed, double acceleration) {
-  return acceleration > 0 && speed * speed <= 2 * acceleration * lowest_rebound * touch_tolerance;
+  return rises_no_higher(lowest_rebound * touch_tolerance, speed, acceleration);
 }
 
 // Whether they differ in what is closed and what moves.

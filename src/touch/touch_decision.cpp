@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <utility>
 
+#include "math/bounds.h"
 #include "touch/decision_limits.h"
 
 namespace gelenk {
@@ -18,14 +18,13 @@ using Eigen::VectorXd;
 // Relative accelerations of what breaks away at this instant are larger than this fraction of the largest.
 constexpr double least_acceleration = 1e-12;
 // Error of accelerations of a solution of the cone problem, relative to the largest.
-constexpr double cone_tolerance = 1e-13;
+constexpr double decision_cone_tolerance = 1e-13;
 // Repetitions with the friction of what slides, which follows from the normal forces.
 constexpr int most_repetitions = 200;
 // The first of these begin with static friction, since what can hold does.
 constexpr int most_fresh_starts = 20;
-constexpr int most_iterations = 500;
+constexpr int decision_cone_iterations = 500;
 constexpr std::size_t most_tried_locks = 4;
-constexpr double unlimited = std::numeric_limits<double>::infinity();
 
 void symmetrize(Eigen::MatrixXd& G) { G = Eigen::MatrixXd((G + G.transpose()) / 2); }
 
@@ -102,8 +101,8 @@ bool ContactDecision::let_locks_slip() {
 void ContactDecision::solve_cones(const VectorXd& normal) {
   const VectorXd b = b_ + C_ * normal;
   ConeOptions options;
-  options.tolerance = cone_tolerance * scale_;
-  options.max_iterations = most_iterations;
+  options.tolerance = decision_cone_tolerance * scale_;
+  options.max_iterations = decision_cone_iterations;
   const DenseConeOperator G(G_);
   const std::span<const double> right(b.data(), static_cast<std::size_t>(b.size()));
   solver_->solve({G, right, cones_, true}, options, x_.data());

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "util/text.h"
+
 namespace gelenk {
 namespace {
 
@@ -50,10 +52,8 @@ constexpr std::pair<std::string_view, Words> synonyms[] = {
     {"stop", "end tstop t_end stop_time duration"},
 };
 
-char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
-
 bool equal_ignoring_case(std::string_view a, std::string_view b) {
-  return std::ranges::equal(a, b, [](char x, char y) { return lower(x) == lower(y); });
+  return std::ranges::equal(a, b, [](char x, char y) { return text::lower(x) == text::lower(y); });
 }
 
 }  // namespace

@@ -14,7 +14,6 @@ namespace {
 
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
-char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
 // Edit distance: letters to insert, delete, change or exchange with their neighbor (Damerau 1964); case is ignored.
 std::size_t distance(std::string_view a, std::string_view b) {

@@ -8,6 +8,9 @@
 
 namespace gelenk::text {
 
+// A letter of ASCII in lower case; others unchanged.
+inline char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
+
 // Replaces every occurrence of the placeholder in the text.
 void replace(std::string& text, std::string_view placeholder, std::string_view by);
 

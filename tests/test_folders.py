@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""All files of a folder are compiled together, so that they share the names that are local to each.
+
+A second declaration is an error of the compiler. But two functions of one name are overloads, and one in an
+inner namespace hides the other: a call then means another function than where the file is compiled alone.
+"""
+
+import re
+from collections import defaultdict
+from collections.abc import Iterable
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+FOLDERS = [*(ROOT / "src").iterdir(), ROOT / "modelDescription", ROOT / "python" / "bindings"]
+FOLDERS += [ROOT / "fmu", ROOT / "fmu" / "runtime", ROOT / "fmu" / "export"]
+
+# A line that begins a declaration in an unnamed namespace; the code is formatted, so these are not indented.
+DECLARATIONS = [
+    re.compile(r"(?:struct|class|enum class|union) (\w+)"),
+    re.compile(r"using (\w+) ="),
+    re.compile(
+        r"(?:static |inline )*(?:constexpr|const|thread_local)\b[^=({]*?\b(\w+)(?:\[\w*\])*\s*(?:=|\{)"
+    ),
+    re.compile(r"(?!using|return|typedef)[\w:<>,&*\s\[\]]*?[\w>&*\]]\s+[&*]?(\w+)\("),
+]
+
+
+def local_names(text: str) -> set[str]:
+    """Names declared in unnamed namespaces of a file."""
+    found = set()
+    for part in re.findall(r"^namespace \{$(.*?)^\}  // namespace$", text, re.MULTILINE | re.DOTALL):
+        for line in re.findall(r"^[^\s#/{}].*", part, re.MULTILINE):
+            matches = (declaration.match(line) for declaration in DECLARATIONS)
+            found |= {match[1] for match in matches if match}
+    return found
+
+
+def shared(texts: Iterable[str]) -> set[str]:
+    """Names that several files declare for themselves."""
+    count: dict[str, int] = defaultdict(int)
+    for text in texts:
+        for name in local_names(text):
+            count[name] += 1
+    return {name for name, files in count.items() if files > 1}
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "int index(double x) {",
+        "[[noreturn]] void index(std::string_view what) {",
+        "std::map<int, std::vector<double>> index(const Scene& scene,",
+        "class index {",
+        "using index = int;",
+        "constexpr int index = 3;",
+        "constexpr std::array<double, 2> index{1, 2};",
+        "const char* index(int i) { return nullptr; }",
+    ],
+)
+def test_the_check_sees_a_name_that_two_files_declare(line: str) -> None:
+    texts = [
+        f"namespace gelenk {{\nnamespace {{\n\n{line}\n\n}}  // namespace\n",
+        "namespace {\nint index();\n}  // namespace\n",
+    ]
+    assert shared(texts) == {"index"}
+
+
+def test_names_that_are_local_to_a_file_are_unique_in_its_folder() -> None:
+    found = {}
+    for folder in FOLDERS:
+        names = shared(path.read_text(encoding="utf-8") for path in sorted(folder.glob("*.cpp")))
+        if names:
+            found[str(folder.relative_to(ROOT))] = names
+    assert found == {}
+
+
+def test_each_folder_is_compiled_in_one_way() -> None:
+    """Hot, warm or cold; a folder that is in no list would be missing in the library."""
+    text = (ROOT / "cmake" / "GelenkTargets.cmake").read_text(encoding="utf-8")
+    lists = [
+        set(words.split())
+        for words in re.findall(r"^set\(GELENK_(?:HOT|WARM|COLD)\s([^)]*)\)", text, re.MULTILINE)
+    ]
+    assert len(lists) == 3
+    assert all(not a & b for a, b in [*pairwise(lists), (lists[0], lists[2])])
+    compiled = {str(folder.relative_to(ROOT)) for folder in FOLDERS if any(folder.glob("*.cpp"))}
+    assert set.union(*lists) == compiled - {"fmu", "python/bindings"}
