@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "joint/registry.h"
+#include "joint/kinds.h"
 #include "modelDescription/units.h"
 #include "scene/signals.h"
 #include "scene/wanted_outputs.h"

@@ -6,7 +6,7 @@
 #include <set>
 #include <utility>
 
-#include "joint/registry.h"
+#include "joint/kinds.h"
 #include "mechanism/disjoint_sets.h"
 #include "scene/name_index.h"
 #include "simulation/start_report.h"
@@ -212,7 +212,7 @@ class DependencyAnalysis {
     if (!structure_is_known_) return all_knowns_;
     const ElementPlace& element = element_of(signal);
     const bool whole = signal.section == sections::sensors &&
-                       kind_of(scene_.sensors[static_cast<std::size_t>(signal.element)].is).of_whole;
+                       kind_of(*scene_.sensors[static_cast<std::size_t>(signal.element)].is).of_whole;
     const int island = island_of(element);
     if (signal.section == sections::constraints && island < 0) return no_knowns_;
     if (signal.stage == Stage::acceleration) {

@@ -9,6 +9,8 @@
 #include <numbers>
 #include <utility>
 
+#include "shape/registry.h"
+
 namespace gelenk {
 namespace {
 

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "fmu/export/outline.h"
-#include "joint/registry.h"
+#include "joint/kinds.h"
 #include "scene/name_index.h"
 #include "simulation/start_report.h"
 
@@ -179,7 +179,7 @@ class PictureBuilder {
     for (const BodyShape& shape : scene_.ground_shapes) include_shape(shape, Pose3());
     if (least.x() <= most.x()) extent_ = (most - least).norm();
     for (const BodyShape& shape : scene_.ground_shapes) {
-      if (!kind_of(shape.is).bounded) std::ranges::for_each(piece_of(shape), include);
+      if (!kind_of(*shape.is).bounded) std::ranges::for_each(piece_of(shape), include);
     }
     for (const Joint& joint : scene_.joints) {
       if (constrains(joint)) include(in_world(joint.parent));
@@ -231,7 +231,7 @@ class PictureBuilder {
   }
 
   Outline outline(const BodyShape& shape, const Pose3& X_WB) const {
-    return outline_of(shape.is, X_WB * shape.X_BS, view_.right, view_.up);
+    return outline_of(*shape.is, X_WB * shape.X_BS, view_.right, view_.up);
   }
 
   // A square piece of the surface of a half-space, below the middle of the bodies.
@@ -260,7 +260,7 @@ class PictureBuilder {
 
   void draw_ground_shape(const BodyShape& shape) {
     constexpr Color stone = {232, 232, 232};
-    if (kind_of(shape.is).bounded) {
+    if (kind_of(*shape.is).bounded) {
       draw_outline(outline(shape, Pose3()), earth, stone);
       return;
     }

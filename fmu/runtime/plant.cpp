@@ -119,12 +119,12 @@ double Plant::rate(const Rate& rate) {
   std::array<double, 7> q{};  // the free joint has the most coordinates
   std::array<double, 7> v{};
   std::array<double, 7> qdot{};
-  const AnyJoint& joint = joints_[static_cast<std::size_t>(rate.joint)];
+  const AnyJoint& joint = *joints_[static_cast<std::size_t>(rate.joint)];
   const JointKind& kind = kind_of(joint);
   const int first = catalog().first_output(rate.joint);
   for (int i = 0; i < kind.nq; ++i) q[static_cast<std::size_t>(i)] = simulation_->output(first + i);
   for (int i = 0; i < kind.nv; ++i) v[static_cast<std::size_t>(i)] = simulation_->output(first + kind.nq + i);
-  std::visit([&](const auto& j) { j.qdot_from_v(q.data(), v.data(), qdot.data()); }, joint);
+  coordinate_rates(joint, q.data(), v.data(), qdot.data());
   return qdot[static_cast<std::size_t>(rate.component)];
 }
 

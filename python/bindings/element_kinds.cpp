@@ -8,8 +8,8 @@
 
 #include <stdexcept>
 
-#include "element/registry.h"
-#include "joint/registry.h"
+#include "element/kinds.h"
+#include "joint/kinds.h"
 #include "scene/element_numbers.h"
 
 namespace nb = nanobind;
@@ -99,12 +99,12 @@ nb::list section() {
   nb::list out;
   for (std::size_t n = 0; n < element_kinds<Any>().size(); ++n) {
     const ElementKind& kind = element_kinds<Any>()[n];
-    const Any plain = make_element<Any>(n);
+    const Stored<Any> plain = make_element<Any>(n);
     nb::dict entry;
     entry["name"] = std::string(kind.kind);
     entry["summary"] = std::string(kind.summary);
     entry["ports"] = value_of(kind.ports);
-    entry["fields"] = shown_fields(kind.fields, data_of(plain));
+    entry["fields"] = shown_fields(kind.fields, data_of(*plain));
     entry["outputs"] = shown_signals(kind.outputs);
     entry["between_bodies"] = kind.is_between_bodies;
     out.append(entry);

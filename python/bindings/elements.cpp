@@ -16,7 +16,7 @@
 
 #include "algebras.h"
 #include "bindings.h"
-#include "element/registry.h"
+#include "element/kinds.h"
 #include "kinematics/force_ports.h"
 
 namespace nb = nanobind;
@@ -34,9 +34,9 @@ std::string name_of() {
 }
 
 // An element of this kind, among the alternatives of a variant, with these numbers.
-template <class... E>
-std::variant<E...> made(const std::variant<E...>*, const std::string& kind, const ElementNumbers& numbers) {
-  std::variant<E...> out;
+template <class Any, class... E>
+Any made(const std::variant<E...>*, const std::string& kind, const ElementNumbers& numbers) {
+  Any out;
   const auto take = [&]<class One>(const One& plain) {
     if (name_of<One>() != kind) return false;
     One& element = out.template emplace<One>(plain);
@@ -108,7 +108,7 @@ class ForceAtPorts {
 
  public:
   ForceAtPorts(const std::string& kind, const ElementNumbers& numbers)
-      : force_(made(static_cast<const AnyForce*>(nullptr), kind, numbers)) {}
+      : force_(made<AnyForce>(static_cast<const AnyForce*>(nullptr), kind, numbers)) {}
 
   nb::list inputs() const { return shown_signals(inputs_of(force_)); }
   std::size_t ports() const { return kind_of(force_).ports.size(); }
@@ -175,12 +175,12 @@ struct AlongAny<std::variant<Motor...>, std::tuple<Force...>> {
   using type = std::variant<Motor..., typename detail::Plain<Force>::type...>;
 };
 
-using AnyAlong = AlongAny<AnyMotor, JointForces>::type;
+using AnyAlong = AlongAny<AnyMotor::variant, JointForces::tuple>::type;
 
 class AlongOne {
  public:
   AlongOne(const std::string& kind, const ElementNumbers& numbers)
-      : force_(made(static_cast<const AnyAlong*>(nullptr), kind, numbers)) {}
+      : force_(made<AnyAlong>(static_cast<const AnyAlong*>(nullptr), kind, numbers)) {}
 
   nb::list inputs() const {
     return std::visit([](const auto& force) { return shown_signals(own_inputs(force)); }, force_);

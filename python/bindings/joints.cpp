@@ -140,7 +140,7 @@ class JointInAlgebra {
     if (found == nullptr) throw std::invalid_argument("unknown kind of joint: " + kind);
     if (static_cast<int>(axes.size()) != found->axes)
       throw std::invalid_argument(kind + " joints have " + std::to_string(found->axes) + " axes");
-    return make_joint(kind, axes);
+    return *make_joint(kind, axes);
   }
   static void check(const Vector& values, int size, const char* name) {
     if (values.size() != size)
@@ -180,8 +180,8 @@ nb::list kinds() {
       entry[key] = names;
       entry[(std::string(key) + "_units").c_str()] = units;
     }
-    const AnyJoint plain = make_joint(kind.name, default_axes(kind));
-    entry["fields"] = shown_fields(kind.fields, data_of(plain));
+    const Stored<AnyJoint> plain = make_joint(kind.name, default_axes(kind));
+    entry["fields"] = shown_fields(kind.fields, data_of(*plain));
     out.append(entry);
   }
   return out;

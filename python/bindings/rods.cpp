@@ -32,8 +32,8 @@ class RodInAlgebra {
   RodInAlgebra(const std::string& first, const std::vector<Eigen::Vector3d>& first_axes, bool first_reversed,
                const std::string& second, bool second_reversed, const Eigen::Matrix4d& X_12, bool planar)
       : planar_(planar) {
-    const auto found = make_rod(make_joint(first, first_axes), first_reversed, make_joint(second, {}), second_reversed,
-                                pose<Spatial>(X_12), planar);
+    const auto found = make_rod(*make_joint(first, first_axes), first_reversed, *make_joint(second, {}),
+                                second_reversed, pose<Spatial>(X_12), planar);
     if (!found) throw std::invalid_argument("a rod cannot be formed from these joints and this length");
     rod_ = *found;
   }

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "analysis/equilibrium.h"
+#include "analysis/rest_forces.h"
 #include "bindings.h"
 #include "inspection/inspection.h"
 #include "plant.h"

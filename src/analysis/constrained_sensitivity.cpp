@@ -42,7 +42,7 @@ MatrixXd displacements(const Mechanism& mechanism, const double* q, const Matrix
           [&](const auto& joint) {
             joint.v_from_qdot(q + link.iq, dq.col(k).data() + link.iq, z.col(k).data() + link.iv);
           },
-          link.joint);
+          *link.joint);
     }
   }
   return z;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "assembly/loop_closure.h"
+#include "mechanism/mechanism.h"
 
 namespace gelenk {
 namespace {

@@ -3,6 +3,7 @@
 
 #include "analysis/rest_pose.h"
 #include "dynamics/distributed_forces.h"
+#include "kinematics/branching_forces.h"
 #include "linear/descent.h"
 #include "scene/element_numbers.h"
 
@@ -54,7 +55,7 @@ void RestForces::add(const Scene& scene, const EquilibriumProblem& of, const std
     const Branching::Lock lock = forces.lock(i);
     const BranchingForce& at_joint = places[static_cast<std::size_t>(lock.friction >= 0 ? lock.friction : lock.limit)];
     const Joint& joint = scene.joints[static_cast<std::size_t>(at_joint.joint)];
-    const Coordinate coordinate = coordinate_of(kind_of(joint.is), at_joint.component);
+    const Coordinate coordinate = coordinate_of(kind_of(*joint.is), at_joint.component);
     const std::string unit = unit_of("{f}", coordinate);
     const double size = scene.units.size_of(unit);
     const bool holds = next < x.size() && locks[static_cast<std::size_t>(next)] == i;

@@ -7,6 +7,9 @@
 
 #include "analysis/independent_columns.h"
 #include "assembly/loop_closure.h"
+#include "element/cut_joint.h"
+#include "kinematics/branches.h"
+#include "mechanism/mechanism.h"
 
 namespace gelenk {
 namespace {
@@ -46,7 +49,7 @@ RestPoses::RestPoses(const EquilibriumProblem& of)
       mechanism_(of.mechanism),
       dynamics_(make_dynamics(of.mechanism, of.loads)),
       zero_velocity_(mechanism_.nv, 0.0),
-      sides_(forces().count(), JointLoads::of_state),
+      sides_(forces().count(), branch_of_state),
       time_scale_squared_(of.time * of.time) {
   dynamics_->set_max_rank(of.mobility.rank);
   dynamics_->set_targets(with_two_derivatives(of.targets).data());
@@ -58,7 +61,7 @@ void RestPoses::hold(const RestPose& at) {
   for (int i = 0; i < locks(); ++i) {
     const Branching::Lock lock = forces().lock(i);
     const bool sticks = friction_holds_ && lock.sticking_limit.largest() > 0;
-    if (lock.friction >= 0) sides_[static_cast<std::size_t>(lock.friction)] = sticks ? 0 : JointLoads::released;
+    if (lock.friction >= 0) sides_[static_cast<std::size_t>(lock.friction)] = sticks ? 0 : branch_released;
     if (lock.limit >= 0) sides_[static_cast<std::size_t>(lock.limit)] = at.contacts[i];
   }
   forces().hold(sides_.data());
@@ -159,13 +162,13 @@ VectorXd RestPoses::joint_rotations(const RestPose& here, const VectorXd& z) {
       if (is_turn(joint, i)) out.push_back(v[i]);
     }
   };
-  for (const Link& link : mechanism_.links) add(link.joint, link.nv, z.data() + link.iv);
+  for (const Link& link : mechanism_.links) add(*link.joint, link.nv, z.data() + link.iv);
   dynamics_->set_position(here.q.data());
   dynamics_->set_velocity(z.data());
   double v[max_cut_nv];
   for (int c = 0; c < static_cast<int>(mechanism_.cuts.size()); ++c) {
     dynamics_->readings().cut_speeds(c, v);
-    add(mechanism_.cuts[static_cast<std::size_t>(c)].joint, mechanism_.cuts[static_cast<std::size_t>(c)].nv, v);
+    add(*mechanism_.cuts[static_cast<std::size_t>(c)].joint, mechanism_.cuts[static_cast<std::size_t>(c)].nv, v);
   }
   return Eigen::Map<const VectorXd>(out.data(), static_cast<Index>(out.size()));
 }

@@ -10,6 +10,7 @@
 #include "assembly/loop_closure.h"
 #include "linear/descent.h"
 #include "linear/singular_values.h"
+#include "mechanism/mechanism.h"
 
 namespace gelenk {
 namespace {

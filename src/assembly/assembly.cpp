@@ -9,6 +9,7 @@
 #include "assembly/loop_closure.h"
 #include "assembly/nearest_assembly.h"
 #include "linear/descent.h"
+#include "mechanism/mechanism.h"
 
 namespace gelenk {
 namespace {

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "mechanism/mechanism.h"
+
 namespace gelenk {
 namespace {
 

@@ -8,6 +8,7 @@
 #include <random>
 
 #include "linear/descent.h"
+#include "mechanism/mechanism.h"
 
 namespace gelenk {
 namespace {

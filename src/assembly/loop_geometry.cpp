@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <variant>
 
+#include "element/cut_joint.h"
+#include "joint/kinds.h"
+#include "joint/rows.h"
 #include "math/rotations.h"
 
 namespace gelenk {
@@ -55,7 +58,7 @@ LoopGeometry::LoopGeometry(const Mechanism& mechanism) : mechanism_(mechanism), 
       for (const int link : *path) in_loop[link] = true;
     }
     const int j = cut.scene_joints.front();
-    const bool axis = has_one_axis(cut.joint);
+    const bool axis = has_one_axis(*cut.joint);
     ends.inner = add_frame(j, false, axis, cut.link_a, cut.X_AF);
     ends.outer = add_frame(j, true, axis, cut.link_b, cut.X_BM);
     rows_ += cut.rows;
@@ -63,7 +66,7 @@ LoopGeometry::LoopGeometry(const Mechanism& mechanism) : mechanism_(mechanism), 
   for (std::size_t i = 1; i < mechanism.links.size(); ++i) {
     if (!in_loop[i]) continue;
     const Link& link = mechanism.links[i];
-    const bool axis = has_one_axis(link.joint);
+    const bool axis = has_one_axis(*link.joint);
     of_links_[i].inner = add_frame(link.scene_joint, link.reversed, axis, link.parent, link.X_PJ);
     of_links_[i].outer = add_frame(link.scene_joint, !link.reversed, axis, static_cast<int>(i), Pose3());
   }
@@ -91,7 +94,7 @@ std::vector<Pose3> LoopGeometry::link_poses(const std::vector<double>& q) const 
     const Link& link = mechanism_.links[i];
     const Ends& ends = of_links_[i];
     const Pose3& X_PJ = ends.inner < 0 ? link.X_PJ : frames_[ends.inner].X;
-    X_0L[i] = X_0L[link.parent] * X_PJ * link_pose(link.joint, &q[link.iq]);
+    X_0L[i] = X_0L[link.parent] * X_PJ * link_pose(*link.joint, &q[link.iq]);
     if (ends.outer >= 0) X_0L[i] = X_0L[i] * frames_[ends.outer].X.inverse();
   }
   return X_0L;
@@ -113,7 +116,7 @@ void LoopGeometry::add_motion_columns(const std::vector<double>& q, const std::v
       const Link& link = mechanism_.links[i];
       const Pose3 X_0M = X_0L[i] * frames_[of_links_[i].outer].X;
       for (int k = 0; k < link.nv; ++k) {
-        const Spatial::Motion S = X_0M.to_parent(motion(link.joint, &q[link.iq], k));
+        const Spatial::Motion S = X_0M.to_parent(motion(*link.joint, &q[link.iq], k));
         for (int r = 0; r < count; ++r) out.J(first + r, link.iv + k) += sign * Spatial::dot(S, wrenches[r]);
       }
       const Pose3 X_0F = X_0L[link.parent] * frames_[of_links_[i].inner].X;
@@ -137,7 +140,7 @@ LoopGeometry::Equations LoopGeometry::equations(const std::vector<double>& q) co
     const Pose3 X_0M = X_0L[cut.link_b] * frames_[ends.outer].X;
     Row<Spatial> rows[6];
     const Pose3 X_FM = X_0F.inverse() * X_0M;
-    std::visit([&](const auto& joint) { joint.template rows<Spatial>(X_FM, rows); }, cut.joint);
+    std::visit([&](const auto& joint) { joint.template rows<Spatial>(X_FM, rows); }, *cut.joint);
     Spatial::Force wrenches[6];
     for (int r = 0; r < cut.rows; ++r) {
       const Row<Spatial>& row = rows[cut.kept[r]];
@@ -170,7 +173,7 @@ std::vector<double> LoopGeometry::displaced(std::vector<double> q, const VectorX
           for (int k = 0; k < link.nq; ++k) q_i[k] += dq[k];
           joint.normalize(q_i);
         },
-        link.joint);
+        *link.joint);
   }
   return q;
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "mechanism/disjoint_sets.h"
+#include "mechanism/mechanism.h"
 
 namespace gelenk {
 namespace {

@@ -10,6 +10,7 @@
 #include "assembly/assembly_problem.h"
 #include "assembly/loop_closure.h"
 #include "linear/descent.h"
+#include "mechanism/mechanism.h"
 
 namespace gelenk {
 namespace {

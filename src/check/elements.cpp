@@ -5,7 +5,7 @@
 
 #include "check/check.h"
 #include "check/fields.h"
-#include "joint/registry.h"
+#include "joint/kinds.h"
 #include "scene/element_numbers.h"
 #include "scene/shapes.h"
 #include "shape/features.h"
@@ -116,7 +116,7 @@ struct Checker {
   void run(const std::vector<Element<Any>>& elements) {
     for (const Element<Any>& element : elements) {
       const std::string path = std::string(section.name) + "." + text::printable(element.name);
-      ports(element, kind_of(element.is), path);
+      ports(element, kind_of(*element.is), path);
       if (!partial) check_numbers(element, path, coordinate_of(scene, element), faults);
     }
   }
@@ -126,9 +126,9 @@ struct Checker {
 std::string pair_without_tips(const Scene& scene, const Contact& contact) {
   std::string out;
   each_pair_of_shapes(scene, contact, [&](const BodyShape& a, const BodyShape& b) {
-    if (!out.empty() || located_features(a.is, b.is) > 0) return;
-    const std::string first(kind_of(a.is).kind);
-    const std::string second(kind_of(b.is).kind);
+    if (!out.empty() || located_features(*a.is, *b.is) > 0) return;
+    const std::string first(kind_of(*a.is).kind);
+    const std::string second(kind_of(*b.is).kind);
     out = first == second ? "two shapes of kind " + first : "a " + first + " and a " + second;
   });
   return out;
@@ -186,7 +186,7 @@ void check_formulation(const Scene& scene, Faults& faults) {
   }
   if (scene.solver.formulation != "independent") return;
   for (const Constraint& c : scene.constraints) {
-    if (holds_positions(c.is)) continue;
+    if (holds_positions(*c.is)) continue;
     faults.add(
         "solver.formulation",
         "'independent' with constraints." + text::printable(c.name) + ", which constrains velocities but no positions",
@@ -199,8 +199,8 @@ void check_formulation(const Scene& scene, Faults& faults) {
 template <class Any>
 void check_numbers(const Element<Any>& element, const std::string& path, const Coordinate& coordinate, Faults& faults) {
   check_element(
-      kind_of(element.is).fields, data_of(element.is), path, coordinate,
-      [&] { return fault_of(element.is, coordinate); }, faults);
+      kind_of(*element.is).fields, data_of(*element.is), path, coordinate,
+      [&] { return fault_of(*element.is, coordinate); }, faults);
 }
 template void check_numbers(const Motor&, const std::string&, const Coordinate&, Faults&);
 template void check_numbers(const Force&, const std::string&, const Coordinate&, Faults&);

@@ -118,7 +118,7 @@ class AxisSearch {
                                                     const Eigen::Vector3d& axis) {
     if (!has_its_axes(joint)) return {};
     const bool from_parent = joint.parent.body == from;
-    const AnyJoint kind = joint.is;
+    const AnyJoint& kind = *joint.is;
     const Eigen::Matrix3d R_UC = canonical_rotation(kind, joint.axes);
     const Eigen::Matrix3d& here = (from_parent ? joint.parent : joint.child).X_BF.R;
     const Eigen::Matrix3d& there = (from_parent ? joint.child : joint.parent).X_BF.R;

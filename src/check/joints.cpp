@@ -6,7 +6,7 @@
 
 #include "check/check.h"
 #include "check/fields.h"
-#include "joint/registry.h"
+#include "joint/kinds.h"
 #include "scene/element_numbers.h"
 #include "util/text.h"
 
@@ -71,9 +71,9 @@ class DisjointSets {
 
 void check_forces(const Joint& joint, const std::string& path, const JointForceKind& kind, Faults& faults) {
   for (std::size_t i = 0; i < joint.along.size(); ++i) {
-    const void* there = kind.in(joint.along[i]);
+    const void* there = kind.in(*joint.along[i]);
     if (there == nullptr) continue;
-    const Coordinate coordinate = coordinate_of(kind_of(joint.is), static_cast<int>(i));
+    const Coordinate coordinate = coordinate_of(kind_of(*joint.is), static_cast<int>(i));
     check_element(kind.fields, there, path, coordinate, [&] { return kind.fault(there, coordinate); }, faults);
   }
 }
@@ -90,7 +90,7 @@ void check_joints(const Scene& scene, Faults& faults, bool partial) {
     if (kind != nullptr) {
       check_axes(joint, *kind, path, faults);
       check_numbers(joint, *kind, path, faults);
-      check_fields(kind->fields, data_of(joint.is), path, {}, faults);
+      check_fields(kind->fields, data_of(*joint.is), path, {}, faults);
       for (const JointForceKind& force : joint_force_kinds()) {
         const std::string group = force.group.empty() ? "" : "." + std::string(force.group);
         if (!partial && force.fits(*kind)) check_forces(joint, path + group, force, faults);

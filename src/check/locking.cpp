@@ -21,20 +21,21 @@ const Joint* joint_named(const Scene& scene, const std::string& name) {
 // The field with the friction that depends on forces of the mechanism; empty: there is none.
 std::string loaded_friction(const Scene& scene) {
   for (const Joint& joint : scene.joints) {
-    if (std::ranges::any_of(joint.along, has_bearing)) return path_of(joint) + ".friction.bearing";
+    if (std::ranges::any_of(joint.along, has_bearing, &Stored<JointForces>::value))
+      return path_of(joint) + ".friction.bearing";
   }
   for (const Constraint& c : scene.constraints) {
-    if (lossy_joint(c.is) >= 0) return "constraints." + text::printable(c.name) + ".efficiency";
+    if (lossy_joint(*c.is) >= 0) return "constraints." + text::printable(c.name) + ".efficiency";
   }
   return {};
 }
 
 void check_mesh(const Scene& scene, const Constraint& c, Faults& faults) {
-  const int lossy = lossy_joint(c.is);
+  const int lossy = lossy_joint(*c.is);
   if (lossy < 0) return;
   const Joint* joint = joint_named(scene, c.joints[static_cast<std::size_t>(lossy)]);
   if (joint == nullptr) return;  // reported already
-  if (std::ranges::any_of(joint->along, has_friction)) return;
+  if (std::ranges::any_of(joint->along, has_friction, &Stored<JointForces>::value)) return;
   faults.add("constraints." + text::printable(c.name) + ".efficiency",
              "a joint " + text::quoted(joint->name) + " without friction",
              path_of(*joint) + ".friction, to which the losses of the mesh are added (coulomb: 0 for these alone)");
@@ -44,7 +45,7 @@ void check_mesh(const Scene& scene, const Constraint& c, Faults& faults) {
 
 void check_locking(const Scene& scene, Faults& faults) {
   for (const Joint& joint : scene.joints) {
-    if (!std::ranges::any_of(joint.along, has_two_bounds)) continue;
+    if (!std::ranges::any_of(joint.along, has_two_bounds, &Stored<JointForces>::value)) continue;
     faults.add(path_of(joint) + ".one_way", "a limit of the same coordinate",
                "only one of the two: a one-way clutch and a limit need a joint each, with a body between them");
   }

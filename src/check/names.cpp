@@ -4,7 +4,7 @@
 #include <set>
 
 #include "check/check.h"
-#include "joint/registry.h"
+#include "joint/kinds.h"
 #include "scene/element_numbers.h"
 #include "scene/quantity_groups.h"
 #include "util/text.h"
@@ -78,11 +78,11 @@ std::vector<std::string> joint_suffixes(const Joint& joint) {
 
 template <class Any>
 std::vector<std::string> suffixes(const Scene& scene, const Element<Any>& element) {
-  const ElementKind& kind = kind_of(element.is);
+  const ElementKind& kind = kind_of(*element.is);
   const Coordinate coordinate = coordinate_of(scene, element);
   std::vector<std::string> out;
   add_fields(out, kind.fields);
-  for (const auto signals : {inputs_of(element.is), kind.outputs}) {
+  for (const auto signals : {inputs_of(*element.is), kind.outputs}) {
     for (const SignalGroup& signal : signals) out.push_back(filled_in(signal.name, element, coordinate));
   }
   return out;

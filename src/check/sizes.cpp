@@ -6,7 +6,7 @@
 #include <map>
 
 #include "check/warnings.h"
-#include "shape/registry.h"
+#include "shape/kinds.h"
 #include "util/text.h"
 
 namespace gelenk {
@@ -29,7 +29,7 @@ Distances extents(const Scene& scene) {
   }
   for (const Body& body : scene.bodies) {
     for (const BodyShape& shape : body.shapes) {
-      const Aabb box = bounds(shape.is, shape.X_BS);
+      const Aabb box = bounds(*shape.is, shape.X_BS);
       include(body.name, box.lower.cwiseAbs().cwiseMax(box.upper.cwiseAbs()).norm());
     }
   }

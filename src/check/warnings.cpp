@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "check/warnings.h"
-#include "joint/registry.h"
+#include "joint/kinds.h"
 #include "scene/element_numbers.h"
 #include "scene/quantity_groups.h"
 #include "util/text.h"
@@ -49,7 +49,7 @@ void warn_about_numbers(std::span<const Field> fields, const void* element, cons
 void warn_about_forces(const Joint& joint, const JointKind& kind, const std::string& path, Faults& faults) {
   for (const JointForceKind& force : joint_force_kinds()) {
     for (int i = 0; i < kind.nv; ++i) {
-      const void* there = force.fits(kind) ? force.in(joint.along[i]) : nullptr;
+      const void* there = force.fits(kind) ? force.in(*joint.along[i]) : nullptr;
       const std::string group = force.group.empty() ? "" : "." + std::string(force.group);
       if (there == nullptr) continue;
       const Coordinate coordinate = coordinate_of(kind, i);
@@ -112,7 +112,7 @@ void find_warnings(const Scene& scene, Faults& faults) {
   warn_about_motors(scene, faults);
   each_section(scene, [&](const Section& section, const auto& elements) {
     for (const auto& element : elements) {
-      warn_about_numbers(kind_of(element.is).fields, data_of(element.is), coordinate_of(scene, element),
+      warn_about_numbers(kind_of(*element.is).fields, data_of(*element.is), coordinate_of(scene, element),
                          std::string(section.name) + "." + element.name, faults);
     }
   });

@@ -3,6 +3,7 @@
 
 #include "collision/contact_set.h"
 #include "collision/pairs.h"
+#include "shape/registry.h"
 
 namespace gelenk {
 namespace {

@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 
 #include "math/spatial.h"
-#include "shape/registry.h"
+#include "shape/kinds.h"
 
 namespace gelenk {
 

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "collision/contact_set.h"
+#include "shape/registry.h"
 
 namespace gelenk {
 

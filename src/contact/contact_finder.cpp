@@ -19,7 +19,7 @@ ContactFinder::ContactFinder(const Mechanism& mechanism, std::size_t contacts)
       gap_poses_(poses_.size()) {
   // The first body of a kind allocates what all share.
   for (const LinkShape& shape : mechanism.shapes)
-    if (kind_of(shape.is).bounded) ConvexBody(shape.is, shape.X_LS);
+    if (kind_of(*shape.is).bounded) ConvexBody(*shape.is, shape.X_LS);
 }
 
 int ContactFinder::contact_of(int a, int b) const {
@@ -44,7 +44,7 @@ ContactFinder::Found ContactFinder::points_of(int& a, int& b) const {
   const auto i = static_cast<std::size_t>(a);
   const auto j = static_cast<std::size_t>(b);
   const double reach = reach_[i] + reach_[j];
-  out.count = find_contacts(shapes[i].is, poses_[i], shapes[j].is, poses_[j], reach, out.points.data());
+  out.count = find_contacts(*shapes[i].is, poses_[i], *shapes[j].is, poses_[j], reach, out.points.data());
   return out;
 }
 
@@ -56,10 +56,10 @@ const std::vector<TouchPoint>& ContactFinder::find(const Readings<double>& readi
     reach_[i] = distance;
     if (shape.link != 0) {
       const Spatial::Motion V = readings.link_velocity(shape.link);
-      const double arm = shape.X_LS.p.norm() + size_of(shape.is);
+      const double arm = shape.X_LS.p.norm() + size_of(*shape.is);
       reach_[i] += time * (speed + V.v.norm() + V.w.norm() * arm);
     }
-    boxes_[i] = bounds(shape.is, poses_[i]).grown(reach_[i]);
+    boxes_[i] = bounds(*shape.is, poses_[i]).grown(reach_[i]);
   }
   points_.clear();
   for (auto [a, b] : broad_phase_.pairs(boxes_)) {

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "joint/registry.h"
+
 namespace gelenk {
 namespace {
 
@@ -79,7 +81,7 @@ FreeRotation::FreeRotation(const Mechanism& mechanism) : is_touched_(mechanism.l
   const std::vector<bool> lone = lone_links(mechanism);
   for (std::size_t i = 1; i < lone.size(); ++i) {
     const Link& link = mechanism.links[i];
-    const bool turns = std::visit([](const auto& j) { return turns_in_M<std::decay_t<decltype(j)>>; }, link.joint);
+    const bool turns = std::visit([](const auto& j) { return turns_in_M<std::decay_t<decltype(j)>>; }, *link.joint);
     if (!lone[i] || !turns) continue;
     Body body;
     body.link = static_cast<int>(i);

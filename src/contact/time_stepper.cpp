@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "contact/step_limits.h"
+#include "kinematics/model.h"
 #include "math/bounds.h"
 
 namespace gelenk {
@@ -334,7 +335,7 @@ TimeStepper::Gap TimeStepper::gap_of(std::size_t cone) const {
 // Penetration that is removed within a step [m, rad].
 double TimeStepper::most_corrected(std::size_t cone) const {
   if (cone >= points_.size()) return unlimited;
-  const auto size = [&](int shape) { return size_of(mechanism_.shapes[static_cast<std::size_t>(shape)].is); };
+  const auto size = [&](int shape) { return size_of(*mechanism_.shapes[static_cast<std::size_t>(shape)].is); };
   return max_correction * std::min(size(points_[cone].a), size(points_[cone].b));
 }
 

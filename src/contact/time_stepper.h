@@ -22,7 +22,6 @@
 #include "contact/recorded_problem.h"
 #include "contact/selected_rows.h"
 #include "dynamics/dynamics.h"
-#include "kinematics/model.h"
 
 namespace gelenk {
 

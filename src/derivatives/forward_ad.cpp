@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "mechanism/mechanism.h"
+
 namespace gelenk {
 namespace {
 

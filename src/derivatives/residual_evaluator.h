@@ -8,10 +8,12 @@
 #include <memory>
 #include <vector>
 
-#include "kinematics/model.h"
 #include "kinematics/readings.h"
 
 namespace gelenk {
+
+struct Loads;
+struct Mechanism;
 
 template <class T>
 class ResidualEvaluator : public Readings<T> {

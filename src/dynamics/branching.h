@@ -11,6 +11,7 @@
 #include "dynamics/contact_rows.h"
 #include "dynamics/holding_forces.h"
 #include "dynamics/load_dependence.h"
+#include "kinematics/branches.h"
 
 namespace gelenk {
 
@@ -42,7 +43,7 @@ class Branching {
   virtual void indicators(const std::vector<double>& holding, const double* vdot, double* g, double* gdot) const = 0;
   // Whether rates of indicators at the current state depend on vdot, of forces other than friction and limits.
   virtual bool needs_accelerations() const = 0;
-  // Holds the forces in these modes (or JointLoads::of_state, JointLoads::released) in the equations and in
+  // Holds the forces in these modes (or branch_of_state, branch_released) in the equations and in
   // differentiate(); `sides` is read at each evaluation. null: they are in the modes of the state, and nothing is
   // locked.
   virtual void hold(const int* sides) = 0;

@@ -14,10 +14,12 @@
 #include "derivatives/jacobians.h"
 #include "dynamics/branching.h"
 #include "kinematics/kinematics.h"
-#include "kinematics/model.h"
 #include "kinematics/readings.h"
 
 namespace gelenk {
+
+struct Loads;
+struct Mechanism;
 
 // A body can move without inertia: M cannot be factorized. The message is the name of the link.
 class SingularMass : public std::runtime_error {

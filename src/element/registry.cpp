@@ -3,6 +3,8 @@
 
 #include <array>
 
+#include "util/stored_impl.h"
+
 namespace gelenk {
 namespace {
 
@@ -37,10 +39,10 @@ std::span<const ElementKind> describe_all(const std::variant<E...>*) {
   return kinds;
 }
 
-template <class... E>
-std::variant<E...> make_nth(std::size_t n, const std::variant<E...>*) {
-  using MakeElement = std::variant<E...> (*)();
-  static constexpr std::array<MakeElement, sizeof...(E)> makers = {[] { return std::variant<E...>(E()); }...};
+template <class Any, class... E>
+Any make_nth(std::size_t n, const std::variant<E...>*) {
+  using MakeElement = Any (*)();
+  static constexpr std::array<MakeElement, sizeof...(E)> makers = {[] { return Any(E()); }...};
   return makers.at(n)();
 }
 
@@ -68,7 +70,7 @@ struct JointForceAccess<k, std::optional<E>> {
 
 template <std::size_t k>
 JointForceKind describe_joint_force() {
-  using Access = JointForceAccess<k, std::tuple_element_t<k, JointForces>>;
+  using Access = JointForceAccess<k, std::tuple_element_t<k, JointForces::tuple>>;
   using Element = typename Access::Element;
   return {.group = Element::group,
           .summary = Element::summary,
@@ -117,8 +119,20 @@ std::span<const ElementKind> element_kinds() {
   return describe_all(static_cast<const Any*>(nullptr));
 }
 template <class Any>
-Any make_element(std::size_t n) {
-  return make_nth(n, static_cast<const Any*>(nullptr));
+Stored<Any> make_element(std::size_t n) {
+  return make_nth<Any>(n, static_cast<const Any*>(nullptr));
+}
+template <class Any>
+const ElementKind& kind_of(const Any& element) {
+  return element_kinds<Any>()[element.index()];
+}
+template <class Any>
+void* data_of(Any& element) {
+  return std::visit([](auto& e) -> void* { return &e; }, element);
+}
+template <class Any>
+const void* data_of(const Any& element) {
+  return std::visit([](const auto& e) -> const void* { return &e; }, element);
 }
 template <class Any>
 std::span<const SignalGroup> inputs_of(const Any& element) {
@@ -157,7 +171,7 @@ double inertia_of(const AnyMotor& motor) {
 }
 
 std::span<const JointForceKind> joint_force_kinds() {
-  return describe_joint_forces(std::make_index_sequence<std::tuple_size_v<JointForces>>());
+  return describe_joint_forces(std::make_index_sequence<std::tuple_size_v<JointForces::tuple>>());
 }
 
 const void* JointForceKind::in(const JointForces& forces) const {
@@ -165,12 +179,16 @@ const void* JointForceKind::in(const JointForces& forces) const {
 }
 
 bool is_idle(const JointForces& forces) {
-  return std::apply([](const auto&... force) { return !(acts(force) || ...); }, forces);
+  return std::apply([](const auto&... force) { return !(acts(force) || ...); }, forces.all());
 }
 
 #define GELENK_SECTION(Any)                                    \
   template std::span<const ElementKind> element_kinds<Any>();  \
-  template Any make_element<Any>(std::size_t);                 \
+  template Stored<Any> make_element<Any>(std::size_t);         \
+  template const ElementKind& kind_of(const Any&);             \
+  template void* data_of(Any&);                                \
+  template const void* data_of(const Any&);                    \
+  template class Stored<Any>;                                  \
   template std::span<const SignalGroup> inputs_of(const Any&); \
   template std::optional<ElementFault> fault_of(const Any&, const Coordinate&);
 
@@ -180,5 +198,6 @@ GELENK_SECTION(AnyConstraint)
 GELENK_SECTION(AnyContact)
 GELENK_SECTION(AnySensor)
 #undef GELENK_SECTION
+template class Stored<JointForces>;
 
 }  // namespace gelenk

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "linear/singular_values.h"
+#include "mechanism/mechanism.h"
 
 namespace gelenk {
 namespace {

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mechanism/mechanism.h"
+
 namespace gelenk {
 namespace {
 

@@ -8,8 +8,10 @@
 #include <set>
 #include <utility>
 
+#include "kinematics/model.h"
 #include "mechanism/wanted_part.h"
 #include "outputs/port_readings.h"
+#include "preparation/preparation.h"
 #include "preparation/report.h"
 #include "scene/locking_elements.h"
 #include "scene/words.h"
@@ -101,7 +103,7 @@ class RowInspector {
       }
       Row<Spatial> rows[6];
       const Pose3 X_FM = dynamics.cut_pose(c);
-      std::visit([&](const auto& joint) { joint.template rows<Spatial>(X_FM, rows); }, cut.joint);
+      std::visit([&](const auto& joint) { joint.template rows<Spatial>(X_FM, rows); }, *cut.joint);
       const int joint = cut.scene_joints.front();
       for (const Spatial::Force& w : redundant_wrenches(mechanism, mobility, dynamics, c, rows)) {
         const Eigen::Matrix3d& R_UC = prepared_.reduced.joints[joint].R_UC;
@@ -179,7 +181,7 @@ class RowInspector {
       for (int i = 0; cut.is_contact() && i < cut.rows; ++i) {
         if (std::abs(lambda[cut.first_row + i]) < 1e-6) continue;
         const Constraint& c = scene_.constraints[cut.constraint];
-        undetermined_.insert(c.name + "." + std::string(kind_of(c.is).outputs[i].name));
+        undetermined_.insert(c.name + "." + std::string(kind_of(*c.is).outputs[i].name));
       }
     }
   }
@@ -236,7 +238,7 @@ void add_note(Inspection& out, Reduction pass, const std::string& note, bool cha
 void report_spinning_rods(const ReducedScene& reduced, Inspection& out) {
   int spinning = 0;
   for (const Mechanism& mechanism : reduced.islands) {
-    for (const Cut& cut : mechanism.cuts) spinning += cut.is_rod() && std::get<Rod>(cut.joint).has_free_spin() ? 1 : 0;
+    for (const Cut& cut : mechanism.cuts) spinning += cut.is_rod() && std::get<Rod>(*cut.joint).has_free_spin() ? 1 : 0;
   }
   if (spinning == 0) return;
   out.mobility.push_back(counted(spinning, "rod") +

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "preparation/adjustment.h"
 #include "simulation/simulation.h"
 
 namespace gelenk {

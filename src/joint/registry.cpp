@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "util/stored_impl.h"
+
 namespace gelenk {
 namespace {
 
@@ -64,7 +66,7 @@ const JointKind* find_joint_kind(std::string_view name) {
   return found == kinds.end() ? nullptr : &*found;
 }
 
-AnyJoint make_joint(std::string_view kind, std::span<const Eigen::Vector3d> axes) {
+Stored<AnyJoint> make_joint(std::string_view kind, std::span<const Eigen::Vector3d> axes) {
   const JointKind* found = find_joint_kind(kind);
   if (found == nullptr) throw std::out_of_range("there is no joint type " + std::string(kind));
   const auto index = static_cast<std::size_t>(found - joint_kinds().data());
@@ -76,10 +78,28 @@ std::vector<Eigen::Vector3d> default_axes(const JointKind& kind) {
   return std::vector<Eigen::Vector3d>(static_cast<std::size_t>(kind.axes), Eigen::Vector3d::UnitZ());
 }
 
+template class Stored<AnyJoint>;
+template class Stored<TreeJoint>;
+
+void* data_of(AnyJoint& joint) {
+  return std::visit([](auto& j) -> void* { return &j; }, joint);
+}
+const void* data_of(const AnyJoint& joint) {
+  return std::visit([](const auto& j) -> const void* { return &j; }, joint);
+}
+
 const JointKind& kind_of(const AnyJoint& joint) { return joint_kinds()[joint.index()]; }
 
-TreeJoint tree_joint(const AnyJoint& joint, bool reversed) {
-  return std::visit([&](const auto& j) { return outward(j, reversed); }, joint);
+Stored<TreeJoint> tree_joint(const AnyJoint& joint, bool reversed) {
+  return std::visit([&](const auto& j) -> Stored<TreeJoint> { return outward(j, reversed); }, joint);
+}
+
+Pose3 pose_across(const AnyJoint& joint, const double* q) {
+  return std::visit([&](const auto& j) { return j.template X_FM<Spatial>(q); }, joint);
+}
+
+void coordinate_rates(const AnyJoint& joint, const double* q, const double* v, double* qdot) {
+  std::visit([&](const auto& j) { j.qdot_from_v(q, v, qdot); }, joint);
 }
 
 bool reverses_by_turning(const AnyJoint& joint) {

@@ -5,6 +5,8 @@
 #include <variant>
 #include <vector>
 
+#include "joint/registry.h"
+
 namespace gelenk {
 
 bool repeats_each_turn(const AnyJoint& joint, int i) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "joint/registry.h"
+#include "joint/kinds.h"
 
 namespace gelenk {
 

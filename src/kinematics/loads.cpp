@@ -54,11 +54,11 @@ struct LoadCollector {
     for (std::size_t c = 0; c < mechanism.cuts.size(); ++c) reserve_capacity(loads.cuts[c], mechanism.cuts[c].nv);
     loads.added_inertia.assign(mechanism.nv, 0);
     loads.contacts.clear();
-    for (const Contact& contact : scene.contacts) loads.contacts.push_back(law_of(contact.is));
+    for (const Contact& contact : scene.contacts) loads.contacts.push_back(law_of(*contact.is));
   }
 
   static void reserve_capacity(JointLoads& loads, int nv) {
-    std::apply([&](const auto&... kind) { (reserve(loads, kind, nv), ...); }, JointForces());
+    std::apply([&](const auto&... kind) { (reserve(loads, kind, nv), ...); }, JointForces().all());
   }
   template <class E>
   static void reserve(JointLoads& loads, const E&, int nv) {
@@ -79,12 +79,12 @@ struct LoadCollector {
     JointLoads* const to = along(place);
     if (to == nullptr) return;
     Loads& loads = out[place.island];
-    for (int i = 0; i < input_count(motor.is); ++i) loads.inputs.push_back(input + i);
+    for (int i = 0; i < input_count(*motor.is); ++i) loads.inputs.push_back(input + i);
     const bool cut = place.role == JointPlace::Role::cut;
     std::visit(
         [&](const auto& element) { add(*to, element, place, cut, 0, input, joint_number.at(motor.joints.front())); },
-        motor.is);
-    if (!cut) loads.added_inertia[place.iv] += inertia_of(motor.is);
+        *motor.is);
+    if (!cut) loads.added_inertia[place.iv] += inertia_of(*motor.is);
   }
 
   // input: its first one.
@@ -92,13 +92,13 @@ struct LoadCollector {
     const JointPlace& place = reduced.joints[j];
     JointLoads* const to = along(place);
     if (to == nullptr) return;
-    const std::vector<JointForces>& forces = scene.joints[j].along;
+    const std::vector<Stored<JointForces>>& forces = scene.joints[j].along;
     for (int i = 0; i < static_cast<int>(forces.size()); ++i) {
       std::apply(
           [&](const auto&... force) {
             ((add_if_active(*to, force, place, i, input, j), input += own_input_count(force)), ...);
           },
-          forces[i]);
+          forces[i]->all());
     }
   }
 
@@ -148,7 +148,7 @@ struct LoadCollector {
     int island = -1;
     for (const BodyFrame& frame : force.frames) island = std::max(island, island_of(frame));
     if (island < 0) return;
-    for (int i = 0; i < input_count(force.is); ++i) out[island].inputs.push_back(input + i);
+    for (int i = 0; i < input_count(*force.is); ++i) out[island].inputs.push_back(input + i);
     std::visit(
         [&](const auto& element) {
           using F = std::decay_t<decltype(element)>;
@@ -156,7 +156,7 @@ struct LoadCollector {
           for (std::size_t k = 0; k < placed.at.size(); ++k) placed.at[k] = attach(island, force.frames[k]);
           std::get<std::vector<PlacedForce<F>>>(out[island].forces).push_back(placed);
         },
-        force.is);
+        *force.is);
   }
 
  private:
@@ -249,7 +249,7 @@ double immobile_energy(const Scene& scene, const ReducedScene& reduced, const Fo
         }
         return 0;
       },
-      force.is);
+      *force.is);
 }
 
 }  // namespace
@@ -261,11 +261,11 @@ double immobile_energy(const Scene& scene, const ReducedScene& reduced) {
     if (place.island < 0) sum -= scene.bodies[b].mass * scene.gravity.dot(place.X_LB.point(scene.bodies[b].com));
   }
   for (std::size_t j = 0; j < scene.joints.size(); ++j) {
-    const std::vector<JointForces>& along = scene.joints[j].along;
+    const std::vector<Stored<JointForces>>& along = scene.joints[j].along;
     const std::vector<double>& q = reduced.joints[j].q;
     for (std::size_t i = 0; i < q.size() && i < along.size(); ++i) {
       if (!find_joint_kind(scene.joints[j].type)->springs()) continue;
-      std::apply([&](const auto&... force) { ((sum += stored_energy(force, q[i])), ...); }, along[i]);
+      std::apply([&](const auto&... force) { ((sum += stored_energy(force, q[i])), ...); }, along[i]->all());
     }
   }
   for (const Force& force : scene.forces) sum += immobile_energy(scene, reduced, force);

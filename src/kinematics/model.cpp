@@ -19,16 +19,17 @@ Model<A>::Model(const Mechanism& mechanism)
       first_coordinate_row(mechanism.first_coordinate_row()),
       mass_needs_rows(mechanism.mass_needs_rows) {
   for (const gelenk::Link& link : mechanism.links) {
-    const bool constant_subspace = std::visit([](const auto& j) { return j.reverses_by_half_turn; }, link.joint);
-    const bool revolute = link.nv > 0 &&  // not the ground
-                          std::visit([](const auto& j) { return is_pure_turn<std::decay_t<decltype(j)>>; }, link.joint);
-    links.push_back({link.parent, link.iq, link.iv, link.nq, link.nv, constant_subspace, revolute, link.joint,
+    const bool constant_subspace = std::visit([](const auto& j) { return j.reverses_by_half_turn; }, *link.joint);
+    const bool revolute =
+        link.nv > 0 &&  // not the ground
+        std::visit([](const auto& j) { return is_pure_turn<std::decay_t<decltype(j)>>; }, *link.joint);
+    links.push_back({link.parent, link.iq, link.iv, link.nq, link.nv, constant_subspace, revolute, *link.joint,
                      pose_in<A>(link.X_PJ), inertia_in<A>(link.G)});
   }
   for (const gelenk::Cut& cut : mechanism.cuts) {
     cuts.push_back({cut.link_a, cut.link_b, cut.first_row, cut.rows, cut.rows == cut.joint_rows, cut.kept, cut.iq,
                     cut.iv, cut.nq, cut.nv, cut.is_angle, pose_in<A>(cut.X_AF), pose_in<A>(cut.X_BM), cut.path_a,
-                    cut.path_b, path_links, cut.joint});
+                    cut.path_b, path_links, *cut.joint});
     path_links += static_cast<int>(cut.path_a.size() + cut.path_b.size());
   }
 }

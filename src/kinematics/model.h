@@ -10,6 +10,9 @@
 #include <unordered_map>
 #include <vector>
 
+#include "element/cut_joint.h"
+#include "kinematics/branches.h"
+#include "kinematics/branching_forces.h"
 #include "math/pose_in.h"
 #include "mechanism/mechanism.h"
 
@@ -86,7 +89,7 @@ struct Lists<std::variant<Force...>, void> {
 
 }  // namespace detail
 
-using PlacedForces = detail::Lists<AnyForce, void>::type;
+using PlacedForces = detail::Lists<AnyForce::variant, void>::type;
 
 // Calls visit(list) for the list of each kind. Inline: most lists are empty, in every evaluation.
 template <class L, class Visit>
@@ -101,14 +104,11 @@ bool all_empty(const L& lists) {
 // Motors, springs, dampers and stops along joints: of the whole tree, or of one cut joint (then the indices are
 // relative to those of the joint).
 struct JointLoads {
-  using Lists = detail::Lists<AnyMotor, JointForces>::type;
+  using Lists = detail::Lists<AnyMotor::variant, JointForces::tuple>::type;
   Lists lists;
 
   bool empty() const { return all_empty(lists); }
   bool stores_nothing() const;  // no element has potential energy
-  // In place of the mode of a force with modes: that of the state; and friction without effect.
-  static constexpr int of_state = 2;
-  static constexpr int released = 3;
   // Adds the generalized forces to tau. u: all inputs of the scene. sides: the modes in which the forces with modes are
   // held, or null: each is in that of the state.
   template <class T>
@@ -116,8 +116,8 @@ struct JointLoads {
     each_list(lists, [&](const auto& list) {
       for (const auto& force : list) {
         if constexpr (HasBranches<std::decay_t<decltype(force.element)>>) {
-          const int held = sides == nullptr ? of_state : *sides++;
-          tau[force.v] += force.held(held == of_state ? force.side(q, v) : held, q, v, u);
+          const int held = sides == nullptr ? branch_of_state : *sides++;
+          tau[force.v] += force.held(held == branch_of_state ? force.side(q, v) : held, q, v, u);
         } else {
           tau[force.v] += force.effort(q, v, u);
         }
@@ -171,18 +171,6 @@ struct Loads {
 
 // Links whose poses in the root frame are required by the loads, and their ancestors.
 std::vector<int> links_with_loads(const Mechanism& mechanism, const Loads& loads);
-
-// A force with modes.
-struct BranchingForce {
-  int joint, component;    // joint of the scene, and which of its coordinates
-  std::string_view group;  // key of the element in the joint
-  // For each of its two event indicators the events at which it becomes negative and positive, with placeholders
-  // (element/element.h).
-  std::array<std::array<std::string_view, 2>, 2> events;
-};
-
-// All forces with modes, in the order of Branching.
-std::vector<BranchingForce> branching_forces(const Loads& loads);
 
 // The scene's loads by island, with their signs and positions. Inputs are numbered as in scene/signals.h. Allocates.
 std::vector<Loads> make_loads(const Scene& scene, const ReducedScene& reduced);

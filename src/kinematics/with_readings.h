@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "kinematics/branches.h"
 #include "kinematics/load_kernels.h"
 #include "kinematics/output_kernels.h"
 #include "kinematics/readings.h"
@@ -77,7 +78,7 @@ class WithReadings : public Base {
     T* first = out;
     kernels::each_branching(model_, loads_, ws_, q_.data(), v_.data(), cut_reference_.data(),
                             [&](const auto& force, const T* q, const T* v) {
-                              const int side = *sides == JointLoads::of_state ? force.side(q, v) : *sides;
+                              const int side = *sides == branch_of_state ? force.side(q, v) : *sides;
                               *out++ = T(force.sign) * force.held(side, q, v, u) + *holding++;
                               ++sides;
                             });

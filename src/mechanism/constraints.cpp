@@ -5,6 +5,9 @@
 #include <unordered_map>
 #include <utility>
 
+#include "element/cut_joint.h"
+#include "element/kinds.h"
+#include "element/mesh_losses.h"
 #include "mechanism/graph.h"
 #include "scene/element_numbers.h"
 #include "scene/signals.h"
@@ -39,10 +42,10 @@ struct CoordinateRowBuilder {
     const std::vector<int> inputs = first_inputs(scene)[sections::constraints];
     for (int c = 0; c < static_cast<int>(scene.constraints.size()); ++c) {
       const Constraint& constraint = scene.constraints[c];
-      if (kind_of(constraint.is).is_between_bodies || !joint_index.contains(constraint.joints.front())) continue;
+      if (kind_of(*constraint.is).is_between_bodies || !joint_index.contains(constraint.joints.front())) continue;
       CoordinateRow& row = out.emplace_back();
       row.constraint = c;
-      std::visit([&](const auto& element) { fill(row, constraint, element, inputs[c]); }, constraint.is);
+      std::visit([&](const auto& element) { fill(row, constraint, element, inputs[c]); }, *constraint.is);
     }
     if (!errors.empty()) throw SceneError(errors);
     std::ranges::sort(out, {}, [](const CoordinateRow& row) { return std::pair(row.moves(), row.constraint); });
@@ -52,7 +55,7 @@ struct CoordinateRowBuilder {
 
   template <class C>
   void fill(CoordinateRow& row, const Constraint& c, const C& element, int input) {
-    const JointKind& kind = kind_of(scene.joints[joint_index.at(c.joints.front())].is);
+    const JointKind& kind = kind_of(*scene.joints[joint_index.at(c.joints.front())].is);
     const int component = component_of(kind, c.coordinate);
     row.is_angle = kind.q[component].unit == "rad";
     if constexpr (LosesPower<C>) {
@@ -142,7 +145,7 @@ std::vector<ContactEdge> contacts_of(const Scene& scene, const std::vector<int>&
   std::vector<std::string> errors;
   for (int i = 0; i < static_cast<int>(scene.constraints.size()); ++i) {
     const Constraint& c = scene.constraints[i];
-    if (!kind_of(c.is).is_between_bodies) continue;
+    if (!kind_of(*c.is).is_between_bodies) continue;
     const BodyFrame& of = c.frames[0];
     const BodyFrame& on = c.frames[1];
     const int a = number(on.body) + 1;
@@ -153,11 +156,11 @@ std::vector<ContactEdge> contacts_of(const Scene& scene, const std::vector<int>&
     std::visit(
         [&](const auto& element) {
           if constexpr (BodyConstraint<std::decay_t<decltype(element)>>) {
-            edge.joint = element;
+            edge.joint = CutJoint(element);
             if constexpr (requires { element.axis; }) axis = element.axis.along;
           }
         },
-        c.is);
+        *c.is);
     edge.group_a = group_of[a];
     edge.group_b = group_of[b];
     edge.X_AF = X_GB[a] * on.X_BF;

@@ -8,7 +8,9 @@
 #include <unordered_map>
 #include <vector>
 
+#include "joint/rod.h"
 #include "mechanism/mechanism.h"
+#include "scene/scene.h"
 
 namespace gelenk {
 
@@ -22,7 +24,7 @@ struct Group {
 // A joint between two groups, with its canonical frames: X_AF in the parent's group, X_BM in the child's.
 struct Edge {
   int scene_joint = -1;
-  AnyJoint joint;
+  Stored<AnyJoint> joint;
   int group_a = 0, group_b = 0;
   Pose3 X_AF, X_BM;
   Eigen::Matrix3d R_UC = Eigen::Matrix3d::Identity();
@@ -42,7 +44,7 @@ struct RodEdge {
 // A contact between two groups: X_AF is the pose of the plane, X_BM that of the frame on the body.
 struct ContactEdge {
   int constraint = -1;  // of the scene
-  CutJoint joint;
+  Stored<CutJoint> joint;
   int group_a = 0, group_b = 0;
   Pose3 X_AF, X_BM;
 };

@@ -102,7 +102,7 @@ std::vector<Graph> islands_of(const Scene& scene, const Graph& graph) {
 std::vector<bool> observed_reactions(const Scene& scene) {
   std::vector<bool> out(scene.joints.size(), false);
   for (const Sensor& sensor : scene.sensors) {
-    if (!kind_of(sensor.is).reads_reaction) continue;
+    if (!kind_of(*sensor.is).reads_reaction) continue;
     const auto joint = std::ranges::find(scene.joints, sensor.joints.front(), &Joint::name);
     out[joint - scene.joints.begin()] = true;
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "element/cut_joint.h"
 #include "joint/turns.h"
 #include "mechanism/graph.h"
 
@@ -79,8 +80,8 @@ struct MechanismBuilder {
   // (registry.h): about x or, in planar mechanisms, about z for prismatic joints; planar revolute joints change sign
   // instead.
   Eigen::Matrix3d reversal(const Edge& edge) const {
-    const bool hinge = kind_of(edge.joint).planar == PlanarRole::normal;
-    if (!reverses_by_turning(edge.joint) || (out.planar && hinge)) return Eigen::Matrix3d::Identity();
+    const bool hinge = kind_of(*edge.joint).planar == PlanarRole::normal;
+    if (!reverses_by_turning(*edge.joint) || (out.planar && hinge)) return Eigen::Matrix3d::Identity();
     const Eigen::Vector3d about_x(1, -1, -1);
     const Eigen::Vector3d about_z(-1, -1, 1);
     return (out.planar ? about_z : about_x).asDiagonal();
@@ -88,7 +89,7 @@ struct MechanismBuilder {
 
   void add_link(int e, int inner, int outer) {
     const Edge& edge = graph.edges[e];
-    const JointKind& kind = kind_of(edge.joint);
+    const JointKind& kind = kind_of(*edge.joint);
     const bool reversed = edge.group_b == inner;
     const Pose3 turn{reversed ? reversal(edge) : Eigen::Matrix3d::Identity(), Eigen::Vector3d::Zero()};
     const Pose3 X_GL = (reversed ? edge.X_AF : edge.X_BM) * turn;
@@ -96,7 +97,7 @@ struct MechanismBuilder {
     link.name = name_of(outer);
     link.parent = link_of[inner];
     link.scene_joint = edge.scene_joint;
-    link.joint = tree_joint(edge.joint, reversed);
+    link.joint = tree_joint(*edge.joint, reversed);
     link.reversed = reversed;
     link.iq = out.nq;
     link.iv = out.nv;
@@ -123,8 +124,8 @@ struct MechanismBuilder {
            "with mass, or with at least one joint without friction, limit, motion, gear and rack"});
     }
     Cut cut;
-    cut.joint = cut_joint(edge.joint);
-    cut.joint_rows = (out.planar ? 3 : 6) - kind_of(edge.joint).nv;
+    cut.joint = cut_joint(*edge.joint);
+    cut.joint_rows = (out.planar ? 3 : 6) - kind_of(*edge.joint).nv;
     add_ends(edge.group_a, edge.X_AF, edge.group_b, edge.X_BM, cut);
     cut.opens_beside = edge.opens_beside;
     if (edge.opens_beside) {
@@ -137,7 +138,7 @@ struct MechanismBuilder {
 
   void add_rod(const RodEdge& rod) {
     Cut cut;
-    cut.joint = rod.joint;
+    cut.joint = CutJoint(rod.joint);
     cut.joint_rows = 1;
     add_ends(rod.group_a, rod.X_AF, rod.group_b, rod.X_BM, cut);
     add_coordinates(rod.first, JointPlace::Role::rod, cut);
@@ -157,7 +158,7 @@ struct MechanismBuilder {
     Cut cut;
     cut.constraint = contact.constraint;
     cut.joint = contact.joint;
-    cut.joint_rows = row_count(contact.joint);
+    cut.joint_rows = row_count(*contact.joint);
     add_ends(contact.group_a, contact.X_AF, contact.group_b, contact.X_BM, cut);
     places.constraints[contact.constraint] = {island, static_cast<int>(out.cuts.size()), -1};
     out.cuts.push_back(cut);
@@ -179,10 +180,10 @@ struct MechanismBuilder {
   }
 
   void add_coordinates(const Edge& edge, JointPlace::Role role, Cut& cut) {
-    const JointKind& kind = kind_of(edge.joint);
+    const JointKind& kind = kind_of(*edge.joint);
     cut.scene_joints.push_back(edge.scene_joint);
     place_joint(edge, role, static_cast<int>(out.cuts.size()), out.cut_nq, out.cut_nv, false);
-    for (int i = 0; i < kind.nq; ++i) cut.is_angle.push_back(repeats_each_turn(edge.joint, i));
+    for (int i = 0; i < kind.nq; ++i) cut.is_angle.push_back(repeats_each_turn(*edge.joint, i));
     cut.nq += kind.nq;
     cut.nv += kind.nv;
     out.cut_nq += kind.nq;
@@ -205,7 +206,7 @@ struct MechanismBuilder {
   }
 
   void place_joint(const Edge& edge, JointPlace::Role role, int index, int iq, int iv, bool reversed) {
-    const JointKind& kind = kind_of(edge.joint);
+    const JointKind& kind = kind_of(*edge.joint);
     JointPlace& place = places.joints[edge.scene_joint];
     place.role = role;
     place.island = island;
@@ -216,8 +217,8 @@ struct MechanismBuilder {
     place.q_sign.assign(kind.nq, 1);
     place.v_sign.assign(kind.nv, 1);
     if (!out.planar) return;
-    const auto flip = flip_signs(edge.joint);
-    const bool hinge = kind.planar == PlanarRole::normal && reverses_by_turning(edge.joint);
+    const auto flip = flip_signs(*edge.joint);
+    const bool hinge = kind.planar == PlanarRole::normal && reverses_by_turning(*edge.joint);
     for (int i = 0; i < kind.nq; ++i) {
       if (edge.opposes_normal) place.q_sign[i] *= flip[i];
       if (reversed && hinge) place.q_sign[i] *= flip[i];

@@ -22,7 +22,7 @@ class InteractionIndex {
  public:
   explicit InteractionIndex(const Scene& scene) : scene_(scene) {
     each_section(scene, [&](const Section&, const auto& elements) {
-      for (const auto& element : elements) enter(element, kind_of(element.is));
+      for (const auto& element : elements) enter(element, kind_of(*element.is));
     });
     const std::vector<bool> touches = bodies_that_touch(scene);
     for (std::size_t b = 0; b < touches.size(); ++b) {
@@ -112,7 +112,7 @@ struct RodReduction {
     const bool second_reversed = second.group_a != g;
     const Pose3 X_12 =
         (first_reversed ? first.X_AF : first.X_BM).inverse() * (second_reversed ? second.X_BM : second.X_AF);
-    const auto joint = make_rod(first.joint, first_reversed, second.joint, second_reversed, X_12, planar);
+    const auto joint = make_rod(*first.joint, first_reversed, *second.joint, second_reversed, X_12, planar);
     if (!joint) return false;
     // The fixed start value of a joint could not be satisfied if the rod may spin about its own axis.
     if (joint->has_free_spin() &&
@@ -138,7 +138,7 @@ struct RodReduction {
     for (const RodEdge& rod : candidates) is_rod[rod.group] = true;
     const auto join_joints = [&](bool that_hold) {
       for (const Edge& edge : graph.edges) {
-        const bool holds = kind_of(edge.joint).nv < (planar ? 3 : 6);
+        const bool holds = kind_of(*edge.joint).nv < (planar ? 3 : 6);
         if (holds == that_hold && !is_rod[edge.group_a] && !is_rod[edge.group_b]) sets.join(edge.group_a, edge.group_b);
       }
     };

@@ -9,18 +9,23 @@
 #include <utility>
 #include <vector>
 
-#include "element/cut_joint.h"
+#include "element/kinds.h"
 #include "element/motion_law.h"
-#include "scene/scene.h"
+#include "joint/kinds.h"
+#include "scene/reduction.h"
+#include "shape/kinds.h"
+#include "util/stored.h"
 
 namespace gelenk {
+
+struct Scene;
 
 // A rigid link. Its frame L is the outer frame of its tree joint.
 struct Link {
   std::string name;  // that of its heaviest body, for messages
   int parent = -1;   // link
   int scene_joint = -1;
-  TreeJoint joint;
+  Stored<TreeJoint> joint;
   bool reversed = false;  // the outer link is the parent of the scene's joint
   int iq = 0, iv = 0;     // indices of its first coordinate and velocity
   int nq = 0, nv = 0;
@@ -29,15 +34,15 @@ struct Link {
 };
 
 // Maximum number of coordinates and velocities of a cut.
-inline constexpr int max_cut_nq = Rod::max_nq;
-inline constexpr int max_cut_nv = Rod::max_nv;
+inline constexpr int max_cut_nq = 8;
+inline constexpr int max_cut_nv = 6;
 
 // A loop-closing joint: constraint equations between frame F on link a and frame M on link b.
 struct Cut {
   std::vector<int> scene_joints;  // one; for a rod those at its two ends; for a contact none
   bool opens_beside = false;      // not that joint but the weld of a body that is split beside it
   int constraint = -1;            // contacts: index in the scene
-  CutJoint joint;
+  Stored<CutJoint> joint;
   int link_a = 0, link_b = 0;
   Pose3 X_AF, X_BM;
   std::vector<int> kept;  // the joint's equations that are not redundant, ascending
@@ -79,7 +84,7 @@ struct CoordinateRow {
 struct LinkShape {
   int link = 0;
   Pose3 X_LS;
-  AnyShape is;
+  Stored<AnyShape> is;
   int surface = 0;      // number of its surface in ContactTable
   int scene_body = -1;  // -1: the ground
 };

@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "element/locking.h"
 #include "mechanism/graph.h"
 
 namespace gelenk {
@@ -15,8 +16,8 @@ namespace {
 // program have rounding errors of about 1e-16 per rotation; an intended misalignment is far larger.
 constexpr double max_misalignment = 1e-11;
 
-PlanarRole role(const Edge& edge) { return kind_of(edge.joint).planar; }
-bool has_axis(const Edge& edge) { return kind_of(edge.joint).axes > 0; }
+PlanarRole role(const Edge& edge) { return kind_of(*edge.joint).planar; }
+bool has_axis(const Edge& edge) { return kind_of(*edge.joint).axes > 0; }
 
 // A candidate for the normal: (group, direction in the group's frame).
 std::optional<std::pair<int, Eigen::Vector3d>> candidate(const Graph& graph) {
@@ -51,7 +52,7 @@ std::string loaded_guide(const Scene& scene, const Graph& graph, const MotionPla
   if (has_loops && std::abs(plane.normals[0].dot(scene.gravity)) <= in_plane * scene.gravity.norm()) return {};
   for (const Edge& edge : graph.edges) {
     const Joint& joint = scene.joints[edge.scene_joint];
-    if (std::ranges::any_of(joint.along, is_loaded_guide)) return joint.name;
+    if (std::ranges::any_of(joint.along, is_loaded_guide, &Stored<JointForces>::value)) return joint.name;
   }
   return {};
 }
@@ -63,7 +64,7 @@ MotionPlane find_plane(const Scene& scene, const Graph& graph) {
   const auto none = [](std::string why) { return MotionPlane{.normals = {}, .why_not = std::move(why)}; };
   for (const Edge& edge : graph.edges) {
     if (role(edge) != PlanarRole::never) continue;
-    return none("joint " + name(edge) + " (" + std::string(kind_of(edge.joint).name) +
+    return none("joint " + name(edge) + " (" + std::string(kind_of(*edge.joint).name) +
                 ") permits motion out of any plane");
   }
   const auto start = candidate(graph);

@@ -116,7 +116,7 @@ struct Reducer {
   void check_drives(const Graph& graph) const {
     std::vector<std::string> errors;
     for (const Motor& motor : scene.motors) {
-      const double inertia = inertia_of(motor.is);
+      const double inertia = inertia_of(*motor.is);
       if (inertia == 0) continue;
       for (const Edge& edge : graph.edges) {
         const int j = edge.scene_joint;
@@ -199,7 +199,7 @@ Mechanism without_drives(const Mechanism& mechanism) {
 std::vector<bool> Mechanism::position_rows() const {
   std::vector<bool> out;
   for (const Cut& cut : cuts) {
-    for (const int i : cut.kept) out.push_back(holds_position(cut.joint, i));
+    for (const int i : cut.kept) out.push_back(holds_position(*cut.joint, i));
   }
   for (const CoordinateRow& row : coordinate_rows) out.push_back(row.holds_position);
   return out;

@@ -21,7 +21,7 @@ ContactTable table_of(const Scene& scene, const BodyNumbers& number) {
     for (const std::string& b : out.surfaces) out.contacts.push_back(contact_between(scene, a, b));
   }
   for (const Joint& joint : scene.joints) {
-    if (kind_of(joint.is).nv == 6) continue;  // it constrains nothing
+    if (kind_of(*joint.is).nv == 6) continue;  // it constrains nothing
     const int parent = number(joint.parent.body);
     const int child = number(joint.child.body);
     if (parent < 0 || child < 0) continue;  // what is on a joint to the ground may touch the ground, as of a robot
@@ -29,7 +29,7 @@ ContactTable table_of(const Scene& scene, const BodyNumbers& number) {
   }
   std::ranges::sort(out.joined);
   for (const Contact& contact : scene.contacts) {
-    out.touches_joined.push_back(includes_joined(contact.is));
+    out.touches_joined.push_back(includes_joined(*contact.is));
     out.first_surfaces.push_back(number_of(contact.surfaces.front(), out.surfaces));
   }
   return out;

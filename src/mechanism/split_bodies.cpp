@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Opens loops of which no joint may be cut: a body is split into two halves, welded together by the loop-closing joint.
+#include "joint/kinds.h"
 #include "mechanism/graph.h"
 
 namespace gelenk {
@@ -10,7 +11,7 @@ void split(Graph& graph, int e, int group) {
   const int half = static_cast<int>(graph.groups.size());
   Edge& edge = graph.edges[e];
   Edge weld = edge;
-  weld.joint = Weld{};
+  weld.joint = AnyJoint(Weld{});
   weld.opens_beside = true;
   weld.X_AF = weld.X_BM = edge.group_b == group ? edge.X_BM : edge.X_AF;
   weld.group_a = group;

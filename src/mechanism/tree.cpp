@@ -26,7 +26,7 @@ class Preferences {
   Preferences(const Scene& scene, const Graph& graph, bool planar) : scene_(scene), graph_(graph), planar_(planar) {
     for (const Motor& motor : scene.motors) {
       driven_or_held_.insert(motor.joints.front());
-      if (inertia_of(motor.is) > 0) must_be_in_tree_.insert(motor.joints.front());
+      if (inertia_of(*motor.is) > 0) must_be_in_tree_.insert(motor.joints.front());
     }
     for (const std::string_view joint : constrained_joints(scene)) must_be_in_tree_.insert(joint);
   }
@@ -37,7 +37,7 @@ class Preferences {
     const int required = must_be_in_tree_.contains(joint.name) ? 2 : must_not_be_cut(joint, planar_) ? 1 : 0;
     const bool massless = without_mass(edge.group_a) || without_mass(edge.group_b);
     if (!scene_.solver.reduces(Reduction::cut_choice)) return {required, massless, 0, false, false};
-    const JointKind& kind = kind_of(edge.joint);
+    const JointKind& kind = kind_of(*edge.joint);
     const auto any = [](const auto& values) { return std::ranges::any_of(values, [](auto x) { return x != 0; }); };
     const bool driven_or_held = driven_or_held_.contains(joint.name) || any(joint.start.q_fixed) || !joint.is_idle();
     return {required, massless, -kind.nv, !kind.has_quaternion(), driven_or_held};
@@ -56,7 +56,7 @@ class Preferences {
 
 bool must_not_be_cut(const Joint& joint, bool planar) {
   if (joint.locking_element().empty()) return false;
-  const bool turns_in_plane = planar && kind_of(joint.is).planar == PlanarRole::normal && kind_of(joint.is).nv == 1;
+  const bool turns_in_plane = planar && kind_of(*joint.is).planar == PlanarRole::normal && kind_of(*joint.is).nv == 1;
   return !turns_in_plane;
 }
 

@@ -132,7 +132,7 @@ class Pruner {
     for (const Sensor& sensor : scene_.sensors) {
       if (!owners.contains(sensor.name)) continue;
       sensors.insert(sensor.name);
-      if (kind_of(sensor.is).of_whole) kept_.assign(kept_.size(), true);
+      if (kind_of(*sensor.is).of_whole) kept_.assign(kept_.size(), true);
       for (const int part : touched(sensor)) keep(part);
     }
     each_section(scene_, [&](const Section& section, const auto& elements) {
@@ -170,7 +170,7 @@ class Pruner {
   bool is_kept(const Sensor& sensor) const {
     const auto kept = [&](int part) { return is_kept(part); };
     return sensors_.contains(sensor.name) ||
-           (kind_of(sensor.is).reads_reaction && std::ranges::any_of(touched(sensor), kept));
+           (kind_of(*sensor.is).reads_reaction && std::ranges::any_of(touched(sensor), kept));
   }
 
   void filter(Scene& scene) const {

@@ -21,10 +21,8 @@ struct Weld {
 };
 
 Pose3 pose_at(const Joint& joint, const std::vector<double>& q) {
-  const AnyJoint kind = joint.is;
-  const Pose3 X_UC{canonical_rotation(kind, joint.axes), Eigen::Vector3d::Zero()};
-  const Pose3 X = std::visit([&](const auto& j) { return j.template X_FM<Spatial>(q.data()); }, kind);
-  return X_UC * X * X_UC.inverse();
+  const Pose3 X_UC{canonical_rotation(*joint.is, joint.axes), Eigen::Vector3d::Zero()};
+  return X_UC * pose_across(*joint.is, q.data()) * X_UC.inverse();
 }
 
 struct GroupBuilder {
@@ -121,7 +119,7 @@ struct GroupBuilder {
       Edge edge;
       edge.scene_joint = j;
       edge.joint = joint.is;
-      edge.R_UC = canonical_rotation(edge.joint, joint.axes);
+      edge.R_UC = canonical_rotation(*edge.joint, joint.axes);
       const Pose3 X_UC{edge.R_UC, Eigen::Vector3d::Zero()};
       edge.group_a = group_of[a + 1];
       edge.group_b = group_of[b + 1];

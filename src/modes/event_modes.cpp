@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "kinematics/branches.h"
+
 namespace gelenk {
 
 EventModes::EventModes(ModeEquations& equations, Dynamics& dynamics, int nq, int nv, EventLog& log)
@@ -10,7 +12,7 @@ EventModes::EventModes(ModeEquations& equations, Dynamics& dynamics, int nq, int
       forces_(dynamics.branching()),
       nq_(nq),
       log_(log),
-      sides_(static_cast<std::size_t>(forces_.count()), JointLoads::of_state),
+      sides_(static_cast<std::size_t>(forces_.count()), branch_of_state),
       present_sides_(sides_.size()),
       g_(2 * sides_.size()),
       gdot_(g_.size()),
@@ -99,7 +101,7 @@ void EventModes::hold_mode(double t, const bool* positive) {
   mode_exit_time_ = INFINITY;
   for (std::size_t i = 0; i < sides_.size(); ++i) {
     if (locks_.owns(static_cast<int>(i))) continue;
-    sides_[i] = !held_ ? JointLoads::of_state : positive[2 * i] ? 1 : positive[2 * i + 1] ? -1 : 0;
+    sides_[i] = !held_ ? branch_of_state : positive[2 * i] ? 1 : positive[2 * i + 1] ? -1 : 0;
   }
   forces_.hold(held_ || !locks_.empty() ? sides_.data() : nullptr);
   const bool* following = held_ ? positive + own_indicators() : nullptr;

@@ -2,6 +2,7 @@
 // What dry friction does where derivatives are taken: the part of LockModes for linear models and sensitivities.
 #include <algorithm>
 
+#include "kinematics/branches.h"
 #include "modes/lock_modes.h"
 
 namespace gelenk {
@@ -21,7 +22,7 @@ int LockModes::treat(FrictionTreatment friction, double t, const double* y) {
     const bool is_free = friction == FrictionTreatment::off ||
                          (friction == FrictionTreatment::sliding && motion == 0) ||
                          (friction == FrictionTreatment::present && forces_.lock(i).sticking_limit.vanishes);
-    if (is_free) motion = JointLoads::released;
+    if (is_free) motion = branch_released;
   }
   set_state(out);
   return friction == FrictionTreatment::present ? on_boundary(t, y) : -1;
@@ -36,7 +37,7 @@ int LockModes::on_boundary(double t, const double* y) {
   for (int i = 0; i < count(); ++i) {
     const Branching::Lock lock = forces_.lock(i);
     if (!rests(i)) {
-      if (has_friction(i) && modes_.motions[i] != JointLoads::released && is_slow(i, v)) return lock.friction;
+      if (has_friction(i) && modes_.motions[i] != branch_released && is_slow(i, v)) return lock.friction;
       if (lock.limit >= 0 && touched_side(i) != 0 && (!lock.one_way || is_slow(i, v))) return lock.limit;
       continue;
     }

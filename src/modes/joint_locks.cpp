@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "event/lost_rebound.h"
+#include "kinematics/branches.h"
 
 namespace gelenk {
 namespace {
@@ -89,7 +90,7 @@ void JointLocks::let_go() {
   LockModes::State open = state();
   for (int i = 0; i < modes_.count(); ++i) {
     if (!modes_.rests(i)) continue;
-    open.motions[i] = JointLoads::released;
+    open.motions[i] = branch_released;
     open.contacts[i] = 0;
   }
   set_state(open);
@@ -132,7 +133,7 @@ void JointLocks::add(int lock) {
   out.slipping = of.slipping_limit.largest();
   out.contact = next_.contacts[lock];
   out.triggered = modes_.triggered_[lock] != LockModes::nothing && modes_.rests(lock);
-  next_.motions[lock] = JointLoads::released;
+  next_.motions[lock] = branch_released;
 }
 
 void JointLocks::begin_decision(double t, const double* y) {
@@ -147,9 +148,9 @@ void JointLocks::begin_decision(double t, const double* y) {
     const bool slow = modes_.is_slow(i, v) || modes_.triggered_[i] != LockModes::nothing;
     next_.contacts[i] = slow ? modes_.touched_side(i) : 0;
     const double speed = forces_.speed(i, v);
-    next_.motions[i] = !modes_.has_friction(i) ? JointLoads::released : speed > 0 ? 1 : -1;
+    next_.motions[i] = !modes_.has_friction(i) ? branch_released : speed > 0 ? 1 : -1;
     if (!slow) continue;
-    next_.motions[i] = JointLoads::released;
+    next_.motions[i] = branch_released;
     if (modes_.has_friction(i) || next_.contacts[i] != 0) add(i);
   }
   LockModes::State open = next_;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "dynamics/distributed_forces.h"
+#include "kinematics/branches.h"
 
 namespace gelenk {
 namespace {
@@ -241,7 +242,7 @@ void LockModes::hold() {
 }
 
 void LockModes::release() {
-  std::ranges::fill(modes_.motions, JointLoads::released);
+  std::ranges::fill(modes_.motions, branch_released);
   std::ranges::fill(modes_.contacts, 0);
   std::ranges::fill(modes_.leaves_from, 0);
   hold();
@@ -370,7 +371,7 @@ void LockModes::enter(double t, State next, Recording records) {
 
 void LockModes::serialize(Archive& archive) {
   if (empty()) return;
-  for (int& motion : modes_.motions) archive.serialize_in_range(motion, -1, JointLoads::released);
+  for (int& motion : modes_.motions) archive.serialize_in_range(motion, -1, branch_released);
   for (int& contact : modes_.contacts) archive.serialize_in_range(contact, -1, 1);
   archive.serialize(modes_.leaves_from);
   archive.serialize_in_range(modes_.unstoppable, -1, 2 * static_cast<int>(sides_.size()) - 1);

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "event/lost_rebound.h"
+#include "kinematics/branches.h"
 #include "linear/box_complementarity.h"
 #include "modes/lock_modes.h"
 
@@ -89,7 +90,7 @@ void LockModes::force_away(double t) {
     next.motions[i] = modes_.contacts[i] != 0 ? -modes_.contacts[i] : holding_[i] > 0 ? -1 : 1;
     next.contacts[i] = 0;
     next.leaves_from[i] = leaving_depth(i);
-    if (!has_friction(i)) next.motions[i] = JointLoads::released;
+    if (!has_friction(i)) next.motions[i] = branch_released;
   }
   enter(t, next, Recording::doubts);
 }
@@ -248,7 +249,7 @@ bool LockModes::settle(double t, const double* y, bool breaks_away, Recording re
     const bool slow = is_slow(i, v) || triggered_[i] != nothing;
     next.contacts[i] = slow ? touched_side(i) : 0;
     const double speed = forces_.speed(i, v);
-    next.motions[i] = slow || !has_friction(i) ? JointLoads::released : speed > 0 ? 1 : -1;
+    next.motions[i] = slow || !has_friction(i) ? branch_released : speed > 0 ? 1 : -1;
     if (slow && (has_friction(i) || next.contacts[i] != 0)) undecided.push_back(i);
   }
   if (!undecided.empty()) {
@@ -382,7 +383,7 @@ int LockModes::unstoppable_among(const std::vector<int>& locks, const BoxSolutio
 // to which the force is at its bound.
 void LockModes::take_up(State& next, int lock, bool leaves, int direction) {
   if (leaves && direction != 0) {
-    next.motions[lock] = has_friction(lock) ? direction : JointLoads::released;
+    next.motions[lock] = has_friction(lock) ? direction : branch_released;
     next.contacts[lock] = 0;
     next.leaves_from[lock] = leaving_depth(lock);
     return;

@@ -2,19 +2,22 @@
 // Sources of the outputs, and their values as double; outputs_dual.cpp has the types for automatic differentiation.
 #include <algorithm>
 
+#include "element/kinds.h"
+#include "mechanism/mechanism.h"
 #include "outputs/outputs_impl.h"
+#include "scene/scene.h"
 
 namespace gelenk {
 Outputs::Outputs(const Scene& scene, const ReducedScene& reduced, const std::vector<Signal>& signals,
                  const std::vector<std::vector<BranchingForce>>& branching)
     : scene_(scene), reduced_(reduced) {
   for (const Sensor& sensor : scene.sensors) {
-    sensors_.push_back(sensor.is);
-    ports_.emplace_back(scene, reduced, sensor, kind_of(sensor.is).reads_reaction);
+    sensors_.push_back(*sensor.is);
+    ports_.emplace_back(scene, reduced, sensor, kind_of(*sensor.is).reads_reaction);
   }
   for (const Force& force : scene.forces) force_ports_.emplace_back(scene, reduced, force, false);
-  for (const Constraint& constraint : scene.constraints) constraints_.push_back(constraint.is);
-  for (const Contact& contact : scene.contacts) contacts_.push_back(contact.is);
+  for (const Constraint& constraint : scene.constraints) constraints_.push_back(*constraint.is);
+  for (const Contact& contact : scene.contacts) contacts_.push_back(*contact.is);
   for (const Signal& signal : signals) {
     sources_.push_back(signal.level == 3   ? joint_force_source(signal, branching)
                        : signal.joint >= 0 ? joint_source(signal)
@@ -92,7 +95,7 @@ Outputs::Source Outputs::element_source(const Scene& scene, const Signal& signal
   out.stage = signal.stage == Stage::acceleration ? Stage::acceleration : Stage::velocity;
   if (signal.section == sections::sensors) {
     const auto i = static_cast<std::size_t>(signal.element);
-    out.kind = kind_of(scene.sensors[i].is).of_whole ? Kind::whole : Kind::sensor;
+    out.kind = kind_of(*scene.sensors[i].is).of_whole ? Kind::whole : Kind::sensor;
     out.island = out.kind == Kind::whole ? none : ports_[i].island;
     return out;
   }

@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "dynamics/dynamics.h"
+#include "kinematics/branching_forces.h"
+#include "mechanism/mechanism.h"
 #include "outputs/port_readings.h"
 #include "scene/signals.h"
 

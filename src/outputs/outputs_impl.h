@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdlib>
 
+#include "element/registry.h"
 #include "math/pose_in.h"
 #include "outputs/outputs.h"
 
@@ -84,7 +85,7 @@ T Outputs::force_value(const Source& source, const Readings<T>* dynamics) const 
         }
         return T(0);
       },
-      scene_.forces[i].is);
+      *scene_.forces[i].is);
 }
 
 template <class T>

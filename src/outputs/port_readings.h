@@ -6,6 +6,10 @@
 #include <vector>
 
 #include "dynamics/dynamics.h"
+#include "element/constraint.h"
+#include "element/sensor.h"
+#include "mechanism/mechanism.h"
+#include "scene/scene.h"
 
 namespace gelenk {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "joint/registry.h"
+#include "joint/kinds.h"
 #include "preparation/report.h"
 #include "preparation/start.h"
 #include "scene/quantity_groups.h"

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "preparation/friction_loads.h"
 
+#include "kinematics/branching_forces.h"
 #include "linear/singular_values.h"
+#include "mechanism/mechanism.h"
+#include "scene/scene.h"
 
 namespace gelenk {
 

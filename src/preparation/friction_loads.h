@@ -3,6 +3,7 @@
 
 #include "dynamics/dynamics.h"
 #include "preparation/preparation.h"
+#include "scene/scene.h"
 
 namespace gelenk {
 

@@ -4,11 +4,12 @@
 
 #include <string>
 
-#include "kinematics/model.h"
 #include "modes/law_audit.h"
 #include "scene/scene.h"
 
 namespace gelenk {
+
+struct Loads;
 
 std::string describe_broken_law(const Scene& scene, const Loads& loads, const BrokenLaw& broken);
 

@@ -147,7 +147,7 @@ struct Preparer {
   void check_rows_are_defined(const Mechanism& mechanism, const Dynamics& of) const {
     for (int c = 0; c < static_cast<int>(mechanism.cuts.size()); ++c) {
       const Cut& cut = mechanism.cuts[c];
-      if (is_undefined(cut.joint, of.cut_pose(c))) throw AssemblyError(describe_undefined_rows(scene, cut));
+      if (is_undefined(*cut.joint, of.cut_pose(c))) throw AssemblyError(describe_undefined_rows(scene, cut));
     }
   }
 
@@ -257,7 +257,7 @@ struct Preparer {
 
   bool reaction_observed(const Mechanism& mechanism) const {
     return std::ranges::any_of(scene.sensors, [&](const Sensor& sensor) {
-      return kind_of(sensor.is).reads_reaction && std::ranges::any_of(mechanism.joints, [&](int j) {
+      return kind_of(*sensor.is).reads_reaction && std::ranges::any_of(mechanism.joints, [&](int j) {
                return scene.joints[j].name == sensor.joints.front();
              });
     });

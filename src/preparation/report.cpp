@@ -7,8 +7,11 @@
 
 #include "assembly/loop_closure.h"
 #include "contact/contact_finder.h"
+#include "kinematics/branching_forces.h"
+#include "mechanism/mechanism.h"
 #include "preparation/doubts.h"
 #include "scene/element_numbers.h"
+#include "scene/scene.h"
 #include "util/text.h"
 
 namespace gelenk {
@@ -267,7 +270,7 @@ struct LimitedCoordinate {
 LimitedCoordinate limited(const Scene& scene, const BranchingForce& of, int side) {
   const Joint& joint = scene.joints[static_cast<std::size_t>(of.joint)];
   return {prefix(scene) + "joints." + joint.name + ".limit." + (side > 0 ? "upper" : "lower"),
-          coordinate_of(kind_of(joint.is), of.component)};
+          coordinate_of(kind_of(*joint.is), of.component)};
 }
 
 }  // namespace
@@ -308,7 +311,7 @@ std::string describe_moving_drive(const Scene& scene, int constraint) {
 }
 
 std::string describe_undefined_rows(const Scene& scene, const Cut& cut) {
-  const ElementFault fault = undefined_start(cut.joint);
+  const ElementFault fault = undefined_start(*cut.joint);
   return prefix(scene) + "constraints." + scene.constraints[cut.constraint].name + ": found " + fault.found +
          "; expected " + fault.expected;
 }

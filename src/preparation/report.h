@@ -9,6 +9,8 @@
 #include "analysis/singular_start.h"
 #include "assembly/assembly.h"
 #include "event/event_log.h"
+#include "mechanism/mechanism.h"
+#include "scene/scene.h"
 
 namespace gelenk {
 

@@ -9,6 +9,8 @@
 #include <unordered_set>
 
 #include "joint/turns.h"
+#include "mechanism/mechanism.h"
+#include "scene/scene.h"
 
 namespace gelenk {
 namespace {
@@ -62,7 +64,7 @@ void add_guesses(const Joint& joint, int rank, const JointPlace& place, InitialG
     out.q_fixed[place.iv + i] = start.q_fixed[c];
     out.q_weight[place.iv + i] = start.q_given[c] ? start.q_weight[c] : default_guess_weight;
     out.q_given[place.iv + i] = start.q_given[c];
-    out.turns[place.iv + i] = repeats_each_turn(joint.is, c);
+    out.turns[place.iv + i] = repeats_each_turn(*joint.is, c);
     out.rank[place.iv + i] = rank;
     out.user_sign[place.iv + i] = place.q_sign[c];
     out.v_given[place.iv + i] = start.v_given[i];
@@ -95,7 +97,7 @@ std::vector<bool> preferred_velocities(const Scene& scene, const ReducedScene& r
   std::unordered_set<std::string_view> driven;
   for (const Motor& motor : scene.motors) driven.insert(motor.joints.front());
   for (const Constraint& c : scene.constraints) {
-    if (!c.joints.empty() && !holds_positions(c.is))
+    if (!c.joints.empty() && !holds_positions(*c.is))
       driven.insert(c.joints.front());  // its coordinate is not constrained
   }
   const bool contacts = std::ranges::any_of(mechanism.cuts, &Cut::is_contact);
@@ -132,7 +134,7 @@ std::vector<double> coordinates_of(const Scene& scene, const ReducedScene& reduc
   dynamics.cut_coordinates(place.index, found);
   for (int i = 0; i < kind.nq; ++i) {
     out[i] = place.q_sign[i] * found[place.iq - cut.iq + i];
-    if (!repeats_each_turn(scene.joints[joint].is, i)) continue;
+    if (!repeats_each_turn(*scene.joints[joint].is, i)) continue;
     const double wanted = start.q_given[i] ? start.q[i] : 0;
     out[i] += 2 * std::numbers::pi * std::round((wanted - out[i]) / (2 * std::numbers::pi));
   }

@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "assembly/assembly.h"
+#include "mechanism/mechanism.h"
+#include "scene/scene.h"
 
 namespace gelenk {
 

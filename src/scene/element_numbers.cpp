@@ -105,7 +105,7 @@ std::string about_any(std::string_view text, const Coordinate* coordinate) {
   text::replace(out, "{joint}.", "");
   if (coordinate == nullptr) text::replace(out, "{torque}", "torque or force");
   const ElementPlace any = {
-      .name = {}, .frames = {{.body = "the body", .X_BF = {}}}, .joints = {"the joint"}, .coordinate = {}};
+      .name = {}, .frames = {{.body = "the body", .X_BF = Pose3()}}, .joints = {"the joint"}, .coordinate = {}};
   const Coordinate unknown = {.name = "the coordinate", .speed = "the speed", .is_angle = true};
   return filled_in(out, any, coordinate == nullptr ? unknown : *coordinate);
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "element/locking.h"
 #include "scene/scene.h"
 
 namespace gelenk {
@@ -8,7 +9,7 @@ namespace gelenk {
 // Removes friction and limits. They do not affect the constraint equations of joints, but where loops can be cut.
 inline void erase_locking_elements(Scene& scene) {
   for (Joint& joint : scene.joints) {
-    for (JointForces& forces : joint.along) erase_locking_elements(forces);
+    for (Stored<JointForces>& forces : joint.along) erase_locking_elements(*forces);
   }
 }
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "joint/registry.h"
+#include "joint/kinds.h"
 #include "scene/element_numbers.h"
 
 namespace gelenk {
@@ -39,12 +39,12 @@ Rates rates_of(const Scene& scene, const UnitSystem& units) {
     const JointKind& kind = *find_joint_kind(joint.type);
     for (std::size_t i = 0; i < joint.along.size(); ++i) {
       for (const JointForceKind& force : joint_force_kinds()) {
-        const void* there = force.group.empty() ? force.in(joint.along[i]) : nullptr;
+        const void* there = force.group.empty() ? force.in(*joint.along[i]) : nullptr;
         if (there != nullptr) out.add(force.fields, there, coordinate_of(kind, static_cast<int>(i)), units);
       }
     }
   }
-  for (const Force& force : scene.forces) out.add(kind_of(force.is).fields, data_of(force.is), {}, units);
+  for (const Force& force : scene.forces) out.add(kind_of(*force.is).fields, data_of(*force.is), {}, units);
   return out;
 }
 

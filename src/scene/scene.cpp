@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scene/scene.h"
 
+#include <algorithm>
 #include <utility>
 
+#include "element/locking.h"
 #include "scene/faults.h"
 
 namespace gelenk {
@@ -15,6 +17,17 @@ std::string joined(const std::vector<std::string>& lines) {
 }
 
 }  // namespace
+
+std::string_view Joint::locking_element() const {
+  for (const Stored<JointForces>& forces : along) {
+    if (const std::string_view found = gelenk::locking_element(*forces); !found.empty()) return found;
+  }
+  return {};
+}
+
+bool Joint::is_idle() const {
+  return std::ranges::all_of(along, [](const Stored<JointForces>& forces) { return gelenk::is_idle(*forces); });
+}
 
 SceneError::SceneError(std::vector<std::string> lines) : std::runtime_error(joined(lines)), lines_(std::move(lines)) {}
 

@@ -13,20 +13,21 @@
 #include <string>
 #include <vector>
 
-#include "element/locking.h"
-#include "element/registry.h"
-#include "joint/registry.h"
+#include "element/kinds.h"
+#include "joint/kinds.h"
 #include "math/spatial.h"
 #include "scene/metadata.h"
+#include "scene/reduction.h"
 #include "scene/unit_system.h"
-#include "shape/registry.h"
+#include "shape/kinds.h"
+#include "util/stored.h"
 
 namespace gelenk {
 
 // A shape fixed in a body or in the ground, whose frame is the world frame then.
 struct BodyShape {
   std::string name;
-  AnyShape is;
+  Stored<AnyShape> is;
   Pose3 X_BS;           // of the shape's frame in the body's
   std::string surface;  // to which contacts refer; empty: it touches nothing
 };
@@ -70,23 +71,13 @@ struct Joint {
   std::vector<Eigen::Vector3d> axes;  // unit vectors in the joint frame; their number is given by the kind
   BodyFrame parent, child;
   JointStart start;
-  AnyJoint is;                     // joint of that type, with these axes and its own parameters
-  std::vector<JointForces> along;  // forces along each velocity, such as springs, dampers and stops
+  Stored<AnyJoint> is;                     // joint of that type, with these axes and its own parameters
+  std::vector<Stored<JointForces>> along;  // forces along each velocity, such as springs, dampers and stops
 
   // The group of an element that can keep one of its coordinates at rest (element/locking.h); empty: there is none.
-  std::string_view locking_element() const {
-    for (const JointForces& forces : along) {
-      if (const std::string_view found = gelenk::locking_element(forces); !found.empty()) return found;
-    }
-    return {};
-  }
+  std::string_view locking_element() const;
   // True if no force acts along any of its velocities.
-  bool is_idle() const {
-    for (const JointForces& forces : along) {
-      if (!gelenk::is_idle(forces)) return false;
-    }
-    return true;
-  }
+  bool is_idle() const;
 };
 
 // Where an element of a section acts: its frames and joints, in the order of the kind's ports. The name of an optional
@@ -100,7 +91,7 @@ struct ElementPlace {
 };
 template <class Any>
 struct Element : ElementPlace {
-  Any is;
+  Stored<Any> is;
 };
 using Motor = Element<AnyMotor>;
 using Force = Element<AnyForce>;
@@ -113,19 +104,6 @@ struct Experiment {
   double step = 1e-3;       // s
   double tolerance = 1e-6;  // relative; absolute per radian, meter, rad/s, m/s
 };
-
-// Reductions of the model that leave its results unchanged (mechanism/). Each can be switched off for comparison.
-enum class Reduction {
-  weld,            // bodies welded together become one link
-  fixed,           // "static": bodies that cannot move become part of the ground
-  cut_choice,      // loops are cut at joints that give the fewest constraint equations and quaternions
-  planar,          // planar mechanisms are solved in their plane
-  redundant_rows,  // constraint equations implied by the others at every position are removed
-  islands,         // parts that are not coupled are integrated separately
-  outputs,         // only the stages that the requested outputs depend on are computed
-  massless,        // massless rods become distance constraints
-};
-inline constexpr int reduction_count = 8;
 
 struct Solver {
   std::string formulation = "projection";

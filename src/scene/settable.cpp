@@ -46,12 +46,12 @@ void add_joint(std::vector<SettableNumber>& out, const Joint& joint, std::size_t
   using Of = SettableNumber::Of;
   const JointKind* kind = find_joint_kind(joint.type);
   if (kind == nullptr) return;
-  add(out, Of::joint, j, kind->fields, data_of(joint.is), std::identity());
+  add(out, Of::joint, j, kind->fields, data_of(*joint.is), std::identity());
   for (const JointForceKind& force : joint_force_kinds()) {
     if (!force.fits(*kind)) continue;
     for (const Field& field : force.fields) {
       for (int i = 0; i < kind->nv; ++i) {
-        const void* there = force.in(joint.along[static_cast<std::size_t>(i)]);
+        const void* there = force.in(*joint.along[static_cast<std::size_t>(i)]);
         if (there == nullptr) continue;
         add(out, Of::along, j, std::span(&field, 1), there,
             [&](const SettableNumber& x) { return x.along(force, i, kind->nv); });
@@ -116,7 +116,7 @@ std::string SettableNumber::variable(const Scene& scene) const {
 }
 
 Coordinate SettableNumber::coordinate(const Scene& scene) const {
-  if (of_ == Of::along) return coordinate_of(kind_of(scene.joints[owner_].is), coordinate_);
+  if (of_ == Of::along) return coordinate_of(kind_of(*scene.joints[owner_].is), coordinate_);
   Coordinate out;
   if (of_ == Of::element) {
     at_element(scene, section_, owner_, [&](const ElementPlace& element) { out = coordinate_of(scene, element); });
@@ -171,10 +171,10 @@ double& SettableNumber::place(Scene& scene) const {
       return scene.bodies[owner_].inertia(r, c);
     }
     case Of::joint:
-      return number_in(group_, *field_, data_of(scene.joints[owner_].is), i_);
+      return number_in(group_, *field_, data_of(*scene.joints[owner_].is), i_);
     case Of::along:
-      return number_in(group_, *field_, force_->find(scene.joints[owner_].along[static_cast<std::size_t>(coordinate_)]),
-                       0);
+      return number_in(group_, *field_,
+                       force_->find(*scene.joints[owner_].along[static_cast<std::size_t>(coordinate_)]), 0);
     case Of::parent:
       return scene.joints[owner_].parent.X_BF.p[i_];
     case Of::child:
@@ -184,7 +184,7 @@ double& SettableNumber::place(Scene& scene) const {
   }
   double* out = nullptr;
   at_element(scene, section_, owner_,
-             [&](auto& element) { out = &number_in(group_, *field_, data_of(element.is), i_); });
+             [&](auto& element) { out = &number_in(group_, *field_, data_of(*element.is), i_); });
   return *out;
 }
 
@@ -210,7 +210,7 @@ std::vector<SettableNumber> settable_numbers(const Scene& scene) {
   int section = 0;
   each_section(scene, [&](const Section&, const auto& elements) {
     for (std::size_t i = 0; i < elements.size(); ++i) {
-      add(out, Of::element, i, kind_of(elements[i].is).fields, data_of(elements[i].is),
+      add(out, Of::element, i, kind_of(*elements[i].is).fields, data_of(*elements[i].is),
           [&](const SettableNumber& x) { return x.in_section(section); });
     }
     ++section;
@@ -245,7 +245,7 @@ void take(std::span<const Field> fields, void* to, const void* from) {
 
 template <class Any>
 void take(std::vector<Element<Any>>& to, const std::vector<Element<Any>>& from) {
-  for (std::size_t i = 0; i < to.size(); ++i) take(kind_of(to[i].is).fields, data_of(to[i].is), data_of(from[i].is));
+  for (std::size_t i = 0; i < to.size(); ++i) take(kind_of(*to[i].is).fields, data_of(*to[i].is), data_of(*from[i].is));
 }
 
 }  // namespace
@@ -255,7 +255,7 @@ void take_tunables(Scene& scene, const Scene& from) {
   for (std::size_t j = 0; j < scene.joints.size(); ++j) {
     for (std::size_t i = 0; i < scene.joints[j].along.size(); ++i) {
       for (const JointForceKind& force : joint_force_kinds()) {
-        take(force.fields, force.find(scene.joints[j].along[i]), force.in(from.joints[j].along[i]));
+        take(force.fields, force.find(*scene.joints[j].along[i]), force.in(*from.joints[j].along[i]));
       }
     }
   }

@@ -7,7 +7,7 @@
 
 #include "scene/element_numbers.h"
 #include "shape/features.h"
-#include "shape/registry.h"
+#include "shape/kinds.h"
 #include "shape/rounded.h"
 
 namespace gelenk {
@@ -40,10 +40,10 @@ std::string reason_for_time_steps(const Scene& scene) {
   std::string not_located;
   for (const Contact& contact : scene.contacts) {
     each_pair_of_shapes(scene, contact, [&](const BodyShape& a, const BodyShape& b) {
-      const int features = located_features(a.is, b.is);
+      const int features = located_features(*a.is, *b.is);
       if (features == 0 && not_located.empty())
-        not_located = "contacts." + contact.name + " is between a " + std::string(kind_of(a.is).kind) + " and a " +
-                      std::string(kind_of(b.is).kind);
+        not_located = "contacts." + contact.name + " is between a " + std::string(kind_of(*a.is).kind) + " and a " +
+                      std::string(kind_of(*b.is).kind);
       sum += features;
     });
   }
@@ -51,15 +51,16 @@ std::string reason_for_time_steps(const Scene& scene) {
   return "more than " + std::to_string(most_features) + " pairs of features can touch";
 }
 
-void scale(AnyShape& shape, double factor) {
-  const ShapeKind& kind = kind_of(shape);
+void scale(Stored<AnyShape>& shape, double factor) {
+  const ShapeKind& kind = kind_of(*shape);
   if (kind.of_points) {
-    std::vector<Eigen::Vector3d> points(points_of(shape).begin(), points_of(shape).end());
+    std::vector<Eigen::Vector3d> points(points_of(*shape).begin(), points_of(*shape).end());
     for (Eigen::Vector3d& point : points) point *= factor;
-    const std::span<const Triangle> triangles = triangles_of(shape);
-    shape = make_shape_of_points(shape.index(), std::move(points), {triangles.begin(), triangles.end()});
+    const std::span<const Triangle> triangles = triangles_of(*shape);
+    shape = make_shape_of_points(static_cast<std::size_t>(&kind - shape_kinds().data()), std::move(points),
+                                 {triangles.begin(), triangles.end()});
   } else {
-    each_number(kind.fields, data_of(shape), [&](const Number& x) { *x.value *= factor; });
+    each_number(kind.fields, data_of(*shape), [&](const Number& x) { *x.value *= factor; });
   }
 }
 
@@ -75,7 +76,7 @@ std::vector<std::string> surfaces_of(const Scene& scene) {
 MassProperties mass_properties(const std::vector<BodyShape>& shapes) {
   Spatial::Inertia sum;
   for (const BodyShape& shape : shapes) {
-    const std::optional<MassProperties> of = mass_properties(shape.is);
+    const std::optional<MassProperties> of = mass_properties(*shape.is);
     if (of) sum += Spatial::Inertia::about_com(of->volume, of->center, of->inertia).moved_by(shape.X_BS);
   }
   MassProperties out;
@@ -121,11 +122,11 @@ void each_pair_of_shapes(const Scene& scene, const Contact& contact,
   }
   for (const BodyShape& shape : scene.ground_shapes) shapes.emplace_back(std::string(ground), &shape);
   const auto are_joined = [&](const std::string& a, const std::string& b) {
-    if (includes_joined(contact.is) || a == ground || b == ground) return false;
+    if (includes_joined(*contact.is) || a == ground || b == ground) return false;
     return std::ranges::any_of(scene.joints, [&](const Joint& joint) {
       const std::string& parent = joint.parent.body;
       const std::string& child = joint.child.body;
-      return kind_of(joint.is).nv < 6 && ((parent == a && child == b) || (parent == b && child == a));
+      return kind_of(*joint.is).nv < 6 && ((parent == a && child == b) || (parent == b && child == a));
     });
   };
   for (const auto& [a, first] : shapes) {

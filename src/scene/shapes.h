@@ -11,7 +11,7 @@
 namespace gelenk {
 
 // Multiplies all lengths of a shape by a factor.
-void scale(AnyShape& shape, double factor);
+void scale(Stored<AnyShape>& shape, double factor);
 
 // Names of all surfaces, in the order of the file, each once.
 std::vector<std::string> surfaces_of(const Scene& scene);

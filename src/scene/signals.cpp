@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <string_view>
 
-#include "joint/registry.h"
+#include "joint/kinds.h"
 #include "scene/element_numbers.h"
 
 namespace gelenk {
@@ -55,10 +55,10 @@ template <class Groups>
 void add_along(std::vector<Signal>& signals, const Joint& joint, int index, Groups groups) {
   const ElementPlace place{.name = joint.name, .frames = {}, .joints = {joint.name}, .coordinate = {}};
   for (std::size_t i = 0; i < joint.along.size(); ++i) {
-    const Coordinate coordinate = coordinate_of(kind_of(joint.is), static_cast<int>(i));
+    const Coordinate coordinate = coordinate_of(kind_of(*joint.is), static_cast<int>(i));
     for (std::size_t k = 0; k < joint_force_kinds().size(); ++k) {
       const JointForceKind& kind = joint_force_kinds()[k];
-      const void* element = kind.in(joint.along[i]);
+      const void* element = kind.in(*joint.along[i]);
       if (element == nullptr) continue;
       const std::span<const SignalGroup> all = groups(kind, element);
       for (std::size_t g = 0; g < all.size(); ++g) {
@@ -93,7 +93,7 @@ std::span<const SignalGroup> inputs_along(const JointForceKind& kind, const void
 double start_of(SignalGroup::Start start, const Scene& scene, const ElementPlace& element) {
   if (start == SignalGroup::Start::zero) return 0;
   const Joint& joint = *std::ranges::find(scene.joints, element.joints.front(), &Joint::name);
-  const auto i = static_cast<std::size_t>(component_of(kind_of(joint.is), element.coordinate));
+  const auto i = static_cast<std::size_t>(component_of(kind_of(*joint.is), element.coordinate));
   return start == SignalGroup::Start::speed ? joint.start.v[i] : joint.start.q[i];
 }
 
@@ -122,7 +122,7 @@ std::vector<Signal> input_signals(const Scene& scene) {
   std::vector<Signal> signals;
   int section = 0;
   each_section(scene, [&](const Section&, const auto& elements) {
-    add_section(signals, scene, section++, elements, [](const auto& element) { return inputs_of(element.is); });
+    add_section(signals, scene, section++, elements, [](const auto& element) { return inputs_of(*element.is); });
   });
   for (std::size_t j = 0; j < scene.joints.size(); ++j)
     add_along(signals, scene.joints[j], static_cast<int>(j), inputs_along);
@@ -136,13 +136,13 @@ std::vector<std::vector<int>> first_inputs(const Scene& scene) {
     std::vector<int>& of = out.emplace_back();
     for (const auto& element : elements) {
       of.push_back(input);
-      input += input_count(element.is);
+      input += input_count(*element.is);
     }
   });
   std::vector<int>& of_joints = out.emplace_back();
   for (const Joint& joint : scene.joints) {
     of_joints.push_back(input);
-    for (const JointForces& forces : joint.along) input += inputs_along_count(forces);
+    for (const Stored<JointForces>& forces : joint.along) input += inputs_along_count(*forces);
   }
   return out;
 }
@@ -158,7 +158,7 @@ std::vector<Signal> output_signals(const Scene& scene) {
     add_along(signals, joint, static_cast<int>(j),
               [](const JointForceKind& kind, const void*) { return kind.outputs; });
   }
-  const auto groups = [](const auto& element) { return kind_of(element.is).outputs; };
+  const auto groups = [](const auto& element) { return kind_of(*element.is).outputs; };
   add_section(signals, scene, sections::sensors, scene.sensors, groups);
   add_section(signals, scene, sections::motors, scene.motors, groups);
   add_section(signals, scene, sections::forces, scene.forces, groups);

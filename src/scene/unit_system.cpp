@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "joint/registry.h"
+#include "joint/kinds.h"
 #include "scene/element_numbers.h"
 #include "scene/shapes.h"
 
@@ -64,7 +64,7 @@ template <class Any, class Visit>
 void each_length(const std::vector<Element<Any>>& elements, Visit visit) {
   for (const Element<Any>& element : elements) {
     if (!element.joints.empty()) continue;
-    each_number(kind_of(element.is).fields, data_of(element.is), [&](const Number& x) {
+    each_number(kind_of(*element.is).fields, data_of(*element.is), [&](const Number& x) {
       if (x.field->unit == "m") visit(*x.value);
     });
   }
@@ -75,7 +75,7 @@ double size_of_bodies(const Scene& scene) {
   for (const Body& body : scene.bodies) {
     out.add(body.com.norm());
     if (body.mass > 0) out.add(std::sqrt(body.inertia.trace() / body.mass));
-    for (const BodyShape& shape : body.shapes) out.add(size_of(shape.is));
+    for (const BodyShape& shape : body.shapes) out.add(size_of(*shape.is));
   }
   for (const Joint& joint : scene.joints) {
     for (const BodyFrame* frame : {&joint.parent, &joint.child}) out.add(*frame, false);
@@ -110,7 +110,7 @@ class Converter {
     each_section(scene, [&](const Section&, auto& elements) {
       for (auto& element : elements) {
         for (BodyFrame& frame : element.frames) convert(frame);
-        convert(kind_of(element.is).fields, data_of(element.is), coordinate_of(scene, element));
+        convert(kind_of(*element.is).fields, data_of(*element.is), coordinate_of(scene, element));
       }
     });
   }
@@ -145,10 +145,10 @@ class Converter {
     for (std::size_t i = 0; i < start.v.size(); ++i) {
       if (kind.v[i].unit == "m/s") start.v[i] *= length_;
     }
-    convert(kind.fields, data_of(joint.is), {});
+    convert(kind.fields, data_of(*joint.is), {});
     for (std::size_t i = 0; i < joint.along.size(); ++i) {
       for (const JointForceKind& force : joint_force_kinds()) {
-        void* there = force.find(joint.along[i]);
+        void* there = force.find(*joint.along[i]);
         if (there != nullptr) convert(force.fields, there, coordinate_of(kind, static_cast<int>(i)));
       }
     }

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "joint/registry.h"
+#include "joint/kinds.h"
 #include "math/rotations.h"
 #include "scene/quantity_groups.h"
 #include "scene_file/element_fields.h"
@@ -99,8 +99,8 @@ void read_along(Fields& fields, const JointForceKind& kind, const Field& field, 
   if (value == nullptr) return;
   const std::string path = fields.path(key);
   const std::size_t n = joint.along.size();
-  const JointKind& of = kind_of(joint.is);
-  const auto element = [&](std::size_t i) { return kind.find(joint.along[i]); };
+  const JointKind& of = kind_of(*joint.is);
+  const auto element = [&](std::size_t i) { return kind.find(*joint.along[i]); };
   if (n == 1) return read_field(*value, path, fields.faults(), field, element(0), coordinate_of(of, 0));
   const auto list = read_list(*value, path, fields.faults(), n, common_unit(field, of), field.range);
   for (std::size_t i = 0; list && i < n; ++i) field.of<double>(element(i)) = (*list)[i];
@@ -116,12 +116,12 @@ void refuse(const Json& value, const std::string& path, std::string_view name, c
 // Reads a group of fields along a joint; after an error the whole group is removed, since its numbers belong together.
 void read_group(const Json& value, const std::string& path, const JointForceKind& kind, Reader& reader, Joint& joint) {
   const std::size_t before = reader.faults.count();
-  JointForces& at = joint.along.front();
+  JointForces& at = *joint.along.front();
   std::vector<std::string> names;
   for (const Field& field : kind.fields) names.emplace_back(field.name);
   Fields fields(value, path, reader.faults, "{" + text::list(names) + "}");
   kind.emplace(at);
-  if (fields.valid()) read_fields(fields, kind.fields, kind.find(at), coordinate_of(kind_of(joint.is), 0));
+  if (fields.valid()) read_fields(fields, kind.fields, kind.find(at), coordinate_of(kind_of(*joint.is), 0));
   fields.done();
   if (reader.faults.count() == before) check_forces(joint, path, kind, reader.faults);
   if (reader.faults.count() == before) return;
@@ -142,13 +142,13 @@ void refuse_forces(Fields& fields, const JointForceKind& kind, Reader& reader, c
   for (const std::string& key : keys_of(kind)) {
     const Json* value = fields.find(key);
     if (value == nullptr) continue;
-    refuse(*value, fields.path(key), key, kind, kind_of(joint.is), reader.faults);
+    refuse(*value, fields.path(key), key, kind, kind_of(*joint.is), reader.faults);
     if (!kind.group.empty()) reader.suspect_names.insert(joint.name);
   }
 }
 
 void read_forces(Fields& fields, Reader& reader, Joint& joint) {
-  const JointKind& of = kind_of(joint.is);
+  const JointKind& of = kind_of(*joint.is);
   joint.along.resize(static_cast<std::size_t>(of.nv));
   for (const JointForceKind& kind : joint_force_kinds()) {
     const std::string group(kind.group);
@@ -192,7 +192,7 @@ void read_joint(const Json& value, const std::string& path, Reader& reader, Join
   joint.start = free_start(*kind);
   if (const Json* start = fields.find("start")) read_start(*start, fields.path("start"), reader.faults, joint);
   joint.is = make_joint(joint.type, joint.axes);
-  read_fields(fields, kind->fields, data_of(joint.is), {});
+  read_fields(fields, kind->fields, data_of(*joint.is), {});
   read_forces(fields, reader, joint);
   fields.done();
 }

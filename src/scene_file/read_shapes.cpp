@@ -76,18 +76,18 @@ std::optional<std::vector<Triangle>> read_triangles(const Json& value, const std
   return out;
 }
 
-void read_hull(const Json& value, const std::string& path, Faults& faults, AnyShape& shape) {
+void read_hull(const Json& value, const std::string& path, Faults& faults, std::size_t kind, Stored<AnyShape>& shape) {
   auto points = read_points(value, path, faults);
   if (!points) return;
   try {
-    shape = make_shape_of_points(shape.index(), std::move(*points));
+    shape = make_shape_of_points(kind, std::move(*points));
   } catch (const std::invalid_argument& fault) {
     faults.add(path, fault.what(), "points that span a volume");
   }
 }
 
 // Files of meshes are read by the Python package, which puts their points and triangles in their place.
-void read_mesh(const Json& value, const std::string& path, Faults& faults, AnyShape& shape) {
+void read_mesh(const Json& value, const std::string& path, Faults& faults, std::size_t kind, Stored<AnyShape>& shape) {
   constexpr const char* expected = "a mapping with points and triangles";
   if (value.is_string() || (value.is_object() && value.contains("file"))) {
     faults.add(path, "a file", std::string(expected) + "; only the Python package reads files of meshes");
@@ -103,7 +103,7 @@ void read_mesh(const Json& value, const std::string& path, Faults& faults, AnySh
   auto triangles = read_triangles(*of_triangles, fields.path("triangles"), faults);
   if (!points || !triangles) return;
   try {
-    shape = make_shape_of_points(shape.index(), std::move(*points), std::move(*triangles));
+    shape = make_shape_of_points(kind, std::move(*points), std::move(*triangles));
   } catch (const std::invalid_argument& fault) {
     faults.add(path, fault.what(), "a closed surface, its triangles counterclockwise as seen from outside");
   }
@@ -129,11 +129,11 @@ BodyShape read_shape(const std::string& name, const Json& value, const std::stri
     out.is = make_shape(n);
     const std::string own = fields.path(found);
     if (kind.of_triangles) {
-      read_mesh(*dimensions, own, faults, out.is);
+      read_mesh(*dimensions, own, faults, n, out.is);
     } else if (kind.of_points) {
-      read_hull(*dimensions, own, faults, out.is);
+      read_hull(*dimensions, own, faults, n, out.is);
     } else if (kind.bounded) {
-      read_dimensions(*dimensions, own, faults, kind, out.is);
+      read_dimensions(*dimensions, own, faults, kind, *out.is);
     } else if (const auto normal = read_direction(*dimensions, own, faults)) {
       out.X_BS.R = rotation_taking_z_to(*normal);
     }

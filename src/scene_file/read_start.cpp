@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 
-#include "joint/registry.h"
+#include "joint/kinds.h"
 #include "math/rotations.h"
 #include "scene/quantity_groups.h"
 #include "scene_file/reader.h"

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "joint/registry.h"
+#include "joint/kinds.h"
 #include "scene/quantity_groups.h"
 #include "scene/words.h"
 #include "scene_file/element_fields.h"
@@ -43,22 +43,22 @@ Json section(const std::vector<Element>& elements, Json (*write)(const Element&)
 
 // Writes a shape under the name of its kind: {sphere: 0.1, position: [..], surface: wood}.
 Json shape(const BodyShape& shape) {
-  const ShapeKind& kind = kind_of(shape.is);
+  const ShapeKind& kind = kind_of(*shape.is);
   Json out;
   Json& dimensions = out[std::string(kind.kind)];
   if (kind.of_points) {
     Json points = Json::array();
-    for (const Eigen::Vector3d& point : points_of(shape.is)) points.push_back(numbers_of(point));
+    for (const Eigen::Vector3d& point : points_of(*shape.is)) points.push_back(numbers_of(point));
     if (kind.of_triangles) {
       dimensions["points"] = std::move(points);
-      dimensions["triangles"] = triangles_of(shape.is);
+      dimensions["triangles"] = triangles_of(*shape.is);
     } else {
       dimensions = std::move(points);
     }
   } else if (!kind.bounded) {
     dimensions = {0, 0, 1};
   } else {
-    write_fields(dimensions, kind.fields, data_of(shape.is));
+    write_fields(dimensions, kind.fields, data_of(*shape.is));
     if (kind.fields.size() == 1) dimensions = Json(dimensions.front());
   }
   add_pose(out, shape.X_BS);
@@ -122,13 +122,13 @@ void write_forces(Json& out, const Joint& joint, const JointKind& kind) {
   for (const JointForceKind& force : joint_force_kinds()) {
     if (!force.fits(kind)) continue;
     if (!force.group.empty()) {
-      const void* there = force.in(joint.along.front());
+      const void* there = force.in(*joint.along.front());
       if (there != nullptr) write_fields(out[std::string(force.group)], force.fields, there);
       continue;
     }
     for (const Field& field : force.fields) {
       Json values = Json::array();
-      for (const JointForces& along : joint.along) values.push_back(field.of<double>(force.in(along)));
+      for (const auto& along : joint.along) values.push_back(field.of<double>(force.in(*along)));
       out[std::string(field.name)] = kind.nv == 1 ? values[0] : values;
     }
   }
@@ -143,7 +143,7 @@ Json joint(const Joint& joint) {
   out["child"] = frame(joint.child);
   const JointKind* kind = find_joint_kind(joint.type);
   if (kind == nullptr) return out;
-  write_fields(out, kind->fields, data_of(joint.is));
+  write_fields(out, kind->fields, data_of(*joint.is));
   if (kind->nv == 0) return out;
   Json values = start(joint.start, *kind);
   if (!values.empty()) out["start"] = std::move(values);
@@ -219,7 +219,7 @@ std::string write_scene_json(const Scene& scene) {
   out["joints"] = section(scene.joints, joint);
   each_section(scene, [&](const Section& of, const auto& elements) {
     Json& entries = out[std::string(of.name)] = Json::object();
-    for (const auto& e : elements) entries[e.name] = element(e, kind_of(e.is), data_of(e.is), of);
+    for (const auto& e : elements) entries[e.name] = element(e, kind_of(*e.is), data_of(*e.is), of);
   });
   out["parameters"] = scene.parameters;
   if (!scene.outputs.empty()) out["outputs"] = scene.outputs;

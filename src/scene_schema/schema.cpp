@@ -5,7 +5,7 @@
 
 #include <limits>
 
-#include "joint/registry.h"
+#include "joint/kinds.h"
 #include "scene/quantity_groups.h"
 #include "scene/words.h"
 #include "scene_file/read.h"

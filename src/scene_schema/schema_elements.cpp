@@ -115,8 +115,8 @@ Json group(const Field& field, const Coordinate* coordinate) {
 }
 
 Json joint_numbers(const JointKind& kind, std::vector<std::string>& required) {
-  const AnyJoint plain = make_joint(kind.name, default_axes(kind));
-  Json out = properties(kind.fields, data_of(plain), nullptr, required);
+  const Stored<AnyJoint> plain = make_joint(kind.name, default_axes(kind));
+  Json out = properties(kind.fields, data_of(*plain), nullptr, required);
   for (const JointForceKind& force : joint_force_kinds()) {
     if (!force.fits(kind)) continue;
     if (!force.group.empty()) {
@@ -176,14 +176,14 @@ Json elements(const Section& section) {
   Json names = Json::array();
   std::size_t n = 0;
   for (const ElementKind& kind : element_kinds<Any>()) {
-    const Any defaults = make_element<Any>(n++);
+    const Stored<Any> defaults = make_element<Any>(n++);
     const std::string name(kind.kind);
     Json fields;
     std::vector<std::string> required;
     fields["type"] = {{"const", name}, {"description", sentence(std::string(kind.summary))}};
     if (section.default_type != kind.kind) required.emplace_back("type");
     for (const Port& port : kind.ports) add_port(port, fields, required);
-    fields.update(properties(kind.fields, data_of(defaults), nullptr, required));
+    fields.update(properties(kind.fields, data_of(*defaults), nullptr, required));
     names.push_back(name);
     Json element = object(fields, required);
     add_ways(element, kind.fields);
@@ -223,8 +223,8 @@ Json shapes() {
     const ShapeKind& kind = shape_kinds()[n];
     const std::string name(kind.kind);
     std::vector<std::string> required;
-    const AnyShape plain = make_shape(n);
-    Json own = properties(kind.fields, data_of(plain), nullptr, required);
+    const Stored<AnyShape> plain = make_shape(n);
+    Json own = properties(kind.fields, data_of(*plain), nullptr, required);
     if (kind.of_triangles) {
       own = mesh();
     } else if (kind.of_points) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "shape/features.h"
 
+#include "shape/registry.h"
 #include "shape/rounded.h"
 
 namespace gelenk {

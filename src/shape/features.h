@@ -6,7 +6,7 @@
 #include <array>
 #include <vector>
 
-#include "shape/registry.h"
+#include "shape/kinds.h"
 
 namespace gelenk {
 

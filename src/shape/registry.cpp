@@ -6,6 +6,8 @@
 #include <limits>
 #include <utility>
 
+#include "util/stored_impl.h"
+
 namespace gelenk {
 namespace {
 
@@ -52,12 +54,22 @@ const ShapeKind* find_shape_kind(std::string_view name) {
   return found == kinds.end() ? nullptr : &*found;
 }
 
+template class Stored<AnyShape>;
+
+void* data_of(AnyShape& shape) {
+  return std::visit([](auto& s) -> void* { return &s; }, shape);
+}
+const void* data_of(const AnyShape& shape) {
+  return std::visit([](const auto& s) -> const void* { return &s; }, shape);
+}
+
 const ShapeKind& kind_of(const AnyShape& shape) { return shape_kinds()[shape.index()]; }
 
-AnyShape make_shape(std::size_t n) { return make_nth(n, static_cast<const AnyShape*>(nullptr)); }
+Stored<AnyShape> make_shape(std::size_t n) { return make_nth(n, static_cast<const AnyShape*>(nullptr)); }
 
-AnyShape make_shape_of_points(std::size_t n, std::vector<Eigen::Vector3d> points, std::vector<Triangle> triangles) {
-  AnyShape out = make_shape(n);
+Stored<AnyShape> make_shape_of_points(std::size_t n, std::vector<Eigen::Vector3d> points,
+                                      std::vector<Triangle> triangles) {
+  Stored<AnyShape> out = make_shape(n);
   std::visit(
       [&](auto& shape) {
         using S = std::decay_t<decltype(shape)>;
@@ -67,7 +79,7 @@ AnyShape make_shape_of_points(std::size_t n, std::vector<Eigen::Vector3d> points
           shape = S(std::move(points));
         }
       },
-      out);
+      *out);
   return out;
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "shape/rounded.h"
 
+#include "shape/registry.h"
+
 namespace gelenk {
 namespace {
 

@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "shape/registry.h"
+#include "shape/kinds.h"
 
 namespace gelenk {
 

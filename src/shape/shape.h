@@ -13,6 +13,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <limits>
 #include <span>
 #include <string_view>
@@ -21,6 +22,8 @@
 #include "math/spatial.h"
 
 namespace gelenk {
+
+using Triangle = std::array<int, 3>;
 
 // Of a solid with unit density: divided by the density they have the units of mass and inertia.
 struct MassProperties {

@@ -7,6 +7,7 @@
 
 #include "assembly/loop_closure.h"
 #include "scene/words.h"
+#include "simulation/sensitivity.h"
 #include "simulation/simulation_impl.h"
 #include "simulation/start_report.h"
 #include "util/text.h"

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "formulation/targets.h"
+#include "kinematics/model.h"
 #include "preparation/adjustment.h"
 #include "preparation/preparation.h"
 #include "preparation/report.h"

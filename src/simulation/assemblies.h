@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "assembly/branches.h"
+#include "scene/scene.h"
 
 namespace gelenk {
 

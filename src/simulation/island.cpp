@@ -69,7 +69,7 @@ std::vector<std::array<std::string, 2>> Island::event_texts() const {
   std::vector<std::array<std::string, 2>> out;
   for (const BranchingForce& of : branching_forces(loads_)) {
     const Joint& joint = scene_.joints[static_cast<std::size_t>(of.joint)];
-    const Coordinate coordinate = coordinate_of(kind_of(joint.is), of.component);
+    const Coordinate coordinate = coordinate_of(kind_of(*joint.is), of.component);
     const ElementPlace place{.name = {}, .frames = {}, .joints = {joint.name}, .coordinate = {}};
     for (const auto& texts : of.events)
       out.push_back({filled_in(texts[0], place, coordinate), filled_in(texts[1], place, coordinate)});

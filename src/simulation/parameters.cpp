@@ -11,7 +11,7 @@
 
 #include "formulation/formulation.h"
 #include "integrator/integrator.h"
-#include "joint/registry.h"
+#include "joint/kinds.h"
 #include "scene/quantity_groups.h"
 #include "scene/settable.h"
 #include "scene/words.h"

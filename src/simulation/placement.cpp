@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <string>
 
+#include "simulation/sensitivity.h"
 #include "simulation/simulation_impl.h"
 #include "simulation/state_derivatives.h"
 #include "util/text.h"

@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "contact/recorded_problem.h"
+#include "derivatives/jacobians.h"
+#include "formulation/equations.h"
 #include "simulation/simulation.h"
 
 namespace gelenk {

@@ -8,17 +8,17 @@
 #include <string>
 #include <vector>
 
-#include "analysis/rest_forces.h"
-#include "derivatives/jacobians.h"
-#include "formulation/equations.h"
-#include "preparation/adjustment.h"
-#include "preparation/preparation.h"
+#include "event/event_log.h"
+#include "math/spatial.h"
+#include "preparation/assembly_error.h"
 #include "scene/scene.h"
 #include "scene/signals.h"
-#include "simulation/sensitivity.h"
-#include "util/archive.h"
 
 namespace gelenk {
+
+class Archive;
+struct ReducedScene;
+struct RestForces;
 
 // A step failed. The simulation is at its last good time and can continue from there.
 class StepError : public std::runtime_error {

@@ -9,8 +9,10 @@
 #include <utility>
 #include <vector>
 
+#include "analysis/equilibrium.h"
 #include "preparation/adjustment.h"
 #include "simulation/island.h"
+#include "simulation/sensitivity.h"
 #include "simulation/simulation.h"
 
 namespace gelenk {

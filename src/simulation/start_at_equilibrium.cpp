@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "analysis/equilibrium.h"
+#include "analysis/rest_forces.h"
 #include "preparation/report.h"
 #include "scene/natural_time.h"
 #include "simulation/simulation_impl.h"

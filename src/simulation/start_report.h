@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "preparation/adjustment.h"
+#include "preparation/preparation.h"
 #include "simulation/simulation.h"
 
 namespace gelenk {

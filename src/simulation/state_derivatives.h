@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "simulation/sensitivity.h"
 #include "simulation/simulation.h"
 
 namespace gelenk {

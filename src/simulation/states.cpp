@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "simulation/states.h"
 
-#include "joint/registry.h"
+#include "joint/kinds.h"
 
 namespace gelenk {
 

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "element/contact.h"
+#include "kinematics/model.h"
 #include "math/bounds.h"
 
 namespace gelenk {

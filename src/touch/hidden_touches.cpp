@@ -7,6 +7,7 @@
 #include "collision/contacts.h"
 #include "contact/contact_finder.h"
 #include "math/bounds.h"
+#include "mechanism/mechanism.h"
 
 namespace gelenk {
 namespace {
@@ -32,7 +33,7 @@ bool bends_little(double g0, double g1, double h, double acceleration) {
 
 // The corners of a shape without round ones, or the centers of its round ones, in its link.
 std::vector<Tip> corners_of(const LinkShape& shape) {
-  std::vector<Tip> out = tips_of(shape.is);
+  std::vector<Tip> out = tips_of(*shape.is);
   for (Tip& corner : out) corner.center = shape.X_LS.point(corner.center);
   return out;
 }
@@ -96,8 +97,8 @@ void HiddenTouches::gap(int pair, Gap& out) const {
     }
     const Spot& spot = spots[range.first];
     std::array<ContactPoint, max_contact_points> points;
-    const int count = find_contacts(mechanism_.shapes[static_cast<std::size_t>(spot.core)].is, X_core * spot.X_LS,
-                                    mechanism_.shapes[static_cast<std::size_t>(spot.tip)].is, X_tip * spot.X_tip,
+    const int count = find_contacts(*mechanism_.shapes[static_cast<std::size_t>(spot.core)].is, X_core * spot.X_LS,
+                                    *mechanism_.shapes[static_cast<std::size_t>(spot.tip)].is, X_tip * spot.X_tip,
                                     unlimited, points.data());
     for (int k = 0; k < count; ++k) {
       const ContactPoint& point = points[static_cast<std::size_t>(k)];

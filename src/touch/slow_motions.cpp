@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mechanism/mechanism.h"
 #include "touch/touch_equations.h"
 
 namespace gelenk {

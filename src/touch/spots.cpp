@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "mechanism/touching.h"
-#include "shape/registry.h"
+#include "shape/kinds.h"
 #include "touch/spot_features.h"
 
 namespace gelenk {
@@ -53,18 +53,18 @@ Spots::Spots(const Mechanism& mechanism)
       if (contact < 0) continue;
       begin_pair(mechanism, i, j);
       // Other pairs have been refused (check/elements.cpp).
-      if (tips_touch_core(first.is, second.is)) {
+      if (tips_touch_core(*first.is, *second.is)) {
         add_pair(mechanism, contact, i, j);
-      } else if (tips_touch_core(second.is, first.is)) {
+      } else if (tips_touch_core(*second.is, *first.is)) {
         add_pair(mechanism, contact, j, i);
-      } else if (edges_touch(first.is, second.is)) {
+      } else if (edges_touch(*first.is, *second.is)) {
         add_pair(mechanism, contact, i, j);
         add_pair(mechanism, contact, j, i);
-        const bool second_is_sharp = edges_of(second.is).front().is_sharp();  // the core is, if one of them is
+        const bool second_is_sharp = edges_of(*second.is).front().is_sharp();  // the core is, if one of them is
         add_edges(mechanism, contact, second_is_sharp ? i : j, second_is_sharp ? j : i);
-      } else if (rims_touch_plane(first.is, second.is)) {
+      } else if (rims_touch_plane(*first.is, *second.is)) {
         add_rims(mechanism, contact, i, j);
-      } else if (rims_touch_plane(second.is, first.is)) {
+      } else if (rims_touch_plane(*second.is, *first.is)) {
         add_rims(mechanism, contact, j, i);
       }
     }
@@ -82,9 +82,9 @@ void Spots::begin_pair(const Mechanism& mechanism, int tip, int core) {
   pair.tip_link = a.link;
   pair.core = b.X_LS.p;
   pair.tip = a.X_LS.p;
-  pair.reach = radius_of(a.is) + radius_of(b.is);
-  pair.tip_arm = arm_of(a.is);
-  pair.core_arm = arm_of(b.is);
+  pair.reach = radius_of(*a.is) + radius_of(*b.is);
+  pair.tip_arm = arm_of(*a.is);
+  pair.core_arm = arm_of(*b.is);
 }
 
 Spots::Range Spots::range(int pair) const {
@@ -139,8 +139,8 @@ Spot Spots::spot_between(const Mechanism& mechanism, int contact, int tip, int c
   spot.sign = core_is_first ? 1 : -1;
   spot.X_LS = with_core.X_LS;
   spot.X_tip = with_tips.X_LS;
-  spot.box = *core_of(with_core.is);
-  spot.size = std::min(size_of(with_core.is), size_of(with_tips.is));
+  spot.box = *core_of(*with_core.is);
+  spot.size = std::min(size_of(*with_core.is), size_of(*with_tips.is));
   spot.R_belt = belt.X_LS.R;
   links_.push_back(with_core.link);
   links_.push_back(with_tips.link);
@@ -150,7 +150,7 @@ Spot Spots::spot_between(const Mechanism& mechanism, int contact, int tip, int c
 void Spots::add_pair(const Mechanism& mechanism, int contact, int tip, int core) {
   const LinkShape& with_tips = mechanism.shapes[static_cast<std::size_t>(tip)];
   Spot spot = spot_between(mechanism, contact, tip, core);
-  const std::vector<Tip> tips = tips_of(with_tips.is);
+  const std::vector<Tip> tips = tips_of(*with_tips.is);
   Vector3d middle = Vector3d::Zero();
   for (const Tip& at : tips) middle += at.center / static_cast<double>(tips.size());
   for (const Tip& at : tips) {
@@ -186,8 +186,8 @@ void Spots::add_edges(const Mechanism& mechanism, int contact, int tip, int core
   };
   Spot spot = spot_between(mechanism, contact, tip, core);
   spot.kind = Spot::Kind::edges;
-  for (const SolidEdge& of_tip : edges_of(a.is)) {
-    for (const SolidEdge& of_core : edges_of(b.is)) {
+  for (const SolidEdge& of_tip : edges_of(*a.is)) {
+    for (const SolidEdge& of_core : edges_of(*b.is)) {
       spot.tip_edge = in_link(a.X_LS, of_tip);
       spot.core_edge = in_link(b.X_LS, of_core);
       spots_.push_back(spot);
@@ -199,7 +199,7 @@ void Spots::add_rims(const Mechanism& mechanism, int contact, int tip, int core)
   const LinkShape& with_rims = mechanism.shapes[static_cast<std::size_t>(tip)];
   Spot spot = spot_between(mechanism, contact, tip, core);
   spot.kind = Spot::Kind::rim;
-  for (const SolidRim& rim : rims_of(with_rims.is)) {
+  for (const SolidRim& rim : rims_of(*with_rims.is)) {
     spot.tip_edge.center = with_rims.X_LS.point(rim.center);
     spot.tip_edge.direction = with_rims.X_LS.R * rim.axis;
     spot.radius = rim.radius;

@@ -5,6 +5,7 @@
 
 #include "contact/contact_finder.h"
 #include "event/lost_rebound.h"
+#include "mechanism/mechanism.h"
 #include "touch/touch_modes.h"
 
 namespace gelenk {

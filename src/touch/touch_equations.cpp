@@ -5,6 +5,8 @@
 #include <cmath>
 
 #include "contact/contact_finder.h"
+#include "kinematics/model.h"
+#include "mechanism/mechanism.h"
 
 namespace gelenk {
 namespace {
@@ -50,6 +52,10 @@ TouchEquations::TouchEquations(const Mechanism& mechanism, Dynamics& dynamics, c
       sharing_(rank_threshold),
       closing_gaps_(rank_threshold),
       closing_speeds_(rank_threshold) {}
+
+const ContactLaw& TouchEquations::law(int spot) const {
+  return loads_.contacts[static_cast<std::size_t>(spots_[spot].contact)];
+}
 
 double TouchEquations::coefficient(int spot, int group, bool moves) const {
   const ContactLaw& of = law(spot);

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "contact/step_limits.h"
+#include "element/contact.h"
 #include "linear/least_norm.h"
 #include "touch/spots.h"
 
@@ -50,7 +51,7 @@ class TouchEquations {
 
   Spots& spots() { return spots_; }
   const Spots& spots() const { return spots_; }
-  const ContactLaw& law(int spot) const { return loads_.contacts[static_cast<std::size_t>(spots_[spot].contact)]; }
+  const ContactLaw& law(int spot) const;
   // Largest force or moment of a group per normal force.
   double coefficient(int spot, int group, bool moves) const;
   const std::vector<SpotMode>& modes() const { return modes_; }

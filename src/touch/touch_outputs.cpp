@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "mechanism/mechanism.h"
+
 namespace gelenk {
 
 TouchOutputs::TouchOutputs(const Mechanism& mechanism, Dynamics& dynamics, TouchEquations& touch, std::size_t contacts)

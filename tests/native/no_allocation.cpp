@@ -32,7 +32,7 @@ int main() {
     return gelenk::Pose3{q.toRotationMatrix(), 0.3 * vector()};
   };
   std::vector<gelenk::AnyShape> shapes;
-  for (std::size_t n = 0; n < gelenk::shape_kinds().size(); ++n) shapes.push_back(gelenk::make_shape(n));
+  for (std::size_t n = 0; n < gelenk::shape_kinds().size(); ++n) shapes.push_back(*gelenk::make_shape(n));
   std::array<gelenk::ContactPoint, gelenk::max_contact_points> out;
   std::vector<gelenk::Aabb> boxes(200);
   gelenk::SweepAndPrune search;

@@ -31,8 +31,8 @@ inline gelenk::AnyShape shape(const std::string& kind, const Numbers& dimensions
   const gelenk::ShapeKind* found = gelenk::find_shape_kind(kind);
   if (found == nullptr) throw nanobind::value_error("no such shape");
   const auto index = static_cast<std::size_t>(found - gelenk::shape_kinds().data());
-  if (found->of_points) return gelenk::make_shape_of_points(index, points3(points));
-  gelenk::AnyShape out = gelenk::make_shape(index);
+  if (found->of_points) return *gelenk::make_shape_of_points(index, points3(points));
+  gelenk::AnyShape out = *gelenk::make_shape(index);
   std::size_t next = 0;
   for (const gelenk::Field& field : found->fields) {
     if (field.type == gelenk::Field::Type::number) {
