@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # make demo     build into .venv, export a four-bar, simulate its FMU, plot the results
+# make extras   fetch the optional packages: sweeps, tables, import of URDF files, films
 # make test     check formatting, run the linters and all tests
 # make tidy     run clang-tidy on everything (a quarter of an hour; CI does so, too); FILES=src/touch: on these files only
 # make lint     the checks of make test and make tidy, without running any tests
@@ -64,13 +65,16 @@ needs-sanitize: ; @sh cmake/needs.sh sanitize libasan libubsan libtsan valgrind
 needs-fuzz: ; @CLANGXX="$(CLANGXX)" sh cmake/needs.sh fuzz clang++
 needs-runtimes: ; @sh cmake/needs.sh runtimes cargo
 
-.PHONY: $(NEEDS) help demo test lint style tidy format pytest reductions charts accuracy nonsmooth gallery tutorial real-time growth bench costs clocks studies special thrown agreement masters sanitize units fuzz states runtimes wheels platforms lock lowest clean
+.PHONY: $(NEEDS) help demo extras test lint style tidy format pytest reductions charts accuracy nonsmooth gallery tutorial real-time growth bench costs clocks studies special thrown agreement masters sanitize units fuzz states runtimes wheels platforms lock lowest clean
 help:
-	@sed -n '2,36s/^# //p' Makefile
+	@sed -n '2,37s/^# //p' Makefile
 
 demo: $(VENV)/gelenk.stamp
 	@echo "Running the demo (some seconds)"
 	@$(BIN)/python -m gelenk.demo
+
+extras: $(VENV)/created.stamp
+	@$(BIN)/python cmake/lock.py --extras | $(PIP) install --progress-bar off -r /dev/stdin
 
 test: style pytest
 
@@ -292,8 +296,8 @@ $(VENV)/gelenk.stamp: $(VENV)/created.stamp $(BUILD) $(NATIVE) $(PACKAGE)
 	  $(PIP) install --require-hashes --no-deps -r requirements.lock; \
 	  what=(--no-build-isolation --no-deps .); \
 	else \
-	  echo "Building Gelenk: fetching 300 MB, compiling 300 files with $(JOBS) jobs (some $$((20 / $(JOBS) + 1)) minutes)"; \
-	  what=('.[all]'); \
+	  echo "Building Gelenk: fetching 170 MB, compiling with $(JOBS) jobs (some $$((6 / $(JOBS) + 1)) minutes)"; \
+	  what=('.[charts]'); \
 	fi; \
 	$(BIN)/python -m pip --disable-pip-version-check install -v "$${what[@]}" 2>&1 | tee build/install.log \
 	  | $(BIN)/python cmake/progress.py || \
@@ -301,7 +305,7 @@ $(VENV)/gelenk.stamp: $(VENV)/created.stamp $(BUILD) $(NATIVE) $(PACKAGE)
 	@touch $@
 
 $(VENV)/tools.stamp: $(VENV)/created.stamp pyproject.toml
-	@echo "Fetching the linters and the requirements of the tests (a minute)"
+	@echo "Fetching the linters, the optional packages and the requirements of the tests (a minute)"
 	@if [ -n "$(LOCKED)" ]; then $(PIP) install --progress-bar off --require-hashes --no-deps -r requirements.lock; \
-	else $(PIP) install --progress-bar off --group test --group lint; fi
+	else $(BIN)/python cmake/lock.py --extras | $(PIP) install --progress-bar off --group test --group lint -r /dev/stdin; fi
 	@touch $@

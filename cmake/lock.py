@@ -3,7 +3,7 @@
 
 The lock is for tests and releases (`make LOCKED=1 ...`), on Linux, x86-64, with the Python that runs this
 script. Users install by the ranges of pyproject.toml; `lock.py --lowest` prints the lower ends of those of
-the package.
+the package, `lock.py --extras` its optional requirements.
 """
 
 from __future__ import annotations
@@ -27,23 +27,22 @@ HEADER = """# Names, versions and hashes for tests and releases, on Linux, x86-6
 
 def requirements(project: dict[str, Any]) -> list[str]:
     """Return what the package, its build, its extras and the groups of development require, each once."""
-    found = [*project["build-system"]["requires"], *project["project"]["dependencies"]]
-    for extra in project["project"]["optional-dependencies"].values():
-        found += extra
+    found = [*project["build-system"]["requires"], *project["project"]["dependencies"], *extras(project)]
     for group in GROUPS:
         found += project["dependency-groups"][group]
+    return list(dict.fromkeys(found))
+
+
+def extras(project: dict[str, Any]) -> list[str]:
+    """Return the optional requirements of the package, each once."""
+    found = (line for extra in project["project"]["optional-dependencies"].values() for line in extra)
     return [line for line in dict.fromkeys(found) if not line.startswith("gelenk[")]
 
 
 def lowest(project: dict[str, Any]) -> list[str]:
     """Return the lowest versions that the ranges of the package and of its extras permit."""
-    extras = project["project"]["optional-dependencies"].values()
-    ranges = [*project["project"]["dependencies"], *(line for extra in extras for line in extra)]
-    return [
-        re.sub(r"^([\w.-]+)>=([\w.]+).*$", r"\1==\2", line)
-        for line in dict.fromkeys(ranges)
-        if not line.startswith("gelenk[")
-    ]
+    ranges = dict.fromkeys([*project["project"]["dependencies"], *extras(project)])
+    return [re.sub(r"^([\w.-]+)>=([\w.]+).*$", r"\1==\2", line) for line in ranges]
 
 
 def locked(report: dict[str, Any]) -> Iterator[str]:
@@ -64,6 +63,9 @@ def main() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
     if sys.argv[1:] == ["--lowest"]:
         print(*lowest(project))
+        return
+    if sys.argv[1:] == ["--extras"]:
+        print(*extras(project), sep="\n")
         return
     command = [
         sys.executable, "-m", "pip", "--quiet", "--disable-pip-version-check", "install", "--dry-run",

@@ -299,7 +299,7 @@ def element_words() -> tuple[str, str]:
     """Likewise of the kinds of elements."""
     text = "".join(p.read_text(encoding="utf-8") for p in sorted((ROOT / "src" / "element").glob("*.h")))
     kinds = re.findall(r'std::string_view kind = "(\w+)"', text)
-    lists = re.findall(r"using (?:Any\w+|JointForces)\s*=\s*std::(?:variant|tuple)<([^;]+)>;", text)
+    lists = re.findall(r"struct (?:Any\w+|JointForces)\s*:\s*std::(?:variant|tuple)<([^{;]+)>\s*\{", text)
     structs = re.findall(r"\b(?!std\b|optional\b)\w+", " ".join(lists))
     return "|".join(sorted(set(kinds))), "|".join(sorted(set(structs)))
 

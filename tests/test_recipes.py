@@ -3,7 +3,7 @@
 
 The headers of tests/recipes are put into a copy of the sources. All that reads, writes and describes scenes
 is built and run with them; of the equations of motion, the files that see every kind are compiled without
-making code. It takes some 300 s of a processor.
+making code; and the tests of the layout pass. It takes some 100 s of a processor.
 """
 
 from __future__ import annotations
@@ -39,6 +39,7 @@ ADDED = {
 }
 BUILT = ("util", "field", "math", "shape", "joint", "element", "scene", "check", "scene_file", "scene_schema")
 NOT_BUILT = ("yaml.cpp", "rod.cpp")  # of no use to JSON and to scenes
+LAYOUT = ("test_sizes.py", "test_layout.py", "test_folders.py")
 # These see every joint, force, constraint, sensor and motor there is.
 KERNELS = (
     "kinematics/load_kernels.cpp",
@@ -46,12 +47,6 @@ KERNELS = (
     "derivatives/recursive.cpp",
     "outputs/outputs.cpp",
 )
-FIRST = (
-    "scene_file/element_fields.h",
-    "scene_schema/schema_parts.h",
-    "check/check.h",
-)  # included everywhere, read once
-
 SCENE: dict[str, Any] = {
     "gelenk": 1,
     "bodies": {name: {"mass": 1, "inertia": [1, 1, 1]} for name in ("hand", "wheel", "bead")},
@@ -79,7 +74,9 @@ def extended(registry: str, kind: str, lists: str, header: str) -> str:
     assert include not in registry
     at = registry.index('#include "')
     text = registry[:at] + include + registry[at:]
-    text, changed = re.subn(rf"(using {lists} =\s*std::(?:variant|tuple)<[^;]*)>;", rf"\1, {kind}>;", text)
+    text, changed = re.subn(
+        rf"(struct {lists} :\s*std::(?:variant|tuple)<[^{{]*)>\s*\{{", rf"\1, {kind}> {{", text
+    )
     assert changed == 1
     return text
 
@@ -104,13 +101,14 @@ class Tree:
         return done.stderr + ("" if done.returncode == 0 else f"\nexit code {done.returncode}")
 
     def build(self) -> None:
-        """All that knows scenes, as the program `told`."""
-        sources = [p for room in BUILT for p in sorted((self.folder / "src" / room).glob("*.cpp"))]
-        sources = [p for p in sources if p.name not in NOT_BUILT] + [RECIPES / "told.cpp"]
-        objects = [f"{p.parent.name}_{p.stem}.o" for p in sources]
-        calls = [
-            ("-include", "first.h", "-c", str(p), "-o", o) for p, o in zip(sources, objects, strict=True)
-        ]
+        """All that knows scenes, as the program `told`; the files of a folder together, as everywhere."""
+        sources = [RECIPES / "told.cpp"]
+        for room in BUILT:
+            files = [p for p in sorted((self.folder / "src" / room).glob("*.cpp")) if p.name not in NOT_BUILT]
+            sources.append(self.folder / f"{room}.cpp")
+            sources[-1].write_text("".join(f'#include "{path}"\n' for path in files))
+        objects = [f"{p.stem}.o" for p in sources]
+        calls = [("-c", str(p), "-o", o) for p, o in zip(sources, objects, strict=True)]
         with ThreadPoolExecutor(min(2, os.cpu_count() or 1)) as pool:
             assert "".join(pool.map(lambda call: self.compile(*call), calls)) == ""
         assert self.compile(*objects, "-o", "told") == ""
@@ -135,7 +133,8 @@ def copied(root: Path, folder: Path) -> Tree:
     else:
         include += ["-isystem", "/usr/include/eigen3"]
     include += [word for name in ("json",) if name in wheels for word in ("-isystem", str(wheels[name]))]
-    shutil.copytree(root / "src", folder / "src")
+    ignored = shutil.ignore_patterns(".git", ".venv", "build", "out", "__pycache__", ".*_cache")
+    shutil.copytree(root, folder, ignore=ignored, dirs_exist_ok=True)
     flags = ["-std=c++20", "-O0", "-Wall", "-Wextra", "-Werror", "-Wno-restrict", "-DEIGEN_MPL2_ONLY"]
     return Tree(folder, [*compiler, *flags, '-DGELENK_VERSION="0"', *include])
 
@@ -148,8 +147,6 @@ def tree(root: Path, tmp_path_factory: pytest.TempPathFactory) -> Tree:
     assert set(headers) == set(ADDED)
     for name, path in headers.items():
         made.add(path, *ADDED[name])
-    (made.folder / "first.h").write_text("".join(f'#include "{name}"\n' for name in FIRST))
-    assert made.compile("-x", "c++-header", "first.h", "-o", "first.h.gch") == ""
     return made
 
 
@@ -235,7 +232,15 @@ def test_faults_of_new_kinds_are_told(
 
 @pytest.mark.parametrize("source", KERNELS)
 def test_equations_of_motion_take_new_kinds(tree: Tree, source: str) -> None:
-    assert tree.compile("-include", "first.h", "-fsyntax-only", f"src/{source}") == ""
+    assert tree.compile("-fsyntax-only", f"src/{source}") == ""
+
+
+def test_the_layout_permits_new_kinds(tree: Tree) -> None:
+    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-p", "no:xdist"]
+    done = subprocess.run(
+        [*command, *(f"tests/{name}" for name in LAYOUT)], cwd=tree.folder, capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stdout
 
 
 def test_the_check_sees_a_kind_that_the_equations_cannot_take(root: Path, tmp_path: Path) -> None:

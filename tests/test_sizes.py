@@ -1,13 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Files, rooms and classes stay small enough to be held in the head."""
+"""Files and classes stay small enough to be held in the head."""
 
 import re
 from collections.abc import Iterator
 
-from test_layout import FOLDERS, ROOT, code_files, own_files
+from test_layout import ROOT, code_files, own_files
 
 MAX_LINES = 400
-MAX_ROOM_LINES = 3600
 MOST_PUBLIC = 24
 MOST_PROTECTED = 12
 
@@ -114,11 +113,3 @@ def test_files_are_short() -> None:
         for path in own_files()
     }
     assert {name: lines for name, lines in lengths.items() if lines > MAX_LINES} == {}
-
-
-def test_no_room_is_too_large() -> None:
-    lengths = dict.fromkeys(FOLDERS, 0)
-    for room, path in code_files(".h", ".cpp"):
-        lengths[room] += len(path.read_text(encoding="utf-8").splitlines())
-    assert min(lengths.values()) > 0  # all are found
-    assert {room: lines for room, lines in lengths.items() if lines > MAX_ROOM_LINES} == {}

@@ -16,10 +16,10 @@
 #include <vector>
 
 #include "analysis/equilibrium.h"
-#include "analysis/rest_forces.h"
 #include "bindings.h"
 #include "inspection/inspection.h"
 #include "plant.h"
+#include "preparation/rest_forces.h"
 #include "scene/wanted_outputs.h"
 #include "simulation/probe.h"
 #include "simulation/start_report.h"

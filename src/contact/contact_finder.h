@@ -10,6 +10,7 @@
 #include "collision/contacts.h"
 #include "collision/sweep_and_prune.h"
 #include "dynamics/dynamics.h"
+#include "mechanism/mechanism.h"
 
 namespace gelenk {
 

@@ -11,10 +11,11 @@
 #include "formulation/impulse_steps.h"
 #include "modes/law_audit.h"
 #include "modes/run_counts.h"
-#include "scene/scene.h"
 #include "util/archive.h"
 
 namespace gelenk {
+
+struct Scene;
 
 class TouchModes;
 

@@ -11,6 +11,7 @@
 #include "kinematics/model.h"
 #include "mechanism/wanted_part.h"
 #include "outputs/port_readings.h"
+#include "preparation/loads.h"
 #include "preparation/preparation.h"
 #include "preparation/report.h"
 #include "scene/locking_elements.h"

@@ -7,7 +7,6 @@
 #include <array>
 #include <string_view>
 #include <tuple>
-#include <unordered_map>
 #include <vector>
 
 #include "element/cut_joint.h"
@@ -171,26 +170,6 @@ struct Loads {
 
 // Links whose poses in the root frame are required by the loads, and their ancestors.
 std::vector<int> links_with_loads(const Mechanism& mechanism, const Loads& loads);
-
-// The scene's loads by island, with their signs and positions. Inputs are numbered as in scene/signals.h. Allocates.
-std::vector<Loads> make_loads(const Scene& scene, const ReducedScene& reduced);
-
-// The same for repeated use after parameter changes: fill() overwrites loads of the same scene without allocating
-// memory. `scene` and `reduced` must outlive it.
-class LoadAssembler {
- public:
-  LoadAssembler(const Scene& scene, const ReducedScene& reduced);
-  void fill(std::vector<Loads>& loads) const;
-
- private:
-  const Scene& scene_;
-  const ReducedScene& reduced_;
-  std::unordered_map<std::string_view, int> body_number_, joint_number_;
-  std::vector<std::vector<int>> inputs_;
-};
-
-// Potential energy [J] of immobile bodies, springs and stops; gravity's is zero at the world's origin.
-double immobile_energy(const Scene& scene, const ReducedScene& reduced);
 
 template <class A>
 typename A::Inertia inertia_in(const Spatial::Inertia& G) {

@@ -40,7 +40,7 @@ void apply(const ReducedScene& reduced, int island, const FrameMove& move, Scene
 
 constexpr double max_tolerance_ratio = 100;  // of a tolerance that gives more degrees of freedom to the smallest one
 
-double largest(const MovedFrame& frame) { return std::max(frame.turn, frame.shift); }
+double size_of_move(const MovedFrame& frame) { return std::max(frame.turn, frame.shift); }
 
 }  // namespace
 
@@ -86,7 +86,7 @@ double sufficient_tolerance(const Scene& scene, double from, double max_toleranc
 
 std::string describe_moves(const Scene& scene, const std::vector<MovedFrame>& moved) {
   if (moved.empty()) return {};
-  const auto largest_move = std::ranges::max_element(moved, {}, largest);
+  const auto largest_move = std::ranges::max_element(moved, {}, size_of_move);
   const auto n = static_cast<int>(moved.size());
   return std::to_string(n) + (n == 1 ? " joint frame was" : " joint frames were") +
          " moved so that the loops close at every position; the largest displacement is that of " +

@@ -13,6 +13,7 @@
 #include "preparation/doubts.h"
 #include "preparation/friction_loads.h"
 #include "preparation/inertia.h"
+#include "preparation/loads.h"
 #include "preparation/report.h"
 #include "preparation/start.h"
 #include "scene/signals.h"

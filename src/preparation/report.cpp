@@ -8,10 +8,8 @@
 #include "assembly/loop_closure.h"
 #include "contact/contact_finder.h"
 #include "kinematics/branching_forces.h"
-#include "mechanism/mechanism.h"
 #include "preparation/doubts.h"
 #include "scene/element_numbers.h"
-#include "scene/scene.h"
 #include "util/text.h"
 
 namespace gelenk {
@@ -261,12 +259,11 @@ std::string describe_no_equilibrium(const Scene& scene, const ReducedScene& redu
 
 namespace {
 
-struct LimitedCoordinate {
-  std::string limit;  // "joints.A.limit.upper"
+struct LimitedCoordinate {  // on which a force with modes acts
+  std::string limit;        // "joints.A.limit.upper"
   Coordinate coordinate;
 };
 
-// Names a limit of a coordinate on which a force with modes acts.
 LimitedCoordinate limited(const Scene& scene, const BranchingForce& of, int side) {
   const Joint& joint = scene.joints[static_cast<std::size_t>(of.joint)];
   return {prefix(scene) + "joints." + joint.name + ".limit." + (side > 0 ? "upper" : "lower"),

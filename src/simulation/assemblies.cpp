@@ -6,6 +6,7 @@
 #include "formulation/targets.h"
 #include "kinematics/model.h"
 #include "preparation/adjustment.h"
+#include "preparation/loads.h"
 #include "preparation/preparation.h"
 #include "preparation/report.h"
 #include "preparation/start.h"

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "integrator/controlled_steps.h"
+#include "preparation/loads.h"
 #include "preparation/report.h"
 #include "scene/settable.h"
 #include "scene/shapes.h"

@@ -11,6 +11,7 @@
 
 #include "analysis/equilibrium.h"
 #include "preparation/adjustment.h"
+#include "preparation/loads.h"
 #include "simulation/island.h"
 #include "simulation/sensitivity.h"
 #include "simulation/simulation.h"

@@ -3,8 +3,8 @@
 #include <utility>
 
 #include "analysis/equilibrium.h"
-#include "analysis/rest_forces.h"
 #include "preparation/report.h"
+#include "preparation/rest_forces.h"
 #include "scene/natural_time.h"
 #include "simulation/simulation_impl.h"
 

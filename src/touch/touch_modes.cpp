@@ -8,7 +8,6 @@
 #include "contact/contact_finder.h"
 #include "contact/step_limits.h"
 #include "kinematics/model.h"
-#include "mechanism/mechanism.h"
 
 namespace gelenk {
 namespace {

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "mechanism/mechanism.h"
+#include "scene/scene.h"
 
 namespace gelenk {
 

@@ -10,10 +10,11 @@
 #include "contact/contact_finder.h"
 #include "contact/contact_state.h"
 #include "modes/law_audit.h"
-#include "scene/scene.h"
 #include "touch/touch_equations.h"
 
 namespace gelenk {
+
+struct Scene;
 
 class TouchOutputs final : public ContactReadings {
  public:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "analysis/rest_forces.h"
+#include "preparation/rest_forces.h"
 
 #include "analysis/rest_pose.h"
 #include "dynamics/distributed_forces.h"

@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "preparation/loads.h"
+
+#include <algorithm>
+#include <string_view>
+#include <unordered_map>
+#include <utility>
+
+#include "element/registry.h"
+#include "joint/kinds.h"
+#include "scene/signals.h"
+
+namespace gelenk {
+namespace {
+
+// Removes all loads; the lists keep their capacity.
+void clear(Loads& loads) {
+  const auto clear_list = [](auto& list) { list.clear(); };
+  each_list(loads.tree.lists, clear_list);
+  for (JointLoads& cut : loads.cuts) each_list(cut.lists, clear_list);
+  each_list(loads.forces, clear_list);
+  loads.inputs.clear();
+  loads.potential_offset = 0;
+}
+
+// Whether the element exerts no force with its current parameters.
+template <class E>
+bool is_idle(const E& element) {
+  if constexpr (requires { element.is_idle(); }) return element.is_idle();
+  return false;
+}
+
+// Fills `out` with the loads of a scene, one entry per island.
+struct LoadCollector {
+  const Scene& scene;
+  const ReducedScene& reduced;
+  const std::unordered_map<std::string_view, int>&body_number, &joint_number;
+  std::vector<Loads>& out;
+
+  void prepare() {
+    out.resize(reduced.islands.size());
+    for (std::size_t i = 0; i < out.size(); ++i) prepare(reduced.islands[i], out[i]);
+  }
+
+  void prepare(const Mechanism& mechanism, Loads& loads) const {
+    clear(loads);
+    loads.R_0W = mechanism.X_W0.R.transpose();
+    loads.gravity = loads.R_0W * scene.gravity;
+    for (std::size_t i = 1; i < mechanism.links.size(); ++i) {
+      const Spatial::Inertia& G = mechanism.links[i].G;
+      loads.potential_offset -= G.m * scene.gravity.dot(mechanism.X_W0.p);
+      if (mechanism.planar) loads.potential_offset -= loads.gravity.z() * (G.m * mechanism.heights[i] + G.h.z());
+    }
+    // Capacity also for idle loads, which are omitted but may become active when parameters change.
+    reserve_capacity(loads.tree, mechanism.nv);
+    loads.cuts.resize(mechanism.cuts.size());
+    for (std::size_t c = 0; c < mechanism.cuts.size(); ++c) reserve_capacity(loads.cuts[c], mechanism.cuts[c].nv);
+    loads.added_inertia.assign(mechanism.nv, 0);
+    loads.contacts.clear();
+    for (const Contact& contact : scene.contacts) loads.contacts.push_back(law_of(*contact.is));
+  }
+
+  static void reserve_capacity(JointLoads& loads, int nv) {
+    std::apply([&](const auto&... kind) { (reserve(loads, kind, nv), ...); }, JointForces().all());
+  }
+  template <class E>
+  static void reserve(JointLoads& loads, const E&, int nv) {
+    std::get<std::vector<AlongCoordinate<E>>>(loads.lists).reserve(static_cast<std::size_t>(nv));
+  }
+  template <class E>
+  static void reserve(JointLoads&, const std::optional<E>&, int) {}
+
+  // The list for forces along a joint; null if the joint is immobile or has been replaced.
+  JointLoads* along(const JointPlace& place) const {
+    if (place.role == JointPlace::Role::merged || place.role == JointPlace::Role::rod) return nullptr;
+    Loads& loads = out[place.island];
+    return place.role == JointPlace::Role::cut ? &loads.cuts[place.index] : &loads.tree;
+  }
+
+  void motor(const Motor& motor, int input) {
+    const JointPlace& place = reduced.joints[joint_number.at(motor.joints.front())];
+    JointLoads* const to = along(place);
+    if (to == nullptr) return;
+    Loads& loads = out[place.island];
+    for (int i = 0; i < input_count(*motor.is); ++i) loads.inputs.push_back(input + i);
+    const bool cut = place.role == JointPlace::Role::cut;
+    std::visit(
+        [&](const auto& element) { add(*to, element, place, cut, 0, input, joint_number.at(motor.joints.front())); },
+        *motor.is);
+    if (!cut) loads.added_inertia[place.iv] += inertia_of(*motor.is);
+  }
+
+  // input: its first one.
+  void joint(int j, int input) {
+    const JointPlace& place = reduced.joints[j];
+    JointLoads* const to = along(place);
+    if (to == nullptr) return;
+    const std::vector<Stored<JointForces>>& forces = scene.joints[j].along;
+    for (int i = 0; i < static_cast<int>(forces.size()); ++i) {
+      std::apply(
+          [&](const auto&... force) {
+            ((add_if_active(*to, force, place, i, input, j), input += own_input_count(force)), ...);
+          },
+          forces[i]->all());
+    }
+  }
+
+  template <class E>
+  static int own_input_count(const E& element) {
+    if constexpr (requires { *element; }) {
+      return element ? count_of(own_inputs(*element)) : 0;
+    } else {
+      return count_of(own_inputs(element));
+    }
+  }
+
+  template <class E>
+  void add_if_active(JointLoads& to, const E& element, const JointPlace& place, int i, int input, int joint) {
+    const bool cut = place.role == JointPlace::Role::cut;
+    for (int k = 0; k < own_input_count(element); ++k) out[place.island].inputs.push_back(input + k);
+    if constexpr (requires { *element; }) {
+      if (element) add(to, *element, place, cut, i, input, joint);
+    } else {
+      if (!is_idle(element)) add(to, element, place, cut, i, input, joint);
+    }
+  }
+
+  template <class E>
+  static void add(JointLoads& to, const E& element, const JointPlace& place, bool cut, int i, int input, int joint) {
+    const auto push = [&](const E& part) {
+      std::get<std::vector<AlongCoordinate<E>>>(to.lists).push_back(
+          {part, (cut ? 0 : place.iq) + i, (cut ? 0 : place.iv) + i, place.v_sign[i], input, joint, i});
+    };
+    push(element);
+    if constexpr (requires { element.excess(); }) {
+      if (const std::optional<E> part = element.excess()) push(*part);
+    }
+  }
+
+  // Registers the inputs of coordinate constraints.
+  void motions() {
+    for (std::size_t i = 0; i < reduced.islands.size(); ++i) {
+      for (const CoordinateRow& row : reduced.islands[i].coordinate_rows) {
+        if (row.input >= 0) out[i].inputs.push_back(row.input);
+      }
+    }
+  }
+
+  void force(int f, int input) {
+    const Force& force = scene.forces[f];
+    int island = -1;
+    for (const BodyFrame& frame : force.frames) island = std::max(island, island_of(frame));
+    if (island < 0) return;
+    for (int i = 0; i < input_count(*force.is); ++i) out[island].inputs.push_back(input + i);
+    std::visit(
+        [&](const auto& element) {
+          using F = std::decay_t<decltype(element)>;
+          PlacedForce<F> placed{.element = element, .at = {}, .input = input, .force = f};
+          for (std::size_t k = 0; k < placed.at.size(); ++k) placed.at[k] = attach(island, force.frames[k]);
+          std::get<std::vector<PlacedForce<F>>>(out[island].forces).push_back(placed);
+        },
+        *force.is);
+  }
+
+ private:
+  // -1: immobile.
+  int island_of(const BodyFrame& frame) const {
+    return frame.body == ground ? -1 : reduced.bodies[body_number.at(frame.body)].island;
+  }
+
+  Attachment attach(int island, const BodyFrame& frame) const {
+    const BodyPlace found = place(scene, reduced, island, frame);
+    const Mechanism& mechanism = reduced.islands[island];
+    return {found.link, found.X_LB.p, found.X_LB.R, mechanism.planar ? mechanism.heights[found.link] : 0};
+  }
+};
+
+}  // namespace
+
+LoadAssembler::LoadAssembler(const Scene& scene, const ReducedScene& reduced)
+    : scene_(scene), reduced_(reduced), inputs_(first_inputs(scene)) {
+  for (std::size_t b = 0; b < scene.bodies.size(); ++b) body_number_[scene.bodies[b].name] = static_cast<int>(b);
+  for (std::size_t j = 0; j < scene.joints.size(); ++j) joint_number_[scene.joints[j].name] = static_cast<int>(j);
+}
+
+void LoadAssembler::fill(std::vector<Loads>& loads) const {
+  LoadCollector collector{scene_, reduced_, body_number_, joint_number_, loads};
+  collector.prepare();
+  for (std::size_t m = 0; m < scene_.motors.size(); ++m)
+    collector.motor(scene_.motors[m], inputs_[sections::motors][m]);
+  for (int j = 0; j < static_cast<int>(scene_.joints.size()); ++j)
+    collector.joint(j, inputs_.back()[static_cast<std::size_t>(j)]);
+  for (std::size_t f = 0; f < scene_.forces.size(); ++f) {
+    collector.force(static_cast<int>(f), inputs_[sections::forces][f]);
+  }
+  collector.motions();
+  for (Loads& of : loads) {
+    of.only_along_tree =
+        all_empty(of.forces) && std::ranges::all_of(of.cuts, [](const JointLoads& on) { return on.empty(); });
+  }
+}
+
+std::vector<Loads> make_loads(const Scene& scene, const ReducedScene& reduced) {
+  std::vector<Loads> loads;
+  LoadAssembler(scene, reduced).fill(loads);
+  return loads;
+}
+
+namespace {
+
+// Potential energy [J] of an element at the coordinate q.
+template <class E>
+double stored_energy(const E& element, double q) {
+  if constexpr (requires { element.energy(q); }) return element.energy(q);
+  return 0;
+}
+template <class E>
+double stored_energy(const std::optional<E>& element, double q) {
+  return element ? stored_energy(*element, q) : 0;
+}
+
+// A port that is fixed in the world.
+struct ImmobilePort {
+  Pose3 X_WP;
+  const Eigen::Vector3d& p() const { return X_WP.p; }
+  Eigen::Vector3d turned(const Eigen::Vector3d& x) const { return X_WP.R * x; }
+  Eigen::Vector3d own(const Eigen::Vector3d& x) const { return X_WP.R.transpose() * x; }
+  Eigen::Vector3d from_world(const Eigen::Vector3d& x) const { return x; }
+};
+
+// Potential energy [J] of a force whose ports are all immobile; 0 otherwise.
+double immobile_energy(const Scene& scene, const ReducedScene& reduced, const Force& force) {
+  std::vector<ImmobilePort> at;
+  for (const BodyFrame& frame : force.frames) {
+    const BodyPlace found = place(scene, reduced, -1, frame);
+    if (found.island >= 0) return 0;
+    at.push_back({found.X_LB});
+  }
+  return std::visit(
+      [&](const auto& element) -> double {
+        if constexpr (requires { element.template energy<double>(at.data()); }) {
+          return element.template energy<double>(at.data());
+        }
+        return 0;
+      },
+      *force.is);
+}
+
+}  // namespace
+
+double immobile_energy(const Scene& scene, const ReducedScene& reduced) {
+  double sum = 0;
+  for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
+    const BodyPlace& place = reduced.bodies[b];
+    if (place.island < 0) sum -= scene.bodies[b].mass * scene.gravity.dot(place.X_LB.point(scene.bodies[b].com));
+  }
+  for (std::size_t j = 0; j < scene.joints.size(); ++j) {
+    const std::vector<Stored<JointForces>>& along = scene.joints[j].along;
+    const std::vector<double>& q = reduced.joints[j].q;
+    for (std::size_t i = 0; i < q.size() && i < along.size(); ++i) {
+      if (!find_joint_kind(scene.joints[j].type)->springs()) continue;
+      std::apply([&](const auto&... force) { ((sum += stored_energy(force, q[i])), ...); }, along[i]->all());
+    }
+  }
+  for (const Force& force : scene.forces) sum += immobile_energy(scene, reduced, force);
+  return sum;
+}
+
+}  // namespace gelenk
