@@ -2,7 +2,7 @@
 # make demo     build into .venv, export a four-bar, simulate its FMU, plot the results
 # make extras   fetch the optional packages: sweeps, tables, import of URDF files, films
 # make test     check formatting, run the linters and all tests
-# make tidy     run clang-tidy on everything (a quarter of an hour; CI does so, too); FILES=src/touch: on these files only
+# make tidy     run clang-tidy on everything, as CI does; FILES=src/touch: on these files only, each on its own
 # make lint     the checks of make test and make tidy, without running any tests
 # make format   format all code
 # make pytest   run the tests only; one file: make pytest TESTS=tests/test_layout.py
@@ -23,6 +23,7 @@
 # make masters  run the shipped scenes in third-party masters and VDMCheck: table of docs/fmu.md; needs Maven, Java and cargo
 # make sanitize run the FMU under AddressSanitizer, UBSan, ThreadSanitizer and Valgrind
 # make units    run the native unit tests under AddressSanitizer and UBSan; CI does so, too
+# make mutants  change thresholds, guards and fall-backs at random, and see whether tests notice; COUNT=40, SEED=1
 # make fuzz     fuzz the readers of scenes and saved states with libFuzzer, SECONDS_EACH=600; needs clang
 # make states   regenerate the fuzzers' seeds of FMU states, after the contents of a state have changed
 # make runtimes  build the FMU runtimes for other platforms with Zig, and install them as gelenk-runtimes; needs cargo; QUICK=1: not optimized; COMPARE=1: only linux64, to compare compilers
@@ -65,9 +66,9 @@ needs-sanitize: ; @sh cmake/needs.sh sanitize libasan libubsan libtsan valgrind
 needs-fuzz: ; @CLANGXX="$(CLANGXX)" sh cmake/needs.sh fuzz clang++
 needs-runtimes: ; @sh cmake/needs.sh runtimes cargo
 
-.PHONY: $(NEEDS) help demo extras test lint style tidy format pytest reductions charts accuracy nonsmooth gallery tutorial real-time growth bench costs clocks studies special thrown agreement masters sanitize units fuzz states runtimes wheels platforms lock lowest clean
+.PHONY: $(NEEDS) help demo extras test lint style tidy format pytest reductions charts accuracy nonsmooth gallery tutorial real-time growth bench costs clocks studies special thrown agreement masters sanitize units fuzz mutants states runtimes wheels platforms lock lowest clean
 help:
-	@sed -n '2,37s/^# //p' Makefile
+	@sed -n '2,38s/^# //p' Makefile
 
 demo: $(VENV)/gelenk.stamp
 	@echo "Running the demo (some seconds)"
@@ -93,13 +94,14 @@ style: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 	$(BIN)/ruff check
 	$(BIN)/mypy
 
-# clang-tidy on all files, or on those whose path matches FILES; nothing is compiled. It does not know -fno-gnu-unique.
-FILES ?= (src|modelDescription|fmu|python/bindings)/
+# clang-tidy on all files, those of a folder together; or on each of those whose path matches FILES, which also finds missing
+# includes. Nothing is compiled. It does not know -fno-gnu-unique.
+FILES ?=
 tidy: $(VENV)/tools.stamp
-	@echo "Running clang-tidy (a quarter of an hour)"
-	PATH="$(abspath $(BIN)):$$PATH" cmake --preset ci -DPython_EXECUTABLE=$(abspath $(BIN))/python
+	@echo "Running clang-tidy (some minutes)"
+	PATH="$(abspath $(BIN)):$$PATH" cmake --preset ci -DPython_EXECUTABLE=$(abspath $(BIN))/python -DGELENK_TOGETHER=$(if $(FILES),OFF,ON)
 	$(BIN)/python $(BIN)/run-clang-tidy.py -clang-tidy-binary $(abspath $(BIN))/clang-tidy -p build/ci -j $(JOBS) -quiet \
-	  -removed-arg=-fno-gnu-unique -extra-arg=-Wno-unknown-warning-option -extra-arg=-Wno-ignored-optimization-argument '^$(CURDIR)/$(FILES)'
+	  -removed-arg=-fno-gnu-unique -extra-arg=-Wno-unknown-warning-option -extra-arg=-Wno-ignored-optimization-argument '$(if $(FILES),^$(CURDIR)/$(FILES),/Unity/unity_|^$(CURDIR)/(src|fmu)/)'
 
 reductions: $(VENV)/gelenk.stamp
 	$(BIN)/python benchmarks/reductions.py
@@ -214,6 +216,12 @@ fuzz: needs-fuzz $(VENV)/tools.stamp
 	  $$fuzzer -max_total_time=$(SECONDS_EACH) -timeout=10 -max_len=8192 -dict=tests/fuzz/scene.dict \
 	    -artifact_prefix=build/fuzz/$$name- build/fuzz/corpus/$$name tests/fuzz/corpus/$$name; \
 	done
+
+# Hours: each mutant costs a build, and one that survives the whole suite.
+SEED ?= 1
+mutants: COUNT = 40
+mutants: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
+	PATH="$(abspath $(BIN)):$$PATH" PYTHONPATH=tests $(BIN)/python -m mutants $(COUNT) $(SEED) --jobs $(JOBS)
 
 states: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 	PYTHONPATH=tests $(BIN)/python -m fuzz.states

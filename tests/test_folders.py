@@ -12,6 +12,7 @@ from itertools import pairwise
 from pathlib import Path
 
 import pytest
+from test_layout import BELOW
 
 ROOT = Path(__file__).resolve().parent.parent
 FOLDERS = [*(ROOT / "src").iterdir(), ROOT / "modelDescription", ROOT / "python" / "bindings"]
@@ -88,3 +89,15 @@ def test_each_folder_is_compiled_in_one_way() -> None:
     assert all(not a & b for a, b in [*pairwise(lists), (lists[0], lists[2])])
     compiled = {str(folder.relative_to(ROOT)) for folder in FOLDERS if any(folder.glob("*.cpp"))}
     assert set.union(*lists) == compiled - {"fmu", "python/bindings"}
+
+
+def test_the_page_on_the_architecture_has_all_modules_and_what_they_include() -> None:
+    """Its table names what a module is built on; what that includes may be included, too."""
+    text = (ROOT / "docs" / "internals" / "architecture.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| `([\w/]+)` \| [^|]+ \| (–|`[^|]+`) \|$", text, re.MULTILINE)
+    on = {name: set(re.findall(r"`([\w/]+)`", names)) for name, names in rows}
+
+    def below(name: str) -> set[str]:
+        return on[name].union(*(below(other) for other in on[name]))
+
+    assert {name.replace("python/", ""): below(name) for name in on} == BELOW

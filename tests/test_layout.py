@@ -45,7 +45,7 @@ BELOW["fmu/runtime"] = {"modelDescription", *BELOW["modelDescription"]}
 BELOW["fmu/export"] = {"modelDescription", "scene_schema", "inspection", *BELOW["modelDescription"]}
 BELOW["fmu"] = {"fmu/runtime", *BELOW["fmu/runtime"]}
 BELOW["bindings"] = {"scene_schema", "inspection", "runs", "fmu/runtime", "fmu/export"}
-BELOW["bindings"] |= BELOW["modelDescription"]
+BELOW["bindings"] |= {"modelDescription", *BELOW["modelDescription"]}
 
 FOLDERS = {room: ROOT / "src" / room for room in BELOW} | {
     "modelDescription": ROOT / "modelDescription",

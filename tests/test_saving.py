@@ -7,7 +7,7 @@ import math
 from itertools import product
 from typing import Any
 
-import pytest
+from looped import looped
 from mechanisms import four_bar
 from physics.nonsmooth.test_stops import ball
 
@@ -41,10 +41,8 @@ def assert_saving_does_nothing(source: dict[str, Any], drive: str, jumps: str, t
     assert saved == plain
 
 
-@pytest.mark.parametrize("jumps", EVERY)
-@pytest.mark.parametrize(
-    ("formulation", "integrator"), [*product(ODE, INTEGRATORS), *product(DAE, ("auto", "ida"))]
-)
+@looped(("formulation", "integrator"), [*product(ODE, INTEGRATORS), *product(DAE, ("auto", "ida"))])
+@looped("jumps", EVERY)
 def test_with_every_formulation_and_integrator(formulation: str, integrator: str, jumps: str) -> None:
     """With `penalty` explicit steps meet a stiff oscillation: they shrink to a tenth, or are tried again."""
     source = four_bar() | {"solver": {"integrator": integrator, "formulation": formulation}}
@@ -53,8 +51,8 @@ def test_with_every_formulation_and_integrator(formulation: str, integrator: str
         assert_saving_does_nothing(source, "drive.tau", jumps, tolerance)
 
 
-@pytest.mark.parametrize("jumps", EVERY)
-@pytest.mark.parametrize("integrator", ADAPTIVE)
+@looped("integrator", ADAPTIVE)
+@looped("jumps", EVERY)
 def test_while_a_stop_is_met(integrator: str, jumps: str) -> None:
     """Between the bounces of a ball too, and with a jump of its motor's force shortly before one."""
     source = ball(0.03, -1.0, lower=0.0, damping=3.0) | {"solver": {"integrator": integrator}}

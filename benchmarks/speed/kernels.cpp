@@ -24,6 +24,7 @@
 
 #include "dynamics/dynamics.h"
 #include "integrator/integrator.h"
+#include "preparation/loads.h"
 #include "scene_file/read.h"
 #include "simulation/probe.h"
 #include "simulation/simulation.h"

@@ -20,7 +20,7 @@
 
 namespace nb = nanobind;
 using gelenk::Channels;
-using gelenk::Plant;
+using gelenk::SharedSimulation;
 using gelenk::Simulation;
 
 namespace {
@@ -34,7 +34,7 @@ class Fleet {
  public:
   // plants: initialized, at their starts. channels: for each of them, with as many held inputs and readings.
   // step: [s].
-  Fleet(std::vector<Plant*> plants, std::vector<Channels> channels, int count, double step)
+  Fleet(std::vector<SharedSimulation*> plants, std::vector<Channels> channels, int count, double step)
       : plants_(std::move(plants)), channels_(std::move(channels)), step_(step) {
     if (plants_.empty() || channels_.size() != plants_.size() || count < 1)
       throw nb::index_error("a fleet needs a plant, channels for each, and an instance");
@@ -117,7 +117,7 @@ class Fleet {
     simulation.serialize(instance.state);
   }
 
-  std::vector<Plant*> plants_;
+  std::vector<SharedSimulation*> plants_;
   std::vector<Channels> channels_;
   double step_;
   std::vector<gelenk::Archive> starts_;
@@ -131,8 +131,8 @@ class Fleet {
 
 void gelenk::bind_fleet(nb::module_& m) {
   nb::class_<Fleet>(m, "Fleet", "Many instances of a few plants, which are stepped together.")
-      .def(nb::init<std::vector<Plant*>, std::vector<Channels>, int, double>(), nb::arg("plants"), nb::arg("channels"),
-           nb::arg("count"), nb::arg("step"), nb::keep_alive<1, 2>(),
+      .def(nb::init<std::vector<SharedSimulation*>, std::vector<Channels>, int, double>(), nb::arg("plants"),
+           nb::arg("channels"), nb::arg("count"), nb::arg("step"), nb::keep_alive<1, 2>(),
            "plants: initialized, at their starts; they must outlive the fleet. channels: for each plant. step: [s].")
       .def("reset", &Fleet::reset, nb::arg("instances"), nb::arg("starts"), nb::arg("rows"),
            "Put instances to starts, by their numbers; write the readings there into their rows.")

@@ -19,7 +19,7 @@
 
 namespace nb = nanobind;
 using gelenk::Placement;
-using gelenk::Plant;
+using gelenk::SharedSimulation;
 using gelenk::Simulation;
 
 namespace {
@@ -37,9 +37,9 @@ void read(Simulation& simulation, const std::vector<int>& outputs, std::vector<d
 
 // Moves all plants to the states, the inputs and the time of `leader`; a row for each: the rates of the states, then
 // the outputs. names: of the plants, for messages.
-Matrix follow_all(const std::vector<Plant*>& plants, const std::vector<std::string>& names, Plant& leader,
-                  const std::vector<double>& x, const std::vector<int>& outputs) {
-  for (const Plant* plant : plants) {
+Matrix follow_all(const std::vector<SharedSimulation*>& plants, const std::vector<std::string>& names,
+                  SharedSimulation& leader, const std::vector<double>& x, const std::vector<int>& outputs) {
+  for (const SharedSimulation* plant : plants) {
     const auto size = static_cast<int>(plant->fixed().outputs().size());
     if (std::ranges::any_of(outputs, [&](int i) { return i < 0 || i >= size; }))
       throw nb::index_error("an index of an output is out of range");
@@ -65,15 +65,15 @@ Matrix follow_all(const std::vector<Plant*>& plants, const std::vector<std::stri
 
 }  // namespace
 
-void gelenk::bind_placement(nb::module_& m, nb::class_<Plant>& simulation) {
+void gelenk::bind_placement(nb::module_& m, nb::class_<SharedSimulation>& simulation) {
   const nb::class_<Held> position(m, "Position", "Where a plant is.");
   simulation
       .def(
-          "assemble", [](Plant& p, double time) { p.with([&](Simulation& s) { s.assemble(time); }); },
+          "assemble", [](SharedSimulation& p, double time) { p.with([&](Simulation& s) { s.assemble(time); }); },
           nb::arg("time") = 0.0, "Like initialize(), without integrators: steps cannot be made.")
       .def(
           "move_to",
-          [](Plant& p, const std::vector<double>& x, double time) {
+          [](SharedSimulation& p, const std::vector<double>& x, double time) {
             p.with([&](Simulation& s) { Placement(s).move_to(x, time); });
           },
           nb::arg("x"), nb::arg("time"),
@@ -81,25 +81,28 @@ void gelenk::bind_placement(nb::module_& m, nb::class_<Plant>& simulation) {
           "then "
           "where it was.")
       .def(
-          "position", [](Plant& p) { return Held{p.with([](Simulation& s) { return Placement(s).position(); })}; },
+          "position",
+          [](SharedSimulation& p) { return Held{p.with([](Simulation& s) { return Placement(s).position(); })}; },
           "After assemble(): where it is, for return_to().")
       .def(
           "return_to",
-          [](Plant& p, const Held& at) { p.with([&](Simulation& s) { Placement(s).return_to(*at.position); }); },
+          [](SharedSimulation& p, const Held& at) {
+            p.with([&](Simulation& s) { Placement(s).return_to(*at.position); });
+          },
           nb::arg("position"), "Move to where position() was called, of this plant or of a copy.")
       .def(
           "start_from",
-          [](Plant& p, Plant& other, const std::vector<double>& x) {
+          [](SharedSimulation& p, SharedSimulation& other, const std::vector<double>& x) {
             p.with([&](Simulation& s) { Placement(s).start_from(other.fixed(), x); });
           },
           nb::arg("other"), nb::arg("x"),
           "After initialize(): make the next step from the time, inputs and modes of another plant, at these states, "
           "in the order of _states(). Raises UsageError.")
       .def(
-          "modes", [](Plant& p) { return p.with([](Simulation& s) { return Placement(s).modes(); }); },
+          "modes", [](SharedSimulation& p) { return p.with([](Simulation& s) { return Placement(s).modes(); }); },
           "After assemble(): what has modes that change at events; empty: nothing.")
       .def(
-          "rates", [](Plant& p) { return p.with([](Simulation& s) { return Placement(s).rates(); }); },
+          "rates", [](SharedSimulation& p) { return p.with([](Simulation& s) { return Placement(s).rates(); }); },
           "Time derivatives of the states.");
   m.def("follow_all", follow_all, nb::arg("plants"), nb::arg("names"), nb::arg("leader"), nb::arg("x"),
         nb::arg("outputs"),

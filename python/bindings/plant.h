@@ -12,9 +12,9 @@ namespace gelenk {
 
 // A simulation with a mutex. Steps run without the interpreter's lock, so another Python thread may call meanwhile; it
 // waits here. The interpreter's lock is released before the mutex is locked, since the other order could deadlock.
-class Plant {
+class SharedSimulation {
  public:
-  explicit Plant(const Scene& scene) : simulation_(scene) {}
+  explicit SharedSimulation(const Scene& scene) : simulation_(scene) {}
 
   template <class Function>
   auto with(Function&& function) {
@@ -32,10 +32,10 @@ class Plant {
 };
 
 // Runs over many communication points: a method of Simulation, and the class Batch (runs.cpp).
-void bind_runs(nanobind::module_& m, nanobind::class_<Plant>& simulation);
+void bind_runs(nanobind::module_& m, nanobind::class_<SharedSimulation>& simulation);
 
 // Simulations at given states: methods of Simulation, and follow_all() (placement.cpp).
-void bind_placement(nanobind::module_& m, nanobind::class_<Plant>& simulation);
+void bind_placement(nanobind::module_& m, nanobind::class_<SharedSimulation>& simulation);
 // Many instances that are stepped together: the class Fleet (fleet.cpp).
 void bind_fleet(nanobind::module_& m);
 

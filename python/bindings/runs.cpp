@@ -27,8 +27,8 @@
 
 namespace nb = nanobind;
 using gelenk::Channels;
-using gelenk::Plant;
 using gelenk::Scene;
+using gelenk::SharedSimulation;
 using gelenk::Simulation;
 
 namespace {
@@ -68,7 +68,7 @@ void check_channels(const Channels& channels, const Simulation& simulation) {
 using Sample = std::tuple<int, Events, std::string, std::string>;
 
 // Runs a leg; returns the number of steps, the events, and the class and message of an error, empty if there was none.
-Sample record(Plant& plant, const Channels& channels, const Numbers<1>& times, const Numbers<2>& inputs,
+Sample record(SharedSimulation& plant, const Channels& channels, const Numbers<1>& times, const Numbers<2>& inputs,
               const nb::ndarray<double, nb::ndim<2>, nb::device::cpu>& rows, double seconds) {
   check_channels(channels, plant.fixed());
   const std::size_t steps = times.size() == 0 ? 0 : times.size() - 1;
@@ -239,7 +239,7 @@ class Batch {
 
 }  // namespace
 
-void gelenk::bind_runs(nb::module_& m, nb::class_<Plant>& simulation) {
+void gelenk::bind_runs(nb::module_& m, nb::class_<SharedSimulation>& simulation) {
   nb::class_<Channels>(m, "Channels", "The inputs and outputs of a run, by their indices.")
       .def(
           "__init__",

@@ -27,7 +27,7 @@
 #include "simulation/stepping_report.h"
 
 namespace nb = nanobind;
-using gelenk::Plant;
+using gelenk::SharedSimulation;
 using gelenk::Simulation;
 
 namespace {
@@ -47,7 +47,7 @@ Vector to_numpy(std::vector<double>&& values) {
   return Vector(kept->data(), {kept->size()}, owner);
 }
 
-Vector read_outputs(Plant& plant, const std::vector<int>& indices) {
+Vector read_outputs(SharedSimulation& plant, const std::vector<int>& indices) {
   for (const int i : indices) check_index(i, plant.fixed().outputs().size());
   return to_numpy(plant.with([&](Simulation& s) {
     std::vector<double> values;
@@ -57,13 +57,13 @@ Vector read_outputs(Plant& plant, const std::vector<int>& indices) {
   }));
 }
 
-std::vector<std::string> body_names(const Plant& plant) {
+std::vector<std::string> body_names(const SharedSimulation& plant) {
   std::vector<std::string> out;
   for (const gelenk::Body& body : plant.fixed().scene().bodies) out.push_back(body.name);
   return out;
 }
 
-Vector body_pose(Plant& plant, int body) {
+Vector body_pose(SharedSimulation& plant, int body) {
   check_index(body, plant.fixed().scene().bodies.size());
   const gelenk::Pose3 X = plant.with([&](Simulation& s) { return s.body_pose(body); });
   std::vector<double> out;
@@ -72,12 +72,12 @@ Vector body_pose(Plant& plant, int body) {
   return to_numpy(std::move(out));
 }
 
-Vector state_of(Plant& plant, int island) {
+Vector state_of(SharedSimulation& plant, int island) {
   return to_numpy(plant.with([&](Simulation& s) { return std::vector<double>(gelenk::Probe(s).state(island)); }));
 }
 
 // Consistent x and xdot at the present state, concatenated.
-Vector consistent_at(Plant& plant, int island) {
+Vector consistent_at(SharedSimulation& plant, int island) {
   return to_numpy(plant.with([&](Simulation& s) {
     gelenk::Equations& equations = gelenk::Probe(s).equations(island);
     const std::size_t n = equations.unknowns();
@@ -90,7 +90,7 @@ Vector consistent_at(Plant& plant, int island) {
 }
 
 // The residual F(x, xdot), or its Jacobians dF/dx and dF/dxdot, column by column.
-Vector residual_of(Plant& plant, int island, const std::vector<double>& x, const std::vector<double>& xdot,
+Vector residual_of(SharedSimulation& plant, int island, const std::vector<double>& x, const std::vector<double>& xdot,
                    bool jacobian) {
   return to_numpy(plant.with([&](Simulation& s) {
     gelenk::Equations& equations = gelenk::Probe(s).equations(island);
@@ -106,14 +106,14 @@ Vector residual_of(Plant& plant, int island, const std::vector<double>& x, const
   }));
 }
 
-nb::bytes save(Plant& plant) {
+nb::bytes save(SharedSimulation& plant) {
   gelenk::Archive archive;
   plant.with([&](Simulation& s) { s.serialize(archive); });
   return nb::bytes(archive.words().data(), archive.words().size() * sizeof(std::uint64_t));
 }
 
 // Restores a saved state; if it is invalid, the simulation is unchanged.
-void restore(Plant& plant, const nb::bytes& saved) {
+void restore(SharedSimulation& plant, const nb::bytes& saved) {
   if (saved.size() % sizeof(std::uint64_t) != 0) throw gelenk::UsageError("saved: it is not of this plant, or damaged");
   std::vector<std::uint64_t> words(saved.size() / sizeof(std::uint64_t));
   std::memcpy(words.data(), saved.data(), words.size() * sizeof(std::uint64_t));
@@ -133,7 +133,7 @@ void restore(Plant& plant, const nb::bytes& saved) {
 }
 
 // The right-hand side f(y), or its Jacobian df/dy column by column.
-Vector derivatives_of(Plant& plant, int island, const std::vector<double>& y, bool jacobian) {
+Vector derivatives_of(SharedSimulation& plant, int island, const std::vector<double>& y, bool jacobian) {
   return to_numpy(plant.with([&](Simulation& s) {
     gelenk::Equations& equations = gelenk::Probe(s).equations(island);
     const std::size_t n = equations.size();
@@ -152,7 +152,7 @@ Vector flattened(const Eigen::MatrixXd& from) {
 }
 
 // friction: name of a FrictionTreatment.
-std::vector<Vector> linearize(Plant& plant, const std::string& friction) {
+std::vector<Vector> linearize(SharedSimulation& plant, const std::string& friction) {
   static constexpr std::string_view names[] = {"present", "locked", "sliding", "off"};
   const auto treatment = static_cast<gelenk::FrictionTreatment>(std::ranges::find(names, friction) - names);
   const gelenk::Linearization l =
@@ -160,7 +160,8 @@ std::vector<Vector> linearize(Plant& plant, const std::string& friction) {
   return {flattened(l.A), flattened(l.B), flattened(l.C), flattened(l.D), flattened(l.xdot)};
 }
 
-std::vector<Vector> residual_jacobians(Plant& plant, int island, const std::vector<double>& x, bool by_duals) {
+std::vector<Vector> residual_jacobians(SharedSimulation& plant, int island, const std::vector<double>& x,
+                                       bool by_duals) {
   gelenk::Jacobians s =
       plant.with([&](Simulation& of) { return gelenk::Probe(of).residual_jacobians(island, x, by_duals); });
   std::vector<Vector> out;
@@ -171,13 +172,14 @@ std::vector<Vector> residual_jacobians(Plant& plant, int island, const std::vect
   return out;
 }
 
-std::vector<Vector> directional_derivative(Plant& plant, const std::vector<double>& dx, const std::vector<double>& du) {
+std::vector<Vector> directional_derivative(SharedSimulation& plant, const std::vector<double>& dx,
+                                           const std::vector<double>& du) {
   const gelenk::DirectionalDerivative derivative =
       plant.with([&](Simulation& s) { return gelenk::StateDerivatives(s).directional_derivative(dx, du); });
   return {flattened(derivative.outputs), flattened(derivative.rates)};
 }
 
-Vector output_derivatives(Plant& plant, const std::vector<double>& udot, const std::vector<double>& uddot) {
+Vector output_derivatives(SharedSimulation& plant, const std::vector<double>& udot, const std::vector<double>& uddot) {
   return flattened(
       plant.with([&](Simulation& s) { return gelenk::StateDerivatives(s).output_derivatives(udot, uddot); }));
 }
@@ -186,7 +188,7 @@ Vector output_derivatives(Plant& plant, const std::vector<double>& udot, const s
 // limit of its friction, and the side of the bound that it touches; then whether these forces balance the load, and
 // whether friction and contact can exert them.
 using RestForce = std::tuple<std::string, std::string, double, double, int>;
-std::tuple<std::vector<RestForce>, bool, bool> rest_forces(Plant& plant) {
+std::tuple<std::vector<RestForce>, bool, bool> rest_forces(SharedSimulation& plant) {
   const gelenk::RestForces found = plant.with([](Simulation& s) { return s.rest_forces(); });
   std::vector<RestForce> out;
   for (const gelenk::RestForces::Of& of : found.coordinates) {
@@ -196,7 +198,7 @@ std::tuple<std::vector<RestForce>, bool, bool> rest_forces(Plant& plant) {
 }
 
 // Indices of the outputs that are the states, and of those that are their derivatives (-1: none).
-std::vector<std::vector<int>> states_of(Plant& plant) {
+std::vector<std::vector<int>> states_of(SharedSimulation& plant) {
   return plant.with([](Simulation& s) {
     std::vector<std::vector<int>> out(2);
     for (const gelenk::StateVariable& state : gelenk::StateDerivatives(s).states()) {
@@ -207,25 +209,25 @@ std::vector<std::vector<int>> states_of(Plant& plant) {
   });
 }
 
-void bind_inputs(nb::class_<Plant>& simulation) {
+void bind_inputs(nb::class_<SharedSimulation>& simulation) {
   simulation
       .def(
           "set_input",
-          [](Plant& p, int index, double value) {
+          [](SharedSimulation& p, int index, double value) {
             check_index(index, p.fixed().inputs().size());
             p.with([&](Simulation& s) { s.set_input(index, value); });
           },
           nb::arg("index"), nb::arg("value"))
       .def(
           "input",
-          [](Plant& p, int index) {
+          [](SharedSimulation& p, int index) {
             check_index(index, p.fixed().inputs().size());
             return p.with([&](Simulation& s) { return s.input(index); });
           },
           nb::arg("index"))
       .def(
           "set_input_derivative",
-          [](Plant& p, int index, int order, double value) {
+          [](SharedSimulation& p, int index, int order, double value) {
             check_index(index, p.fixed().inputs().size());
             p.with([&](Simulation& s) { s.set_input_derivative(index, order, value); });
           },
@@ -233,14 +235,14 @@ void bind_inputs(nb::class_<Plant>& simulation) {
           "Time derivative of order 1 to 5 at `time`, which the input follows to the end of the next step.")
       .def(
           "input_derivative",
-          [](Plant& p, int index, int order) {
+          [](SharedSimulation& p, int index, int order) {
             check_index(index, p.fixed().inputs().size());
             return p.with([&](Simulation& s) { return s.input_derivative(index, order); });
           },
           nb::arg("index"), nb::arg("order"));
 }
 
-void bind_checks(nb::class_<Plant>& simulation) {
+void bind_checks(nb::class_<SharedSimulation>& simulation) {
   simulation.def("_state", state_of, nb::arg("island"), "(q, v) of an island; for checks.")
       .def("_state_jacobian", derivatives_of, nb::arg("island"), nb::arg("y"), nb::arg("jacobian"),
            "The right-hand side ydot at y as the integrator evaluates it, or d ydot / dy column by column; for checks.")
@@ -253,13 +255,13 @@ void bind_checks(nb::class_<Plant>& simulation) {
            "The island's residual F(x, xdot), or dF/dx and dF/dxdot column by column; for checks.");
 }
 
-void bind_derivatives(nb::class_<Plant>& simulation) {
+void bind_derivatives(nb::class_<SharedSimulation>& simulation) {
   simulation
       .def("_states", states_of,
            "Indices of the outputs that are the states, and of those that are their derivatives (-1: none).")
       .def(
           "_take_states",
-          [](Plant& p, const std::vector<int>& coordinates, const std::vector<int>& speeds) {
+          [](SharedSimulation& p, const std::vector<int>& coordinates, const std::vector<int>& speeds) {
             for (const auto* taken : {&coordinates, &speeds}) {
               for (const int i : *taken) check_index(i, p.fixed().outputs().size());
             }
@@ -278,14 +280,14 @@ void bind_derivatives(nb::class_<Plant>& simulation) {
 }
 
 // Outputs, events and poses of bodies.
-void bind_readings(nb::class_<Plant>& simulation) {
-  simulation.def_prop_ro("size", [](const Plant& p) { return p.fixed().size(); })
-      .def_prop_ro("inputs", [](const Plant& p) { return p.fixed().inputs(); })
-      .def_prop_ro("outputs", [](const Plant& p) { return p.fixed().outputs(); })
+void bind_readings(nb::class_<SharedSimulation>& simulation) {
+  simulation.def_prop_ro("size", [](const SharedSimulation& p) { return p.fixed().size(); })
+      .def_prop_ro("inputs", [](const SharedSimulation& p) { return p.fixed().inputs(); })
+      .def_prop_ro("outputs", [](const SharedSimulation& p) { return p.fixed().outputs(); })
       .def_prop_ro(
-          "wanted", [](const Plant& p) { return gelenk::wanted_outputs(p.fixed().scene()); },
+          "wanted", [](const SharedSimulation& p) { return gelenk::wanted_outputs(p.fixed().scene()); },
           "For each output, whether the scene requests it.")
-      .def_prop_ro("diagnostics", [](const Plant& p) { return p.fixed().diagnostics(); })
+      .def_prop_ro("diagnostics", [](const SharedSimulation& p) { return p.fixed().diagnostics(); })
       .def_prop_ro("body_names", &body_names, "Names of the bodies in the order of the scene.")
       .def("body_pose", &body_pose, nb::arg("body"),
            "Pose of the frame of a body in the world frame: the rotation matrix, row by row, and the position [m].")
@@ -293,14 +295,14 @@ void bind_readings(nb::class_<Plant>& simulation) {
            "The values of the outputs with these indices, as an array.")
       .def(
           "diagnostic",
-          [](Plant& p, int index) {
+          [](SharedSimulation& p, int index) {
             check_index(index, p.fixed().diagnostics().size());
             return p.with([&](Simulation& s) { return s.diagnostic(index); });
           },
           nb::arg("index"))
       .def_prop_ro(
           "events",
-          [](Plant& p) {
+          [](SharedSimulation& p) {
             nb::list out;
             for (const gelenk::EventReport& event : p.with([](Simulation& s) { return s.events(); })) {
               out.append(nb::make_tuple(event.time, event.text));
@@ -309,41 +311,45 @@ void bind_readings(nb::class_<Plant>& simulation) {
           },
           "Events of the last step: pairs of time [s] and text.")
       .def_prop_ro("independent_coordinates",
-                   [](Plant& p) {
+                   [](SharedSimulation& p) {
                      return p.with([](Simulation& s) { return gelenk::StateDerivatives(s).independent().coordinates; });
                    })
-      .def_prop_ro("independent_speeds", [](Plant& p) {
+      .def_prop_ro("independent_speeds", [](SharedSimulation& p) {
         return p.with([](Simulation& s) { return gelenk::StateDerivatives(s).independent().speeds; });
       });
 }
 
 // Reports on the model.
-void bind_reports(nb::class_<Plant>& simulation) {
+void bind_reports(nb::class_<SharedSimulation>& simulation) {
   simulation
       .def(
           "evaluation_cost",
-          [](Plant& p) { return p.with([](Simulation& s) { return gelenk::Probe(s).evaluation_cost(); }); },
+          [](SharedSimulation& p) { return p.with([](Simulation& s) { return gelenk::Probe(s).evaluation_cost(); }); },
           "CPU time of one evaluation of the equations of motion at the present state [s], the smallest of several.")
       .def("_record_cone_problems",
-           [](Plant& p, double end) {
+           [](SharedSimulation& p, double end) {
              return p.with([&](Simulation& s) { return gelenk::Probe(s).record_cone_problems(end); });
            })
       .def(
           "inspect",
-          [](Plant& p, const gelenk::Scene& whole) {
+          [](SharedSimulation& p, const gelenk::Scene& whole) {
             return p.with([&](Simulation& s) { return gelenk::inspect(s, whole); });
           },
           nb::arg("whole"), "Report on the reductions; whole: the original scene. Requires initialize().")
       .def("moved_frames",
-           [](Plant& p) { return p.with([](Simulation& s) { return gelenk::StartReport(s).moved_frames(); }); })
+           [](SharedSimulation& p) {
+             return p.with([](Simulation& s) { return gelenk::StartReport(s).moved_frames(); });
+           })
       .def("start_warnings",
-           [](Plant& p) { return p.with([](Simulation& s) { return gelenk::StartReport(s).warnings(); }); })
+           [](SharedSimulation& p) { return p.with([](Simulation& s) { return gelenk::StartReport(s).warnings(); }); })
       .def(
           "run_warnings",
-          [](Plant& p) { return p.with([](Simulation& s) { return gelenk::SteppingReport(s).warnings(); }); },
+          [](SharedSimulation& p) {
+            return p.with([](Simulation& s) { return gelenk::SteppingReport(s).warnings(); });
+          },
           "Where time steps with impulses were used instead of located events, and their estimated error.")
       .def("assembly_report",
-           [](Plant& p) { return p.with([](Simulation& s) { return gelenk::StartReport(s).assembly(); }); });
+           [](SharedSimulation& p) { return p.with([](Simulation& s) { return gelenk::StartReport(s).assembly(); }); });
 }
 
 }  // namespace
@@ -352,7 +358,7 @@ void gelenk::bind_simulation(nb::module_& m) {
   m.attr("equilibrium_rate_tolerance") = gelenk::equilibrium_rate_tolerance;
   m.attr("equilibrium_rounding_tolerance") = gelenk::equilibrium_rounding_tolerance;
   bind_signals(m);
-  nb::class_<Plant> simulation(m, "Simulation", "A running instance of a scene.");
+  nb::class_<SharedSimulation> simulation(m, "Simulation", "A running instance of a scene.");
   bind_inputs(simulation);
   bind_checks(simulation);
   bind_derivatives(simulation);
@@ -364,16 +370,18 @@ void gelenk::bind_simulation(nb::module_& m) {
   simulation.def(nb::init<const gelenk::Scene&>(), nb::arg("scene"))
       .def(
           "initialize",
-          [](Plant& p, double time, double tolerance) {
+          [](SharedSimulation& p, double time, double tolerance) {
             p.with([&](Simulation& s) { s.initialize(time, tolerance); });
           },
           nb::arg("time") = 0.0, nb::arg("tolerance") = 0.0,
           "Close the loops at the start values; tolerance 0: the scene's. Raises AssemblyError.")
       .def(
-          "step_to", [](Plant& p, double end) { p.with([&](Simulation& s) { s.step_to(end); }); }, nb::arg("end"),
+          "step_to", [](SharedSimulation& p, double end) { p.with([&](Simulation& s) { s.step_to(end); }); },
+          nb::arg("end"),
           "Advance to end [s] with the present inputs. Raises StepError; the state is then that at `time`.")
       .def(
-          "tune", [](Plant& p, const gelenk::Scene& scene) { p.with([&](Simulation& s) { s.tune(scene); }); },
+          "tune",
+          [](SharedSimulation& p, const gelenk::Scene& scene) { p.with([&](Simulation& s) { s.tune(scene); }); },
           nb::arg("scene"),
           "Set the tunable parameters to their values in this scene, which is otherwise the original one; the effect "
           "is "
@@ -384,5 +392,6 @@ void gelenk::bind_simulation(nb::module_& m) {
       .def("restore", restore, nb::arg("saved"),
            "Restore data of save(), from this or another instance of the same scene with equal initialization: the "
            "same calls then give identical results. Raises UsageError for other data.")
-      .def_prop_ro("time", [](Plant& p) { return p.with([](Simulation& s) { return s.time(); }); }, "Time [s].");
+      .def_prop_ro(
+          "time", [](SharedSimulation& p) { return p.with([](Simulation& s) { return s.time(); }); }, "Time [s].");
 }

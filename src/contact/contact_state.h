@@ -37,7 +37,7 @@ struct ContactState {
   std::vector<ContactSum> sums;             // by contact of the scene
 
   // Of what a saved state has of many contacts, for which memory is taken at the start: of 200 points [64 bits].
-  static constexpr std::size_t reserved_words = 200 * 10;
+  static constexpr std::size_t reserved_words = std::size_t{200} * 10;
 
   const RememberedContact* find(const TouchPoint& point) const;
   // Saves or restores it. shapes: number of shapes of the mechanism.

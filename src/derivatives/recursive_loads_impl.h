@@ -125,8 +125,10 @@ typename A::Pose RecursiveJacobians<A>::at_M(int c) const {
 
 template <class A>
 template <bool damped, class Changes>
+// NOLINTNEXTLINE(readability-function-cognitive-complexity): one term after the other
 void RecursiveJacobians<A>::add_link_pair_terms(const LinkPair& of, const Motion& V_b, Changes changes,
                                                 Jacobians& tangent) const {
+  // NOLINTNEXTLINE(readability-function-cognitive-complexity)
   const auto of_links = [&](const std::vector<int>& links, const std::vector<IndexRange>& same,
                             const std::vector<IndexRange>& other, bool on_b) {
     for (const int i : links) {

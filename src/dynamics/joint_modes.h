@@ -152,7 +152,7 @@ class JointModes final : public Branching {
     return out.largest();
   }
   Depth depth(int lock, int side) const override {
-    Depth out{-INFINITY, 0};
+    Depth out{-HUGE_VAL, 0};
     const int limit = found_[lock].limit;
     visit(limit, [&](const auto& force) {
       if constexpr (Blocks<std::decay_t<decltype(force.element)>>) {

@@ -25,7 +25,7 @@ struct Distance {
     using T = std::decay_t<decltype(from.v[0])>;
     const Vector3<T> p = to.X_0P.p - from.X_0P.p;
     const Vector3<T> v = to.v - from.v;
-    const T d = p.norm();
+    T d = p.norm();
     if (group == 0) return d;
     return d > T(0) ? T(p.dot(v) / d) : T(v.norm());
   }

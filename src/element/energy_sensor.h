@@ -20,7 +20,7 @@ struct EnergySensor {
 
   template <class Seen>
   auto output(const Seen& seen, int group, int) const {
-    const auto energy = seen.energy();
+    const auto& energy = seen.energy();
     return group == 0 ? energy.kinetic : group == 1 ? energy.potential : energy.kinetic + energy.potential;
   }
 };

@@ -9,7 +9,7 @@ namespace gelenk {
 
 // Viscous damper on a joint coordinate: tau = -damping v.
 struct JointDamper {
-  static constexpr std::string_view group = "";
+  static constexpr std::string_view group{};
   static constexpr std::string_view summary = "a viscous damper on the coordinate";
   static constexpr std::string_view misfit = "cannot move";  // of a joint with coordinates
   static bool fits(const JointKind& kind) { return kind.nv > 0; }

@@ -9,7 +9,7 @@ namespace gelenk {
 
 // Linear spring on a joint coordinate: tau = -stiffness (q - spring_reference).
 struct JointSpring {
-  static constexpr std::string_view group = "";
+  static constexpr std::string_view group{};
   static constexpr std::string_view summary = "a linear spring on the coordinate";
   static constexpr std::string_view misfit = "has no angles that a spring could act on";  // of a joint with coordinates
   static bool fits(const JointKind& kind) { return kind.springs(); }

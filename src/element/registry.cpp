@@ -182,6 +182,7 @@ bool is_idle(const JointForces& forces) {
   return std::apply([](const auto&... force) { return !(acts(force) || ...); }, forces.all());
 }
 
+// NOLINTBEGIN(bugprone-macro-parentheses): names of types
 #define GELENK_SECTION(Any)                                    \
   template std::span<const ElementKind> element_kinds<Any>();  \
   template Stored<Any> make_element<Any>(std::size_t);         \
@@ -191,6 +192,7 @@ bool is_idle(const JointForces& forces) {
   template class Stored<Any>;                                  \
   template std::span<const SignalGroup> inputs_of(const Any&); \
   template std::optional<ElementFault> fault_of(const Any&, const Coordinate&);
+// NOLINTEND(bugprone-macro-parentheses)
 
 GELENK_SECTION(AnyMotor)
 GELENK_SECTION(AnyForce)

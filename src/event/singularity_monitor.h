@@ -40,7 +40,7 @@ class SingularityMonitor {
   double regular_from_ = INFINITY;  // s: first regular evaluation after the last crossing
   bool armed_ = true;               // a step beyond it has been accepted
   long count_ = 0;
-  double last_ = -INFINITY;
+  double last_ = -HUGE_VAL;
 
   // Looks for a minimum with larger samples on both sides: whether the square reaches zero there, and its time.
   enum class Minimum { not_passed, zero, not_zero };

@@ -38,6 +38,7 @@ struct FrictionLoad {
 };
 
 template <class A>
+// NOLINTNEXTLINE(readability-function-cognitive-complexity): one kind of force after the other
 std::vector<FrictionLoad> friction_loads(const Model<A>& model, const Loads& loads) {
   std::vector<FrictionLoad> out;
   int index = 0;

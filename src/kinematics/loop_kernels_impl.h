@@ -73,6 +73,7 @@ double* path_columns(const Model<A>& model, const Workspace<A>& ws, std::size_t 
     const auto& link = model.links[i];
     for (int k = link.iv; k < link.iv + link.nv; ++k, ++column) {
       const typename A::Motion V = motion_of_M<A>(link.is_revolute_about_z, *X_FL, ws.S[k], ws.X_FM[c]);
+      // NOLINTNEXTLINE(bugprone-implicit-widening-of-multiplication-result): a small matrix
       for (int r = 0; r < cut.rows; ++r) column[r * stride] = sign * A::dot(V, ws.row[cut.first_row + r].w);
     }
     ++X_FL;

@@ -5,8 +5,7 @@
 
 #include "kinematics/model.h"
 
-namespace gelenk::kernels {
-inline namespace detail {
+namespace gelenk::kernels::inline detail {
 
 // S . F
 template <class A>
@@ -89,5 +88,4 @@ typename A::Pose turned(const typename A::Pose& X, const typename A::Scalar& phi
   }
 }
 
-}  // namespace detail
-}  // namespace gelenk::kernels
+}  // namespace gelenk::kernels::inline detail

@@ -18,6 +18,7 @@ import numpy as np
 import pytest
 from fmu.host import ERROR, Fmu, Slave
 from fmu.states import deserialize
+from looped import looped
 
 import gelenk
 from gelenk import _core
@@ -59,7 +60,7 @@ def read(path: Path) -> gelenk.Scene | None:
     return None
 
 
-@pytest.mark.parametrize(("fuzzer", "seed"), EVERY)
+@looped(("fuzzer", "seed"), EVERY)
 def test_scenes_are_refused_or_come_back_the_same(fuzzer: str, seed: str, tmp_path: Path) -> None:
     path = tmp_path / SCENES[fuzzer]
     path.write_bytes(content(fuzzer, seed))
@@ -98,7 +99,7 @@ def hosts(exported: Callable[[str], Fmu]) -> Callable[[int], Host]:
     return lambda byte: made(byte % len(names))
 
 
-@pytest.mark.parametrize("seed", seeds("fmu_state"))
+@looped("seed", seeds("fmu_state"))
 def test_a_plant_finds_home_after_any_state(seed: str, hosts: Callable[[int], Host]) -> None:
     """To the bit, whether the state was taken or refused."""
     which, *_ = words = content("fmu_state", seed)
@@ -126,7 +127,7 @@ def test_seeds_of_states_are_of_today(plant: str, hosts: Callable[[int], Host]) 
     np.testing.assert_allclose(host.slave.outputs(), np.frombuffer(host.expected), rtol=1e-6, atol=1e-6)
 
 
-@pytest.mark.parametrize("seed", seeds("scene_json"))
+@looped("seed", seeds("scene_json"))
 def test_fmus_refuse_any_bytes_for_their_scene(
     seed: str, exported: Callable[[str], Fmu], tmp_path: Path
 ) -> None:

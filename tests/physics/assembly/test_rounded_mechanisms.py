@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from looped import looped
 from mechanisms import Array, Scene
 from models.rounded import (
     DEGREES_OF_FREEDOM,
@@ -61,9 +62,9 @@ def initialized(data: Scene | gelenk.Scene) -> gelenk.Simulation:
     return plant
 
 
-@pytest.mark.parametrize("digits", DIGITS)
-@pytest.mark.parametrize("without", [[], ["all"]], ids=["reduced", "literal"])
 @pytest.mark.parametrize("name", MECHANISMS)
+@looped("digits", DIGITS)
+@looped("without", [[], ["all"]])
 def test_rounded_mechanism_keeps_its_degrees_of_freedom_and_stays_closed(
     name: str, digits: int, without: list[str]
 ) -> None:
@@ -77,7 +78,7 @@ def test_rounded_mechanism_keeps_its_degrees_of_freedom_and_stays_closed(
     assert max(moves, default=0) <= tolerance(digits)
 
 
-@pytest.mark.parametrize("digits", DIGITS)
+@looped("digits", DIGITS)
 def test_mechanism_without_redundant_constraints_is_not_modified(digits: int) -> None:
     """A Stewart platform can be assembled with any rounding of its numbers."""
     with_tolerance = initialized(rounded_scene("stewart", digits))
@@ -109,8 +110,8 @@ def coordinates(data: Scene, drives: list[str]) -> Array:
     return np.array(rows)
 
 
-@pytest.mark.parametrize("digits", DIGITS)
 @pytest.mark.parametrize("name", [name for name in MECHANISMS if name != "stewart"])
+@looped("digits", DIGITS)
 def test_rounded_mechanism_follows_the_exact_one(name: str, digits: int) -> None:
     drives = {"double_parallelogram": ["A0", "E0"], "three_cranks": ["A0"]}.get(name, ["A"])
     exact = coordinates(scene(MECHANISMS[name]()), drives)
@@ -119,7 +120,7 @@ def test_rounded_mechanism_follows_the_exact_one(name: str, digits: int) -> None
     assert error < MAX_ERROR * 10.0**-digits, f"off by {error:.3g}"
 
 
-@pytest.mark.parametrize("digits", DIGITS)
+@looped("digits", DIGITS)
 def test_rounded_four_bar_follows_the_closed_form(digits: int) -> None:
     """The rocker's angle, from the intersection of the circles of coupler and rocker."""
     data = scene(tilted(four_bar(phi=1.1)), digits, assembly={"tolerance": tolerance(digits)})
@@ -134,7 +135,7 @@ def test_rounded_four_bar_follows_the_closed_form(digits: int) -> None:
     assert np.abs(found - exact).max() < MAX_ERROR * 10.0**-digits
 
 
-@pytest.mark.parametrize("digits", DIGITS)
+@looped("digits", DIGITS)
 def test_rounded_bennett_linkage_satisfies_its_closure_equation(digits: int) -> None:
     """tan(t1/2) tan(t2/2) = sin((beta + alpha)/2) / sin((beta - alpha)/2) (Bennett 1914), with t1 and t2 the
     angles between consecutive sides; the start determines the sign, and which of the twists is alpha.
@@ -159,7 +160,7 @@ def test_rounded_bennett_linkage_satisfies_its_closure_equation(digits: int) -> 
 
 
 @pytest.mark.parametrize("name", [name for name in MECHANISMS if name != "stewart"])
-@pytest.mark.parametrize("digits", DIGITS)
+@looped("digits", DIGITS)
 def test_rejection_without_tolerance_states_a_sufficient_tolerance(name: str, digits: int) -> None:
     data = started(name, digits)
     with pytest.raises(gelenk.AssemblyError, match=r"assembly: \{tolerance: ") as refusal:
@@ -181,8 +182,8 @@ def disturbed(name: str, size: float) -> Scene:
     return data
 
 
-@pytest.mark.parametrize("exponent", range(-14, -3))
 @pytest.mark.parametrize("name", MECHANISMS)
+@looped("exponent", range(-14, -3))
 def test_disturbed_mechanism_runs_with_all_degrees_of_freedom_or_is_rejected(
     name: str, exponent: int
 ) -> None:
@@ -205,8 +206,8 @@ def test_disturbed_mechanism_runs_with_all_degrees_of_freedom_or_is_rejected(
 
 
 @pytest.mark.parametrize("which", "ABCD")
-@pytest.mark.parametrize("axis", [(1, 0, 0), (0.6, 0.8, 0)])
-@pytest.mark.parametrize("exponent", np.arange(-13, -4.5, 0.5))
+@looped("axis", [(1, 0, 0), (0.6, 0.8, 0)])
+@looped("exponent", np.arange(-13, -4.5, 0.5))
 def test_four_bar_with_a_tilted_axis_runs_or_is_rejected(which: str, axis: Any, exponent: float) -> None:
     """The plane is found for tilts up to 1e-11; rejection begins above 1e-9, up to which frames may move."""
     data = scene(four_bar(), fields={"A": {"start": {"w": 1.0}}})
@@ -231,12 +232,12 @@ def change_point() -> list[Placed]:
     return [(n, t, a, b, np.array([x, 0.0, z]), axis) for (n, t, a, b, _, axis), (x, z) in places]
 
 
-@pytest.mark.parametrize("digits", DIGITS)
 @pytest.mark.parametrize(
     "joints",
     [four_bar(phi=0.0), four_bar(phi=math.pi), change_point()],
     ids=["crank outwards", "crank inwards", "change point"],
 )
+@looped("digits", DIGITS)
 def test_rounded_four_bar_starts_with_its_links_in_line(joints: list[Placed], digits: int) -> None:
     fields = {"A": {"start": {"w": 1.0}}}
     plant = initialized(

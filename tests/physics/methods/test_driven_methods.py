@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from looped import looped
 from mechanisms import GRAVITY, Scene, body, frame, joint
 from models.driven import Array, Law, polynomial, sine
 from models.geared_five_bar import five_bar, five_bar_bodies
@@ -99,13 +100,11 @@ PAIRS = [
 BOUNDS = {"euler": 0.15, **dict.fromkeys(SECOND_ORDER, 5e-4)}
 
 
-CASES = [
-    (p, *m) for p in ("position", "speed", "geared") for m in PAIRS if (p, m[0]) != ("speed", "independent")
-]
-
-
-@pytest.mark.parametrize(("plant", "formulation", "integrator"), CASES)
+@pytest.mark.parametrize("plant", ["position", "speed", "geared"])
+@looped(("formulation", "integrator"), PAIRS)
 def test_all_methods_give_the_same_result(plant: str, formulation: str, integrator: str) -> None:
+    if (plant, formulation) == ("speed", "independent"):
+        return  # refused: below
     bound = BOUNDS.get(integrator, 1e-5 if formulation == "index3" else 3e-7)
     assert error(plant, formulation, integrator) < bound
 

@@ -14,6 +14,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 import scene_files
+from looped import looped
 from mechanisms import GRAVITY, Array, Scene, body, frame, joint, reaction, rod, scene, with_sensors
 from models import reducible, rods
 from models.running import assert_close
@@ -78,8 +79,8 @@ def results_with_all(name: str) -> dict[str, Array]:
     return results(name, None)
 
 
-@pytest.mark.parametrize("off", OFF)
 @pytest.mark.parametrize("name", [*READY, *BUILT])
+@looped("off", OFF)
 def test_results_do_not_depend_on_a_reduction(name: str, off: str) -> None:
     """Within 1e-9 at rtol 1e-11, relative to the largest value of each output,
     or absolute if that is below 1.

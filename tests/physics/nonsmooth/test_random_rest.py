@@ -8,6 +8,7 @@ import random
 from typing import Any
 
 import pytest
+from looped import looped
 from mechanisms import GRAVITY, Scene, body, frame, joint, scene
 
 import gelenk
@@ -47,7 +48,7 @@ def linkage(seed: int, friction: bool) -> Scene:
     return scene(bodies, joints, gravity=[0, -GRAVITY, 0])
 
 
-@pytest.mark.parametrize("seed", range(150))
+@looped("seed", range(150))
 def test_equilibria_are_within_limits_and_runs_remain_there(seed: int) -> None:
     source = linkage(seed, friction=False)
     found = gelenk.equilibrium(source)
@@ -67,7 +68,7 @@ def test_equilibria_are_within_limits_and_runs_remain_there(seed: int) -> None:
     assert plant.values(names) == pytest.approx(start, abs=1e-8)
 
 
-@pytest.mark.parametrize("seed", range(100))
+@looped("seed", range(100))
 def test_a_pose_is_held_if_a_run_remains_there(seed: int) -> None:
     source = linkage(seed, friction=True)
     plant = gelenk.Simulation(gelenk.load(source))
