@@ -93,12 +93,9 @@ def test_what_reads_bytes_of_others_is_checked_as_it_runs(library: Path) -> None
     assert re.search(r"__\w+_chk\b", wanted)
 
 
-def test_the_library_is_small(library: Path) -> None:
-    """Shapes, collisions and cone solvers take 0.2 MB, located contacts 0.2 MB, landing pads of calls 45 kB.
-
-    Compressed, it has 2.5 MB.
-    """
-    assert library.stat().st_size < 5.7e6
+def test_the_library_does_not_grow_by_accident(library: Path) -> None:
+    """It has 5.9 MB, 2.6 MB compressed. The bound leaves a tenth; a feature may take more, said so."""
+    assert library.stat().st_size < 6.5e6
 
 
 RUN_BOTH = """
