@@ -7,6 +7,7 @@
 
 #include "collision/contacts.h"
 #include "collision/sweep_and_prune.h"
+#include "shape/registry.h"
 
 namespace {
 
