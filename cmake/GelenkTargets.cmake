@@ -4,8 +4,9 @@
 #
 # Each folder is compiled in one of three ways, which decide nothing but speed and size. Hot folders are what every step
 # executes. Warm: what only some scenes or methods execute. Cold: what reads, reduces and describes scenes, or runs once;
-# compiled for size, since every FMU contains it, and hardened, since it reads external data. They are linked in this order,
-# since the linker keeps the first copy of a template that several of them instantiate.
+# compiled for size, since every FMU contains it. Cold and warm folders read external data, such as scenes and saved states,
+# and are hardened. They are linked in this order, since the linker keeps the first copy of a template that several of them
+# instantiate.
 set(GELENK_HOT src/math src/joint src/linear src/kinematics src/dynamics src/outputs src/integrator src/formulation)
 set(GELENK_WARM src/cone src/collision src/derivatives src/contact src/modes src/touch src/simulation fmu/runtime)
 set(GELENK_COLD src/util src/field src/shape src/element src/event src/scene src/check src/scene_file src/scene_schema
@@ -47,6 +48,7 @@ target_compile_options(gelenk_hot PRIVATE
   "$<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:Clang>>:-fno-vectorize;-fno-slp-vectorize;-mllvm;-disable-vector-combine>")
 target_compile_options(gelenk_warm PRIVATE "$<$<CONFIG:Release>:-O2>")
 target_compile_options(gelenk_cold PRIVATE "$<$<CONFIG:Release>:-Os>")
+gelenk_harden(gelenk_warm)
 gelenk_harden(gelenk_cold)
 
 add_library(gelenk_core STATIC $<TARGET_OBJECTS:gelenk_hot> $<TARGET_OBJECTS:gelenk_warm> $<TARGET_OBJECTS:gelenk_cold>)

@@ -16,6 +16,7 @@ def looped(
 ) -> Callable[[Callable[..., None]], Callable[..., None]]:
     """Like pytest.mark.parametrize, but all cases are one test, which names those that fail.
 
+    A case that is skipped counts as one that fails.
     For cases of one kind, such as seeds: to collect and report a test costs as much as most of them.
     """
     keys = (names,) if isinstance(names, str) else names
@@ -28,7 +29,7 @@ def looped(
             for row in rows:
                 try:
                     test(**given, **row)
-                except (Exception, pytest.fail.Exception) as error:
+                except (Exception, pytest.fail.Exception, pytest.skip.Exception) as error:
                     failed.append((row, error))
             if failed:
                 lines = "\n".join(f"{row}: {type(error).__name__}: {error}" for row, error in failed[:20])

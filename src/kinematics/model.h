@@ -17,6 +17,8 @@
 
 namespace gelenk {
 
+static_assert(Rod::max_nq <= max_cut_nq && Rod::max_nv <= max_cut_nv);  // of all cut joints, a rod has the most
+
 // A frame on a link. In planar mechanisms its height above the plane is height + p.z().
 struct Attachment {
   int link = 0;

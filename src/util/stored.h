@@ -7,8 +7,8 @@
 namespace gelenk {
 
 // Holds a value on the heap, and is copied, assigned and destroyed as the value itself would be. What holds it needs no
-// definition of T; what looks at the value does. One file instantiates the members: stored_impl.h. After a move it is
-// empty and may only be assigned or destroyed.
+// definition of T; what looks at the value does. One file instantiates the members: stored_impl.h. What has been
+// moved from may only be assigned or destroyed.
 template <class T>
 class Stored {
  public:
