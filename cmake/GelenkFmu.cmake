@@ -12,11 +12,9 @@ set(library_type MODULE)
 if(APPLE)  # CMake makes a bundle of a MODULE, which cannot be opened like a library
   set(library_type SHARED)
 endif()
-add_library(gelenk_fmu ${library_type} ${fmu_sources} $<TARGET_OBJECTS:gelenk_hot> $<TARGET_OBJECTS:gelenk_warm>
-  $<TARGET_OBJECTS:gelenk_cold>)
-set_property(SOURCE ${fmu_sources} PROPERTY UNITY_GROUP fmu)
+add_library(gelenk_fmu ${library_type} $<TARGET_OBJECTS:gelenk_hot> $<TARGET_OBJECTS:gelenk_warm> $<TARGET_OBJECTS:gelenk_cold>)
+gelenk_together(gelenk_fmu fmu ${fmu_sources})
 set_property(SOURCE ${CMAKE_CURRENT_SOURCE_DIR}/fmu/unload.cpp PROPERTY SKIP_UNITY_BUILD_INCLUSION ON)  # declares what the compiler has
-set_target_properties(gelenk_fmu PROPERTIES UNITY_BUILD ${GELENK_TOGETHER} UNITY_BUILD_MODE GROUP)
 target_compile_options(gelenk_fmu PRIVATE "$<$<CONFIG:Release>:-Os>")
 gelenk_harden(gelenk_fmu)
 add_library(gelenk::gelenk_fmu ALIAS gelenk_fmu)

@@ -5,9 +5,8 @@ find_package(nanobind CONFIG REQUIRED)
 
 file(GLOB binding_sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/python/bindings/*.cpp)
 if(binding_sources)
-  nanobind_add_module(_core STABLE_ABI NB_STATIC ${binding_sources})  # one module for Python 3.12 and all later ones
-  set_property(SOURCE ${binding_sources} PROPERTY UNITY_GROUP bindings)
-  set_target_properties(_core PROPERTIES UNITY_BUILD ${GELENK_TOGETHER} UNITY_BUILD_MODE GROUP)
+  nanobind_add_module(_core STABLE_ABI NB_STATIC)  # one module for Python 3.12 and all later ones
+  gelenk_together(_core python/bindings ${binding_sources})
   if(GELENK_ZIG AND (WIN32 OR APPLE))  # SUNDIALS is compiled for it: cmake/sundials_memory.h
     target_sources(_core PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/fmu/memory.cpp)
   endif()

@@ -9,24 +9,16 @@
 # instantiate.
 set(GELENK_HOT src/math src/joint src/linear src/kinematics src/dynamics src/outputs src/integrator src/formulation)
 set(GELENK_WARM src/cone src/collision src/derivatives src/contact src/modes src/touch src/simulation fmu/runtime)
-set(GELENK_COLD src/util src/field src/shape src/element src/event src/scene src/check src/scene_file src/scene_schema
+set(GELENK_COLD src/util src/field src/shape src/element src/element/constraints src/event src/scene src/check src/scene_file src/scene_schema
   src/mechanism src/assembly src/analysis src/preparation src/runs src/inspection modelDescription fmu/export)
-
-# Most of the time of compiling a file goes into reading headers and instantiating their templates. So all files of a
-# folder are compiled together, which takes a quarter of the time; OFF compiles each on its own, for clang-tidy and to
-# show whether each includes what it uses.
-option(GELENK_TOGETHER "Compile all files of a folder together" ON)
 
 # gelenk_folders(TARGET folder...): puts the sources of folders into a target, those of each folder together.
 function(gelenk_folders target)
   foreach(folder IN LISTS ARGN)
     file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${folder}/*.cpp)
     list(REMOVE_ITEM sources ${yaml_source} ${stubs_source})
-    string(MAKE_C_IDENTIFIER ${folder} group)
-    set_property(SOURCE ${sources} PROPERTY UNITY_GROUP ${group})
-    target_sources(${target} PRIVATE ${sources})
+    gelenk_together(${target} ${folder} ${sources})
   endforeach()
-  set_target_properties(${target} PROPERTIES UNITY_BUILD ${GELENK_TOGETHER} UNITY_BUILD_MODE GROUP)
 endfunction()
 
 set(yaml_source ${CMAKE_CURRENT_SOURCE_DIR}/src/scene_file/yaml.cpp)

@@ -5,6 +5,7 @@ import re
 import sys
 
 DOWNLOAD = re.compile(r"Downloading (\S+)\s.*\(([\d.]+ MB)\)")
+TOGETHER = re.compile(r"Unity/unity_([^_]+)_?(.*)_cxx\.cxx")  # the files of a folder
 COMPILED = re.compile(r"(\[\d+/\d+\]) (?:.*CMakeFiles/[^/]*\.dir/)?(.*?)(?:\.o)?$")
 
 
@@ -17,7 +18,8 @@ def step(line: str) -> str | None:
     if line.startswith("*** Configuring CMake"):
         return "configuring"
     if compiled := COMPILED.match(line):
-        return f"{compiled[1]} {compiled[2]}"
+        together = TOGETHER.fullmatch(compiled[2])
+        return f"{compiled[1]} {'/'.join(filter(None, together.groups())) if together else compiled[2]}"
     if line.startswith("Successfully installed"):
         return "installed"
     return None

@@ -39,6 +39,12 @@ def local_names(text: str) -> set[str]:
     return found
 
 
+def compiled_together(folder: Path) -> list[Path]:
+    """Those of a folder of src and of the folders in it, but those that depend on kinds of forces."""
+    files = folder.rglob("*.cpp") if folder.parent.name == "src" else folder.glob("*.cpp")
+    return sorted(path for path in files if not path.name.endswith("_by_kind.cpp"))
+
+
 def shared(texts: Iterable[str]) -> set[str]:
     """Names that several files declare for themselves."""
     count: dict[str, int] = defaultdict(int)
@@ -72,7 +78,7 @@ def test_the_check_sees_a_name_that_two_files_declare(line: str) -> None:
 def test_names_that_are_local_to_a_file_are_unique_in_its_folder() -> None:
     found = {}
     for folder in FOLDERS:
-        names = shared(path.read_text(encoding="utf-8") for path in sorted(folder.glob("*.cpp")))
+        names = shared(path.read_text(encoding="utf-8") for path in compiled_together(folder))
         if names:
             found[str(folder.relative_to(ROOT))] = names
     assert found == {}
@@ -87,7 +93,8 @@ def test_each_folder_is_compiled_in_one_way() -> None:
     ]
     assert len(lists) == 3
     assert all(not a & b for a, b in [*pairwise(lists), (lists[0], lists[2])])
-    compiled = {str(folder.relative_to(ROOT)) for folder in FOLDERS if any(folder.glob("*.cpp"))}
+    folders = [*FOLDERS, *(ROOT / "src").glob("*/*/")]
+    compiled = {str(folder.relative_to(ROOT)) for folder in folders if any(folder.glob("*.cpp"))}
     assert set.union(*lists) == compiled - {"fmu", "python/bindings"}
 
 
@@ -101,3 +108,25 @@ def test_the_page_on_the_architecture_has_all_modules_and_what_they_include() ->
         return on[name].union(*(below(other) for other in on[name]))
 
     assert {name.replace("python/", ""): below(name) for name in on} == BELOW
+
+
+def test_what_depends_on_the_kinds_of_forces_is_compiled_apart() -> None:
+    """So that a new kind recompiles little: each of these files is read by few."""
+    readers: dict[str, set[str]] = defaultdict(set)
+    for folder in FOLDERS:
+        for path in folder.rglob("*.*"):
+            if path.suffix in {".h", ".cpp"}:
+                name = str(path.relative_to(ROOT)).removeprefix("src/")
+                for included in re.findall(r'^#include "([^"]+)"', path.read_text("utf-8"), re.MULTILINE):
+                    readers[included].add(name)
+
+    def read_by(header: str) -> set[str]:
+        return readers[header].union(*(read_by(name) for name in readers[header] if name.endswith(".h")))
+
+    units = {name for name in read_by("element/forces/registry.h") if name.endswith(".cpp")}
+    assert len(units) > 4
+    assert {name for name in units if not name.endswith("_by_kind.cpp")} == {
+        "element/registry.cpp",
+        "outputs/outputs.cpp",
+        "outputs/outputs_dual.cpp",
+    }

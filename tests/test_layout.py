@@ -297,7 +297,7 @@ def test_no_switch_on_the_kind_of_joint_outside_its_room() -> None:
 
 def element_words() -> tuple[str, str]:
     """Likewise of the kinds of elements."""
-    text = "".join(p.read_text(encoding="utf-8") for p in sorted((ROOT / "src" / "element").glob("*.h")))
+    text = "".join(p.read_text(encoding="utf-8") for p in sorted((ROOT / "src" / "element").rglob("*.h")))
     kinds = re.findall(r'std::string_view kind = "(\w+)"', text)
     lists = re.findall(r"struct (?:Any\w+|JointForces)\s*:\s*std::(?:variant|tuple)<([^{;]+)>\s*\{", text)
     structs = re.findall(r"\b(?!std\b|optional\b)\w+", " ".join(lists))

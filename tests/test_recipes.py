@@ -42,7 +42,9 @@ NOT_BUILT = ("yaml.cpp", "rod.cpp")  # of no use to JSON and to scenes
 LAYOUT = ("test_sizes.py", "test_layout.py", "test_folders.py")
 # These see every joint, force, constraint, sensor and motor there is.
 KERNELS = (
+    "kinematics/forces_by_kind.cpp",
     "kinematics/load_kernels.cpp",
+    "derivatives/forces_by_kind.cpp",
     "derivatives/residual_kernels.cpp",
     "derivatives/recursive.cpp",
     "outputs/outputs.cpp",
@@ -89,7 +91,7 @@ class Tree:
     command: list[str]
 
     def add(self, header: Path, kind: str, lists: str) -> None:
-        room = header.parent.name
+        room = header.parent.relative_to(RECIPES)
         shutil.copy(header, self.folder / "src" / room)
         registry = self.folder / "src" / room / "registry.h"
         text = extended(registry.read_text("utf-8"), kind, lists, f"{room}/{header.name}")
@@ -104,7 +106,9 @@ class Tree:
         """All that knows scenes, as the program `told`; the files of a folder together, as everywhere."""
         sources = [RECIPES / "told.cpp"]
         for room in BUILT:
-            files = [p for p in sorted((self.folder / "src" / room).glob("*.cpp")) if p.name not in NOT_BUILT]
+            files = [
+                p for p in sorted((self.folder / "src" / room).rglob("*.cpp")) if p.name not in NOT_BUILT
+            ]
             sources.append(self.folder / f"{room}.cpp")
             sources[-1].write_text("".join(f'#include "{path}"\n' for path in files))
         objects = [f"{p.stem}.o" for p in sources]
@@ -143,7 +147,7 @@ def copied(root: Path, folder: Path) -> Tree:
 def tree(root: Path, tmp_path_factory: pytest.TempPathFactory) -> Tree:
     """With every header of tests/recipes."""
     made = copied(root, tmp_path_factory.mktemp("recipes"))
-    headers = {path.stem: path for path in RECIPES.glob("*/*.h")}
+    headers = {path.stem: path for path in RECIPES.rglob("*.h")}
     assert set(headers) == set(ADDED)
     for name, path in headers.items():
         made.add(path, *ADDED[name])

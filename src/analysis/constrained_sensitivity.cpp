@@ -7,8 +7,10 @@
 #include <variant>
 
 #include "analysis/dual_columns.h"
-#include "dynamics/undefined_force.h"
+#include "joint/registry.h"
+#include "kinematics/loads.h"
 #include "linear/singular_values.h"
+#include "mechanism/mechanism.h"
 
 namespace gelenk {
 namespace {
@@ -98,9 +100,9 @@ void ConstrainedSensitivity::set_point(const double* q, const double* v, const d
   d.set_velocity(v);
   d.solve(u, vdot_.data());
   holding_ = d.branching().holding_forces().values();
-  if (!all_empty(loads_.forces)) {
+  if (!is_empty(*loads_.forces)) {
     d.readings().set_root_poses();
-    const int force = undefined_force(loads_, d.readings());
+    const int force = undefined_force(*loads_.forces, d.readings());
     if (force >= 0) throw NotDifferentiablePoint(NotDifferentiablePoint::What::spring, force);
   }
   redundant_ = false;

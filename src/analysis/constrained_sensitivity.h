@@ -16,7 +16,7 @@
 #include "analysis/mobility.h"
 #include "derivatives/residual_evaluator.h"
 #include "dynamics/dynamics.h"
-#include "element/motion_law.h"
+#include "element/constraints/motion_law.h"
 #include "kinematics/stages.h"
 #include "math/dual.h"
 #include "math/series.h"

@@ -7,7 +7,7 @@
 
 #include "analysis/independent_columns.h"
 #include "assembly/loop_closure.h"
-#include "element/cut_joint.h"
+#include "element/constraints/cut_joint.h"
 #include "kinematics/branches.h"
 #include "mechanism/mechanism.h"
 

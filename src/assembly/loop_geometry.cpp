@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <variant>
 
-#include "element/cut_joint.h"
+#include "element/constraints/cut_joint.h"
 #include "joint/kinds.h"
 #include "joint/rows.h"
 #include "math/rotations.h"

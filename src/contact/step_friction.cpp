@@ -4,7 +4,7 @@
 
 #include "contact/step_limits.h"
 #include "contact/time_stepper.h"
-#include "kinematics/model.h"
+#include "kinematics/loads.h"
 
 namespace gelenk {
 namespace {

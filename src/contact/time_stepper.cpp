@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "contact/step_limits.h"
-#include "kinematics/model.h"
+#include "kinematics/loads.h"
 #include "math/bounds.h"
 
 namespace gelenk {

@@ -18,10 +18,13 @@
 #include "derivatives/coriolis.h"
 #include "derivatives/jacobians.h"
 #include "kinematics/kernels.h"
+#include "kinematics/loads.h"
 #include "kinematics/motion_columns.h"
 #include "math/dual.h"
 
 namespace gelenk {
+
+struct PortJacobians;  // element/forces/force.h
 
 template <class A>
 class RecursiveJacobians {
@@ -84,6 +87,8 @@ class RecursiveJacobians {
   typename DualAlgebra::Force cut_force(int c, const typename DualAlgebra::Pose& X,
                                         const typename DualAlgebra::Motion& V, const LinearizationPoint& at) const;
   void set_loads(const LinearizationPoint& at, int inputs);
+  void set_forces(const LinearizationPoint& at);
+  void forces_jacobians(const LinearizationPoint& at, Jacobians& tangent, Jacobians& out);
   void load_jacobians(const LinearizationPoint& at, Jacobians& tangent, Jacobians& out);
   void force_jacobians(const PortJacobians& K, const Attachment& last, const LinkPair& of, Jacobians& tangent) const;
   template <class F>

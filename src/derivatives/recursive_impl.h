@@ -76,12 +76,7 @@ RecursiveJacobians<A>::RecursiveJacobians(const Model<A>& model, const Workspace
     for (; !from_a.empty() && !from_b.empty() && from_a.back() == from_b.back(); from_b.pop_back()) from_a.pop_back();
     return link_pair(from_a, from_b);
   };
-  each_list(loads.forces, [&](const auto& list) {
-    for (const auto& force : list) {
-      const std::size_t last = force.at.size() - 1;
-      forces_.push_back(between(last == 0 ? 0 : force.at[0].link, force.at[last].link));
-    }
-  });
+  for (const auto [a, b] : links_of(*loads.forces)) forces_.push_back(between(a, b));
 }
 
 template <class A>

@@ -161,16 +161,7 @@ void RecursiveJacobians<A>::add_link_pair_terms(const LinkPair& of, const Motion
 
 template <class A>
 void RecursiveJacobians<A>::set_loads(const LinearizationPoint& at, int inputs) {
-  std::size_t n = 0;
-  each_list(loads_.forces, [&](const auto& list) {
-    for (const auto& force : list) {
-      auto ports = ports_at(force);
-      force.element.act(ports.data(), at.u + force.input);
-      const auto& last = ports.back();
-      add_interaction(forces_[n++], force.at.size() == 1 ? 0 : force.at.front().link, force.at.back().link,
-                      detail::force_at<A>(last.p(), -last.f, -last.n));
-    }
-  });
+  set_forces(at);
   bool loaded = false;
   for (const JointLoads& on : loads_.cuts) loaded = loaded || !on.empty();
   if (!loaded) return;
@@ -187,43 +178,9 @@ void RecursiveJacobians<A>::set_loads(const LinearizationPoint& at, int inputs) 
 
 template <class A>
 void RecursiveJacobians<A>::load_jacobians(const LinearizationPoint& at, Jacobians& tangent, Jacobians& out) {
-  std::size_t n = 0;
-  each_list(loads_.forces, [&](const auto& list) {
-    for (const auto& force : list) {
-      const LinkPair& of = forces_[n++];
-      force_jacobians(port_jacobians(force, at.u + force.input), force.at.back(), of, tangent);
-      if (out.of_inputs) force_input_derivatives(force, of, at.u, out);
-    }
-  });
+  forces_jacobians(at, tangent, out);
   for (int c = 0; c < static_cast<int>(cuts_.size()); ++c) {
     if (!loads_.cuts[c].empty()) cut_load_jacobians(c, at, tangent, out);
-  }
-}
-
-template <class A>
-template <class F>
-auto RecursiveJacobians<A>::ports_at(const PlacedForce<F>& force) const {
-  std::array<detail::PortAt<A>, PlacedForce<F>::ports> out;
-  for (std::size_t k = 0; k < out.size(); ++k) {
-    const Body& body = body_[force.at[k].link];
-    out[k] = {&force.at[k], &loads_, &body.X, &body.V};
-  }
-  return out;
-}
-
-// The element's own derivatives, or those by dual numbers.
-template <class A>
-template <class F>
-PortJacobians RecursiveJacobians<A>::port_jacobians(const PlacedForce<F>& force, const double* u) const {
-  const auto ports = ports_at(force);
-  if constexpr (HasPortJacobians<F, std::decay_t<decltype(ports[0])>>) {
-    return force.element.jacobians(ports.data(), u);
-  } else {
-    const int link_a = force.at.size() == 1 ? 0 : force.at.front().link;
-    const Motion U = body_[force.at.back().link].V - body_[link_a].V;
-    const auto dual = detail::constant_ports(ports, loads_);
-    return detail::derivatives_by_duals(force.element, dual, u, detail::angular(U),
-                                        detail::velocity(U, ports.back().p()));
   }
 }
 
@@ -251,24 +208,6 @@ void RecursiveJacobians<A>::force_jacobians(const PortJacobians& K, const Attach
     add_link_pair_terms<true>(of, on.V, changes, tangent);
   } else {
     add_link_pair_terms<false>(of, on.V, changes, tangent);
-  }
-}
-
-template <class A>
-template <class F>
-void RecursiveJacobians<A>::force_input_derivatives(const PlacedForce<F>& force, const LinkPair& of, const double* u,
-                                                    Jacobians& out) const {
-  const int inputs = count_of(own_inputs(force.element));
-  if (inputs == 0) return;
-  const auto ports = ports_at(force);
-  auto input = detail::constants(force.element, u + force.input);
-  for (int i = 0; i < inputs; ++i) input[i].derivatives()[i] = 1;
-  auto dual = detail::constant_ports(ports, loads_);
-  force.element.act(dual.data(), input.data());
-  for (int i = 0; i < inputs; ++i) {
-    const Force by_input = detail::force_at<A>(ports.back().p(), detail::derivatives_along(dual.back().f, i),
-                                               detail::derivatives_along(dual.back().n, i));
-    add_input_derivative(by_input, of, force.input + i, out);
   }
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "kinematics/branching_forces.h"
 #include "kinematics/coordinate_rows.h"
 #include "kinematics/friction_loads.h"
 #include "kinematics/kernels.h"

@@ -16,7 +16,6 @@ namespace gelenk::kernels {
   template void loop_positions(const Model<A>&, Workspace<A>&);                                                       \
   template void loop_velocities(const Model<A>&, Workspace<A>&);                                                      \
   template void loop_accelerations(const Model<A>&, Workspace<A>&, A::Scalar*);                                       \
-  template void link_loads(const Model<A>&, const Loads&, const A::Scalar*, Workspace<A>&);                           \
   template void cut_loads(const Model<A>&, const Loads&, const A::Scalar*, const double*, Workspace<A>&, const int*); \
   template void counted_cut_coordinates<A>(const Model<A>::Cut&, const A::Pose&, const double*, A::Scalar*);          \
   template void cut_speeds<A>(const Model<A>::Cut&, const Workspace<A>&, int, const A::Scalar*, A::Scalar*);          \

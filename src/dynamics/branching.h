@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The interface to forces along tree joints and cut joints that have modes (element/coordinate_force.h): stops, and
-// friction and limits, which can keep their coordinate at rest ("lock" it).
+// The interface to forces along tree joints and cut joints that have modes (element/joint_forces/coordinate_force.h):
+// stops, and friction and limits, which can keep their coordinate at rest ("lock" it).
 #pragma once
 
 #include <Eigen/Core>
@@ -54,7 +54,7 @@ class Branching {
   struct Lock {
     int friction = -1, limit = -1;  // indices in all forces with modes; -1: it has none
     double sign = 1;                // user's speed = sign times the mechanism's
-    // See element/coordinate_force.h; 0 without friction, without a limit.
+    // See element/joint_forces/coordinate_force.h; 0 without friction, without a limit.
     DirectedLimit sticking_limit, slipping_limit;
     double restitution = 0;
     bool poisson = false;

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "dynamics/mass_factor.h"
-#include "kinematics/model.h"
+#include "kinematics/loads.h"
 
 namespace gelenk {
 

@@ -8,7 +8,8 @@
 //   outputs            its output signals; optional
 //   fault(coordinate)  error in its values that the ranges of the fields do not cover; optional
 //
-// and the functions of its section: force.h, coordinate_force.h, constraint.h, sensor.h. registry.h lists all elements.
+// and the functions of its section: forces/force.h, joint_forces/coordinate_force.h, constraints/constraint.h,
+// sensors/sensor.h. The registry.h of each section lists its elements.
 #pragma once
 
 #include <span>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Elements of all types, for code that does not depend on particular types: these are in registry.h.
+// Elements of all types, for code that does not depend on particular types: these are in the registry.h of each
+// section.
 #pragma once
 
 #include <algorithm>
@@ -7,7 +8,7 @@
 #include <span>
 #include <string_view>
 
-#include "element/contact.h"
+#include "element/contacts/contact.h"
 #include "element/element.h"
 #include "joint/kinds.h"
 #include "util/stored.h"
@@ -89,13 +90,13 @@ struct JointForceKind {
   std::string_view summary;
   std::string_view misfit;  // why a joint with coordinates cannot have it; completes "a universal joint ..."
   std::span<const Field> fields;
-  std::span<const SignalGroup> outputs;                 // force and mode (element/coordinate_force.h), or none
-  bool (*fits)(const JointKind&);                       // whether joints of a type can have it
-  void* (*find)(JointForces&);                          // address of the element; null if it is not present
-  const void* (*defaults)();                            // an element with default values
-  void (*emplace)(JointForces&);                        // adds the element with default values, if it is optional
-  void (*erase)(JointForces&);                          // removes it or restores the default values
-  std::span<const SignalGroup> (*inputs)(const void*);  // its input signals
+  std::span<const SignalGroup> outputs;  // force and mode (element/joint_forces/coordinate_force.h), or none
+  bool (*fits)(const JointKind&);        // whether joints of a type can have it
+  void* (*find)(JointForces&);           // address of the element; null if it is not present
+  const void* (*defaults)();             // an element with default values
+  void (*emplace)(JointForces&);         // adds the element with default values, if it is optional
+  void (*erase)(JointForces&);           // removes it or restores the default values
+  std::span<const SignalGroup> (*inputs)(const void*);                             // its input signals
   std::optional<ElementFault> (*fault)(const void*, const Coordinate&);            // error in its values
   std::optional<ElementFault> (*doubt)(const void*, double q, const Coordinate&);  // warning about a start at q
 

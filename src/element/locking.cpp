@@ -7,8 +7,9 @@
 #include <type_traits>
 #include <variant>
 
-#include "element/mesh_losses.h"
-#include "element/registry.h"
+#include "element/constraints/mesh_losses.h"
+#include "element/constraints/registry.h"
+#include "element/joint_forces/registry.h"
 
 namespace gelenk {
 

@@ -58,8 +58,9 @@ bool ContactMotion::take_over(const Activity& before) {
   return true;
 }
 
-std::vector<std::array<std::string, 2>> ContactMotion::event_texts(const Scene& scene) const {
-  return touch_ ? touch_->outputs().event_texts(scene) : std::vector<std::array<std::string, 2>>{};
+std::vector<std::array<std::string, 2>> ContactMotion::event_texts(const std::vector<std::string>& bodies,
+                                                                   const std::vector<std::string>& contacts) const {
+  return touch_ ? touch_->outputs().event_texts(bodies, contacts) : std::vector<std::array<std::string, 2>>{};
 }
 
 ContactReadings& ContactMotion::PresentReadings::present() const {

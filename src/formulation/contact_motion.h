@@ -44,7 +44,8 @@ class ContactMotion final : public ImpulseEquations {
   TouchModes* touch() const { return touch_.get(); }  // null: not at events
 
   // By indicator of contacts, which follow all others.
-  std::vector<std::array<std::string, 2>> event_texts(const Scene& scene) const;
+  std::vector<std::array<std::string, 2>> event_texts(const std::vector<std::string>& bodies,
+                                                      const std::vector<std::string>& contacts) const;
   // What outputs of contacts show.
   ContactReadings& readings() { return readings_; }
   void count(RunCounts& counts) const;

@@ -8,7 +8,8 @@
 #include <set>
 #include <utility>
 
-#include "kinematics/model.h"
+#include "element/constraints/cut_joint.h"
+#include "kinematics/loads.h"
 #include "mechanism/wanted_part.h"
 #include "outputs/port_readings.h"
 #include "preparation/loads.h"

@@ -5,7 +5,7 @@
 #include <array>
 
 #include "kinematics/branches.h"
-#include "kinematics/model.h"
+#include "kinematics/loads.h"
 #include "math/dual.h"
 
 namespace gelenk {

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Ports of forces (element/force.h) for derivatives: they store the applied force and torque, as doubles or with
+// Ports of forces (element/forces/force.h) for derivatives: they store the applied force and torque, as doubles or with
 // derivatives as dual numbers.
 #pragma once
 
 #include <array>
 #include <tuple>
 
+#include "element/forces/force.h"
 #include "kinematics/coordinate_derivatives.h"
-#include "kinematics/load_kernels_impl.h"
+#include "kinematics/ports.h"
 
 namespace gelenk::detail {
 
@@ -19,8 +20,8 @@ inline Eigen::Vector3d velocity(const Planar::Motion& V, const Eigen::Vector3d& 
   return {V.x - V.w * p.y(), V.y + V.w * p.x(), 0};
 }
 
-// A force's port at the current pose of its link (element/force.h), in the root's axes. It sums up the force f [N] and
-// the torque n [N m] that are applied to it.
+// A force's port at the current pose of its link (element/forces/force.h), in the root's axes. It sums up the force f
+// [N] and the torque n [N m] that are applied to it.
 template <class A>
 struct PortAt {
   const Attachment* at = nullptr;

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "kinematics/kernels.h"
-#include "kinematics/model.h"
+#include "kinematics/loads.h"
 #include "kinematics/output_kernels.h"
 #include "kinematics/visit.h"
 

@@ -6,7 +6,6 @@
 namespace gelenk::kernels {
 
 #define GELENK_INSTANTIATE(A)                                                                                         \
-  template void link_loads(const Model<A>&, const Loads&, const A::Scalar*, Workspace<A>&);                           \
   template void cut_loads(const Model<A>&, const Loads&, const A::Scalar*, const double*, Workspace<A>&, const int*); \
   template void counted_cut_coordinates<A>(const Model<A>::Cut&, const A::Pose&, const double*, A::Scalar*);          \
   template void cut_speeds<A>(const Model<A>::Cut&, const Workspace<A>&, int, const A::Scalar*, A::Scalar*);          \

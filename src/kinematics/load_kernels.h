@@ -5,6 +5,7 @@
 #include <array>
 
 #include "kinematics/kernels.h"
+#include "kinematics/loads.h"
 
 namespace gelenk::kernels {
 
@@ -25,6 +26,9 @@ typename A::Motion root_acceleration(const Loads& loads) {
 // Overwrites ws.F_ext with the forces between bodies. u: all inputs of the scene. After velocities.
 template <class A>
 void link_loads(const Model<A>& model, const Loads& loads, const typename A::Scalar* u, Workspace<A>& ws);
+// Potential energy [J] of the forces between bodies.
+template <class A>
+typename A::Scalar force_energy(const Loads& loads, const Workspace<A>& ws);
 
 // Adds motors, springs and stops of cut joints as pairs of wrenches to ws.F_ext, and stores them in ws.F_cut.
 // reference: coordinates of the cut joints with full revolutions. sides: see JointLoads::add, cut by cut. After

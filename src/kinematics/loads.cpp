@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <vector>
+#include "kinematics/loads.h"
 
-#include "kinematics/model.h"
+#include "kinematics/branching_forces.h"
 
 namespace gelenk {
 
@@ -16,14 +16,7 @@ bool JointLoads::stores_nothing() const {
 
 std::vector<int> links_with_loads(const Mechanism& mechanism, const Loads& loads) {
   std::vector<bool> needed(mechanism.links.size(), false);
-  each_list(loads.forces, [&](const auto& list) {
-    for (const auto& force : list) {
-      if constexpr (requires { force.element.is_local(); }) {
-        if (force.element.is_local()) continue;
-      }
-      for (const Attachment& at : force.at) needed[at.link] = true;
-    }
-  });
+  mark_links(*loads.forces, needed);
   for (const LinkShape& shape : mechanism.shapes) needed[shape.link] = true;
   for (std::size_t i = mechanism.links.size() - 1; i > 0; --i) {
     if (needed[i]) needed[mechanism.links[i].parent] = true;

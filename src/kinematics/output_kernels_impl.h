@@ -136,14 +136,7 @@ EnergyOf<typename A::Scalar> energy(const Model<A>& model, const Loads& loads, c
     sum.kinetic += A::dot(ws.V[i], G * ws.V[i]) / 2;
     sum.potential -= loads.gravity.cast<T>().dot(first_moment_in_root<A>(ws.X_0L[i], G));
   }
-  each_list(loads.forces, [&](const auto& list) {
-    for (const auto& force : list) {
-      const auto ports = ports_of<A>(force, loads, ws);
-      if constexpr (requires { force.element.template energy<T>(ports.data()); }) {
-        sum.potential += force.element.template energy<T>(ports.data());
-      }
-    }
-  });
+  sum.potential += force_energy(loads, ws);
   return sum;
 }
 

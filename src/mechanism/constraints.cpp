@@ -5,9 +5,9 @@
 #include <unordered_map>
 #include <utility>
 
-#include "element/cut_joint.h"
+#include "element/constraints/cut_joint.h"
+#include "element/constraints/mesh_losses.h"
 #include "element/kinds.h"
-#include "element/mesh_losses.h"
 #include "mechanism/graph.h"
 #include "scene/element_numbers.h"
 #include "scene/signals.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "element/cut_joint.h"
+#include "element/constraints/cut_joint.h"
 #include "joint/turns.h"
 #include "mechanism/graph.h"
 

@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "element/constraints/motion_law.h"
 #include "element/kinds.h"
-#include "element/motion_law.h"
 #include "joint/kinds.h"
 #include "scene/reduction.h"
 #include "shape/kinds.h"

@@ -12,12 +12,9 @@ Outputs::Outputs(const Scene& scene, const ReducedScene& reduced, const std::vec
                  const std::vector<std::vector<BranchingForce>>& branching)
     : scene_(scene), reduced_(reduced) {
   for (const Sensor& sensor : scene.sensors) {
-    sensors_.push_back(*sensor.is);
     ports_.emplace_back(scene, reduced, sensor, kind_of(*sensor.is).reads_reaction);
   }
   for (const Force& force : scene.forces) force_ports_.emplace_back(scene, reduced, force, false);
-  for (const Constraint& constraint : scene.constraints) constraints_.push_back(*constraint.is);
-  for (const Contact& contact : scene.contacts) contacts_.push_back(*contact.is);
   for (const Signal& signal : signals) {
     sources_.push_back(signal.level == 3   ? joint_force_source(signal, branching)
                        : signal.joint >= 0 ? joint_source(signal)

@@ -12,6 +12,8 @@
 
 namespace gelenk {
 
+struct Scene;
+
 // Data from which the outputs of an island are computed: q, v, vdot of the tree joints; cut_q: coordinates of the cut
 // joints with counted turns; cut_v: their velocities, or nullptr if they are to be computed. T: double or a scalar type
 // for automatic differentiation.
@@ -101,11 +103,8 @@ class Outputs {
   const Scene& scene_;  // of forces, which are tunable
   const ReducedScene& reduced_;
   std::vector<Source> sources_;
-  std::vector<AnySensor> sensors_;  // by sensor of the scene
   std::vector<PortPlaces> ports_;
   std::vector<PortPlaces> force_ports_;
-  std::vector<AnyConstraint> constraints_;  // by constraint of the scene
-  std::vector<AnyContact> contacts_;        // by contact of the scene
 };
 
 }  // namespace gelenk

@@ -4,7 +4,10 @@
 #include <array>
 #include <cstdlib>
 
-#include "element/registry.h"
+#include "element/constraints/registry.h"
+#include "element/contacts/registry.h"
+#include "element/forces/registry.h"
+#include "element/sensors/registry.h"
 #include "math/pose_in.h"
 #include "outputs/outputs.h"
 
@@ -49,7 +52,7 @@ T Outputs::value(int output, const ReadingOf<T>& reading) const {
           [&](const auto& contact) {
             return contact.output(SeenContact{*reading.contacts, s.index}, s.group, s.component);
           },
-          contacts_[static_cast<std::size_t>(s.index)]));
+          *scene_.contacts[static_cast<std::size_t>(s.index)].is));
     case Kind::constant:
     case Kind::whole:
       break;
@@ -68,7 +71,7 @@ T Outputs::sensor_value(const Source& source, const Readings<T>* dynamics) const
         else
           return sensor.output(seen, source.group, source.component);
       },
-      sensors_[i]);
+      *scene_.sensors[i].is);
 }
 
 template <class T>
@@ -92,7 +95,8 @@ template <class T>
 T Outputs::constraint_value(const Source& source, const Readings<T>& dynamics) const {
   const auto i = static_cast<std::size_t>(source.index);
   const SeenConstraint<T> seen(reduced_.constraints[i], reduced_, dynamics);
-  return std::visit([&](const auto& c) { return T(c.output(seen, source.group, source.component)); }, constraints_[i]);
+  return std::visit([&](const auto& c) { return T(c.output(seen, source.group, source.component)); },
+                    *scene_.constraints[i].is);
 }
 
 template <class T>
@@ -104,7 +108,7 @@ T Outputs::of_energy(int output, const EnergyOf<T>& energy) const {
         if constexpr (OfWhole<std::decay_t<decltype(sensor)>>) return sensor.output(seen, s.group, s.component);
         return T(0);
       },
-      sensors_[static_cast<std::size_t>(s.index)]);
+      *scene_.sensors[static_cast<std::size_t>(s.index)].is);
 }
 
 }  // namespace gelenk

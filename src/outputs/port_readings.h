@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Access of sensors and constraints to the state of a simulation (element/sensor.h, element/constraint.h).
+// Access of sensors and constraints to the state of a simulation (element/sensors/sensor.h,
+// element/constraints/constraint.h).
 #pragma once
 
 #include <optional>
 #include <vector>
 
 #include "dynamics/dynamics.h"
-#include "element/constraint.h"
-#include "element/sensor.h"
+#include "element/constraints/constraint.h"
+#include "element/sensors/sensor.h"
+#include "math/pose_in.h"
 #include "mechanism/mechanism.h"
 #include "scene/scene.h"
 
@@ -87,7 +89,7 @@ class SeenPorts {
   const Readings<T>* dynamics_;
 };
 
-// A port of a force (element/force.h), for its outputs.
+// A port of a force (element/forces/force.h), for its outputs.
 template <class T>
 struct SeenPort {
   SeenFrame<T> frame;

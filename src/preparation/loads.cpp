@@ -6,7 +6,8 @@
 #include <unordered_map>
 #include <utility>
 
-#include "element/registry.h"
+#include "element/joint_forces/registry.h"
+#include "element/motors/registry.h"
 #include "joint/kinds.h"
 #include "scene/signals.h"
 
@@ -18,7 +19,7 @@ void clear(Loads& loads) {
   const auto clear_list = [](auto& list) { list.clear(); };
   each_list(loads.tree.lists, clear_list);
   for (JointLoads& cut : loads.cuts) each_list(cut.lists, clear_list);
-  each_list(loads.forces, clear_list);
+  clear_forces(*loads.forces);
   loads.inputs.clear();
   loads.potential_offset = 0;
 }
@@ -152,14 +153,9 @@ struct LoadCollector {
     for (const BodyFrame& frame : force.frames) island = std::max(island, island_of(frame));
     if (island < 0) return;
     for (int i = 0; i < input_count(*force.is); ++i) out[island].inputs.push_back(input + i);
-    std::visit(
-        [&](const auto& element) {
-          using F = std::decay_t<decltype(element)>;
-          PlacedForce<F> placed{.element = element, .at = {}, .input = input, .force = f};
-          for (std::size_t k = 0; k < placed.at.size(); ++k) placed.at[k] = attach(island, force.frames[k]);
-          std::get<std::vector<PlacedForce<F>>>(out[island].forces).push_back(placed);
-        },
-        *force.is);
+    std::vector<Attachment> at;
+    for (const BodyFrame& frame : force.frames) at.push_back(attach(island, frame));
+    add_force(*out[island].forces, *force.is, at, input, f);
   }
 
  private:
@@ -196,7 +192,7 @@ void LoadAssembler::fill(std::vector<Loads>& loads) const {
   collector.motions();
   for (Loads& of : loads) {
     of.only_along_tree =
-        all_empty(of.forces) && std::ranges::all_of(of.cuts, [](const JointLoads& on) { return on.empty(); });
+        is_empty(*of.forces) && std::ranges::all_of(of.cuts, [](const JointLoads& on) { return on.empty(); });
   }
 }
 
@@ -219,31 +215,15 @@ double stored_energy(const std::optional<E>& element, double q) {
   return element ? stored_energy(*element, q) : 0;
 }
 
-// A port that is fixed in the world.
-struct ImmobilePort {
-  Pose3 X_WP;
-  const Eigen::Vector3d& p() const { return X_WP.p; }
-  Eigen::Vector3d turned(const Eigen::Vector3d& x) const { return X_WP.R * x; }
-  Eigen::Vector3d own(const Eigen::Vector3d& x) const { return X_WP.R.transpose() * x; }
-  Eigen::Vector3d from_world(const Eigen::Vector3d& x) const { return x; }
-};
-
 // Potential energy [J] of a force whose ports are all immobile; 0 otherwise.
 double immobile_energy(const Scene& scene, const ReducedScene& reduced, const Force& force) {
-  std::vector<ImmobilePort> at;
+  std::vector<Pose3> at;
   for (const BodyFrame& frame : force.frames) {
     const BodyPlace found = place(scene, reduced, -1, frame);
     if (found.island >= 0) return 0;
-    at.push_back({found.X_LB});
+    at.push_back(found.X_LB);
   }
-  return std::visit(
-      [&](const auto& element) -> double {
-        if constexpr (requires { element.template energy<double>(at.data()); }) {
-          return element.template energy<double>(at.data());
-        }
-        return 0;
-      },
-      *force.is);
+  return energy_at(*force.is, at);
 }
 
 }  // namespace

@@ -6,7 +6,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "kinematics/model.h"
+#include "kinematics/loads.h"
 #include "scene/scene.h"
 
 namespace gelenk {

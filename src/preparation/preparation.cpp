@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "analysis/singular_start.h"
-#include "dynamics/undefined_force.h"
 #include "formulation/targets.h"
 #include "mechanism/graph.h"
 #include "preparation/doubts.h"
@@ -340,7 +339,7 @@ struct Preparer {
       }
       dynamics[i]->set_position(of.start.q.data());
       dynamics[i]->readings().set_root_poses();
-      const int force = undefined_force(loads[i], dynamics[i]->readings());
+      const int force = undefined_force(*loads[i].forces, dynamics[i]->readings());
       if (force >= 0) out.warnings.push_back(describe_collapsed_spring(scene, force));
     }
   }

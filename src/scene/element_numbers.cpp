@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "scene/scene.h"
 #include "util/text.h"
 
 namespace gelenk {

@@ -4,10 +4,13 @@
 
 #include <functional>
 #include <string>
+#include <string_view>
 
-#include "scene/scene.h"
+#include "scene/element_place.h"
 
 namespace gelenk {
+
+struct Scene;
 
 // One number of an element: a scalar field or a component of a vector or list, possibly inside a group of fields.
 struct Number {

@@ -16,6 +16,7 @@
 #include "element/kinds.h"
 #include "joint/kinds.h"
 #include "math/spatial.h"
+#include "scene/element_place.h"
 #include "scene/metadata.h"
 #include "scene/reduction.h"
 #include "scene/unit_system.h"
@@ -80,15 +81,6 @@ struct Joint {
   bool is_idle() const;
 };
 
-// Where an element of a section acts: its frames and joints, in the order of the kind's ports. The name of an optional
-// joint that is not given is empty.
-struct ElementPlace {
-  std::string name;
-  std::vector<BodyFrame> frames;
-  std::vector<std::string> joints;
-  std::string coordinate;               // coordinate of the first joint, if the kind has a coordinate
-  std::vector<std::string> surfaces{};  // two, if the kind refers to surfaces
-};
 template <class Any>
 struct Element : ElementPlace {
   Stored<Any> is;

@@ -8,6 +8,7 @@
 
 #include "joint/kinds.h"
 #include "scene/element_numbers.h"
+#include "scene/scene.h"
 
 namespace gelenk {
 namespace {

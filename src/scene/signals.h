@@ -6,9 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "scene/scene.h"
+#include "element/element.h"
 
 namespace gelenk {
+
+struct Scene;
 
 struct Signal {
   std::string name;         // "A.phi", "drive.tau", "C.f[1]"

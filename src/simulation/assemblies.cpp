@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "formulation/targets.h"
-#include "kinematics/model.h"
+#include "kinematics/loads.h"
 #include "preparation/adjustment.h"
 #include "preparation/loads.h"
 #include "preparation/preparation.h"

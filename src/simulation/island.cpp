@@ -74,7 +74,10 @@ std::vector<std::array<std::string, 2>> Island::event_texts() const {
     for (const auto& texts : of.events)
       out.push_back({filled_in(texts[0], place, coordinate), filled_in(texts[1], place, coordinate)});
   }
-  for (const std::array<std::string, 2>& texts : equations_->contacts().event_texts(scene_)) out.push_back(texts);
+  std::vector<std::string> bodies, contacts;
+  for (const Body& body : scene_.bodies) bodies.push_back(body.name);
+  for (const Contact& contact : scene_.contacts) contacts.push_back(contact.name);
+  for (const auto& texts : equations_->contacts().event_texts(bodies, contacts)) out.push_back(texts);
   return out;
 }
 

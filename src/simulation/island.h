@@ -11,7 +11,7 @@
 
 #include "formulation/formulation.h"
 #include "integrator/integrator.h"
-#include "kinematics/model.h"
+#include "kinematics/loads.h"
 #include "modes/run_counts.h"
 #include "outputs/outputs.h"
 #include "preparation/preparation.h"

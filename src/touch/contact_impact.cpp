@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "element/contact.h"
-#include "kinematics/model.h"
+#include "element/contacts/contact.h"
+#include "kinematics/loads.h"
 #include "math/bounds.h"
 
 namespace gelenk {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "contact/contact_finder.h"
-#include "kinematics/model.h"
+#include "kinematics/loads.h"
 #include "mechanism/mechanism.h"
 
 namespace gelenk {

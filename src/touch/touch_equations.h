@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "contact/step_limits.h"
-#include "element/contact.h"
+#include "element/contacts/contact.h"
 #include "linear/least_norm.h"
 #include "touch/spots.h"
 

@@ -7,7 +7,7 @@
 
 #include "contact/contact_finder.h"
 #include "contact/step_limits.h"
-#include "kinematics/model.h"
+#include "kinematics/loads.h"
 
 namespace gelenk {
 namespace {

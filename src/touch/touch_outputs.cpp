@@ -6,7 +6,6 @@
 #include <limits>
 
 #include "mechanism/mechanism.h"
-#include "scene/scene.h"
 
 namespace gelenk {
 
@@ -79,15 +78,16 @@ double TouchOutputs::gap(int contact) {
   return out;
 }
 
-std::vector<std::array<std::string, 2>> TouchOutputs::event_texts(const Scene& scene) const {
+std::vector<std::array<std::string, 2>> TouchOutputs::event_texts(const std::vector<std::string>& bodies,
+                                                                  const std::vector<std::string>& contacts) const {
   const auto name = [&](int shape) {
     const int body = mechanism_.shapes[static_cast<std::size_t>(shape)].scene_body;
-    return body < 0 ? std::string("the ground") : scene.bodies[static_cast<std::size_t>(body)].name;
+    return body < 0 ? std::string("the ground") : bodies[static_cast<std::size_t>(body)];
   };
   std::vector<std::array<std::string, 2>> out;
   for (int i = 0; i < touch_.spots().count(); ++i) {
     const Spot& spot = touch_.spots()[i];
-    const std::string subject = scene.contacts[static_cast<std::size_t>(spot.contact)].name + ": " + name(spot.tip);
+    const std::string subject = contacts[static_cast<std::size_t>(spot.contact)] + ": " + name(spot.tip);
     const std::string core = name(spot.core);
     out.push_back({subject + " leaves " + core, subject + " touches " + core});
     out.push_back({subject + " stops sliding on " + core, subject + " slides on " + core});

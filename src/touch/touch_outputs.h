@@ -44,7 +44,8 @@ class TouchOutputs final : public ContactReadings {
   bool any_overlap(const double* q);
 
   // By indicator: what happens when it becomes negative, and positive.
-  std::vector<std::array<std::string, 2>> event_texts(const Scene& scene) const;
+  std::vector<std::array<std::string, 2>> event_texts(const std::vector<std::string>& bodies,
+                                                      const std::vector<std::string>& contacts) const;
 
  private:
   void add_to_audit(const TouchEquations::Entry& entry, const TouchEquations::SpotForce& force, double slack);

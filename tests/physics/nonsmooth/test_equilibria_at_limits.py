@@ -18,7 +18,7 @@ from .test_holding import ROUNDING, crank_loop, pendulum
 POSITION = (
     1e-9  # rad: error of a free equilibrium, its residual acceleration over a stiffness of about 10 1/s2
 )
-BOUND = 1e-12  # rad, m: what counts as contact (element/joint_limit.h)
+BOUND = 1e-12  # rad, m: what counts as contact (element/joint_forces/joint_limit.h)
 
 
 def at_rest(source: Scene) -> gelenk.Simulation:

@@ -13,7 +13,7 @@ from mechanisms import GRAVITY, Scene, body, frame, joint, scene
 
 import gelenk
 
-BOUND = 1e-12  # rad: what counts as contact (element/joint_limit.h)
+BOUND = 1e-12  # rad: what counts as contact (element/joint_forces/joint_limit.h)
 
 
 def linkage(seed: int, friction: bool) -> Scene:

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <limits>
+
+#include "element/constraints/constraint.h"
+#include "element/constraints/motion_law.h"
+
+namespace gelenk {
+
+// A joint coordinate, or only its speed, is prescribed as a function of time or by an input, with the user's signs.
+struct Motion {
+  static constexpr std::string_view kind = "motion";
+  static constexpr std::string_view summary = "a coordinate follows a prescribed motion";
+  static constexpr Port ports[] = {{.kind = Port::Kind::joint,
+                                    .name = "joint",
+                                    .text = "Joint whose velocities are the time derivatives of its coordinates",
+                                    .has_coordinate = true,
+                                    .fits = [](const JointKind& kind) { return kind.springs(); }}};
+  static constexpr std::string_view sources[] = {"position", "speed"};
+
+  std::vector<double> polynomial;  // c0 + c1 t + c2 t^2 + ...
+  std::optional<Sine> sine;        // added to the polynomial
+  std::optional<Table> table;
+  double speed = std::numeric_limits<double>::quiet_NaN();  // constant speed; NaN if not given
+  Choice input;
+
+  static std::span<const Field> fields() {
+    static constexpr Field all[] = {
+        field<&Motion::polynomial>({.name = "polynomial",
+                                    .unit = "{q}",
+                                    .text = "coefficients of 1, t, t^2, ...",
+                                    .by_time = true,
+                                    .alternative = 1,
+                                    .min_count = 1}),
+        field<&Motion::sine>({.name = "sine",
+                              .text = "amplitude sin(2 pi frequency t + phase), added to the polynomial "
+                                      "if there is one",
+                              .alternative = 1}),
+        field<&Motion::table>({.name = "table", .text = "a cubic spline through the points", .alternative = 2}),
+        field<&Motion::speed>({.name = "speed",
+                               .unit = "{v}",
+                               .text = "constant speed, with any start value of the coordinate",
+                               .optional = true,
+                               .alternative = 3}),
+        field<&Motion::input>({.name = "input",
+                               .text = "quantity that an input of the model prescribes",
+                               .alternative = 4,
+                               .words = sources})};
+    return all;
+  }
+
+  bool follows_input() const { return input.index != Choice::none; }
+  bool gives_speed() const { return std::isfinite(speed); }
+  // Otherwise only the speed is prescribed, and the start value is free.
+  bool holds_position() const { return input.index != 1 && !gives_speed(); }
+
+  std::optional<ElementFault> fault(const Coordinate&) const { return table ? fault(*table) : std::nullopt; }
+
+  std::span<const SignalGroup> inputs() const {
+    static constexpr SignalGroup position[] = {{"{coordinate}_ref", 0, "{q}",
+                                                "prescribed value of {joint}.{coordinate}", Stage::position,
+                                                SignalGroup::Start::coordinate}};
+    static constexpr SignalGroup rate[] = {
+        {"{speed}_ref", 0, "{v}", "prescribed value of {joint}.{speed}", Stage::velocity, SignalGroup::Start::speed}};
+    if (!follows_input()) return {};
+    return holds_position() ? position : rate;
+  }
+  static constexpr SignalGroup outputs[] = {
+      {"{effort}", 0, "{f}", "{torque} that enforces the motion of {joint}.{coordinate}"}};
+
+  template <class OnBase>
+  double factor(int, const OnBase&) const {
+    return 1;
+  }
+  std::optional<MotionLaw> law() const {
+    if (follows_input()) return {};
+    if (gives_speed()) return MotionLaw({0, speed}, {}, {});
+    return MotionLaw(polynomial, sine, table);
+  }
+  template <class Seen>
+  auto output(const Seen& seen, int, int) const {
+    return seen.coordinate_force();
+  }
+
+ private:
+  static std::optional<ElementFault> fault(const Table& table);
+};
+
+}  // namespace gelenk

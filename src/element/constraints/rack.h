@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <limits>
+#include <optional>
+
+#include "element/constraints/constraint.h"
+#include "element/constraints/mesh_losses.h"
+
+namespace gelenk {
+
+// Rack and pinion: s_rack = radius phi_pinion + offset. Losses are friction of the pinion.
+struct Rack {
+  static constexpr std::string_view kind = "rack";
+  static constexpr std::string_view summary = "a rack translates as its pinion rotates";
+  static constexpr Port ports[] = {
+      {.kind = Port::Kind::joint,
+       .name = "rack",
+       .text = "Joint that translates",
+       .fits = [](const JointKind& kind) { return kind.nq == 1 && kind.nv == 1 && kind.q[0].unit == "m"; }},
+      {.kind = Port::Kind::joint, .name = "pinion", .text = "Joint that rotates", .fits = [](const JointKind& kind) {
+         return kind.nq == 1 && kind.nv == 1 && kind.q[0].unit == "rad";
+       }}};
+
+  double radius = 1;  // m
+  double offset = 0;  // m
+  double efficiency = 1;
+  double backdriving = std::numeric_limits<double>::quiet_NaN();  // NaN: 2 - 1 / efficiency
+
+  static std::span<const Field> fields() {
+    static constexpr Field all[] = {
+        field<&Rack::radius>({.name = "radius",
+                              .unit = "m",
+                              .text = "travel of the rack per radian of the pinion",
+                              .range = Range::not_zero,
+                              .required = true}),
+        field<&Rack::offset>({.name = "offset", .unit = "m", .text = "position of the rack when the pinion is at 0"}),
+        field<&Rack::efficiency>(efficiency_info("part of the power that leaves the mesh if `pinion` drives `rack`")),
+        field<&Rack::backdriving>(backdriving_info(
+            "part of the power that leaves the mesh if `rack` drives `pinion`; 0 or less: it cannot"))};
+    return all;
+  }
+  static constexpr SignalGroup outputs[] = {{"f", 0, "N", "force of the pinion on joint {joint}"}};
+
+  template <class OnBase>
+  double factor(int i, const OnBase&) const {
+    return i == 0 ? 1 : -radius;
+  }
+  double constant() const { return offset; }
+  static constexpr int lossy_joint = 1;
+  std::array<double, 2> losses() const { return losses_of_mesh(efficiency, backdriving); }
+  std::optional<ElementFault> fault(const Coordinate&) const { return fault_of_mesh(efficiency, backdriving); }
+  template <class Seen>
+  auto output(const Seen& seen, int, int) const {
+    return seen.coordinate_force();
+  }
+};
+
+}  // namespace gelenk

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Forces along joint coordinates, in the form in which the kernels read them.
+#pragma once
+
+#include <optional>
+#include <tuple>
+#include <type_traits>
+#include <variant>
+#include <vector>
+
+#include "element/joint_forces/registry.h"
+#include "element/kinds.h"
+#include "element/motors/registry.h"
+#include "kinematics/branches.h"
+#include "kinematics/lists.h"
+
+namespace gelenk {
+
+// A force along a joint coordinate. Its element uses the user's coordinate: sign times the mechanism's.
+template <class F>
+struct AlongCoordinate {
+  F element;
+  int q = 0, v = 0;
+  double sign = 1;
+  int input = 0;                  // index of its first input in the scene
+  int joint = -1, component = 0;  // joint of the scene, and which of its coordinates
+
+  // Generalized force [N m, N], in the mechanism's sign. u: all inputs of the scene.
+  template <class T>
+  T effort(const T* at, const T* speed, const T* u) const {
+    return T(sign) * element.effort(T(T(sign) * at[q]), T(T(sign) * speed[v]), u + input);
+  }
+  // The same on a given branch (element/joint_forces/coordinate_force.h).
+  template <class T>
+  T held(int side, const T* at, const T* speed, const T* u) const {
+    return T(sign) * element.held(side, T(T(sign) * at[q]), T(T(sign) * speed[v]), u + input);
+  }
+  // The branch on which the state is.
+  template <class T>
+  int side(const T* at, const T* speed) const {
+    return element.side(T(T(sign) * at[q]), T(T(sign) * speed[v]));
+  }
+};
+
+namespace detail {
+
+template <class F>
+struct Plain {
+  using type = F;
+};
+template <class F>
+struct Plain<std::optional<F>> {
+  using type = F;
+};
+
+// A tuple with a list for each kind of element.
+template <class Any, class Tuple>
+struct Lists;
+template <class... Motor, class... Force>
+struct Lists<std::variant<Motor...>, std::tuple<Force...>> {
+  using type =
+      std::tuple<std::vector<AlongCoordinate<Motor>>..., std::vector<AlongCoordinate<typename Plain<Force>::type>>...>;
+};
+
+}  // namespace detail
+
+// Motors, springs, dampers and stops along joints: of the whole tree, or of one cut joint (then the indices are
+// relative to those of the joint).
+struct JointLoads {
+  using Lists = detail::Lists<AnyMotor::variant, JointForces::tuple>::type;
+  Lists lists;
+
+  bool empty() const { return all_empty(lists); }
+  bool stores_nothing() const;  // no element has potential energy
+  // Adds the generalized forces to tau. u: all inputs of the scene. sides: the modes in which the forces with modes are
+  // held, or null: each is in that of the state.
+  template <class T>
+  void add(const T* q, const T* v, const T* u, T* tau, const int* sides = nullptr) const {
+    each_list(lists, [&](const auto& list) {
+      for (const auto& force : list) {
+        if constexpr (HasBranches<std::decay_t<decltype(force.element)>>) {
+          const int held = sides == nullptr ? branch_of_state : *sides++;
+          tau[force.v] += force.held(held == branch_of_state ? force.side(q, v) : held, q, v, u);
+        } else {
+          tau[force.v] += force.effort(q, v, u);
+        }
+      }
+    });
+  }
+  // Potential energy [J].
+  template <class T>
+  T energy(const T* q) const {
+    T sum(0);
+    each_list(lists, [&](const auto& list) {
+      for (const auto& force : list) {
+        const auto& element = force.element;
+        if constexpr (requires { element.energy(q[0]); }) sum += element.energy(T(T(force.sign) * q[force.q]));
+      }
+    });
+    return sum;
+  }
+  // Number of forces with branches.
+  int branchings() const {
+    int n = 0;
+    each_branching([&](const auto&) { ++n; });
+    return n;
+  }
+  bool has_branches() const { return branchings() > 0; }
+  // Calls visit(force) for each force with branches.
+  template <class Visit>
+  void each_branching(Visit&& visit) const {
+    each_list(lists, [&](const auto& list) {
+      for (const auto& force : list) {
+        if constexpr (HasBranches<std::decay_t<decltype(force.element)>>) visit(force);
+      }
+    });
+  }
+};
+
+}  // namespace gelenk
