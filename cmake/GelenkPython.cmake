@@ -30,6 +30,15 @@ if(binding_sources)
     target_link_options(_core PRIVATE -Wl,-z,relro,-z,now -Wl,-z,noexecstack)
   endif()
   install(TARGETS _core LIBRARY DESTINATION gelenk COMPONENT python)
+  # Its types and docstrings, for type checkers and editors. A module for another platform cannot be imported here: its
+  # wheel has the types of this one.
+  if(NOT GELENK_PYTHON_HEADERS)
+    set(types ${CMAKE_CURRENT_BINARY_DIR}/types)
+    file(GENERATE OUTPUT ${types}/gelenk/__init__.py CONTENT "__path__ = [r'$<TARGET_FILE_DIR:_core>']\n")
+    nanobind_add_stub(_core_types MODULE gelenk._core PYTHON_PATH ${types} DEPENDS _core RECURSIVE INCLUDE_PRIVATE
+      OUTPUT_PATH ${types} OUTPUT ${types}/_core/__init__.pyi ${types}/_core/elements.pyi ${types}/_core/joints.pyi)
+    install(DIRECTORY ${types}/_core DESTINATION gelenk COMPONENT python)
+  endif()
 endif()
 if(TARGET gelenk_fmu)
   install(FILES $<TARGET_FILE:gelenk_fmu>.gz DESTINATION gelenk/runtime/${GELENK_FMU_PLATFORM} COMPONENT python)

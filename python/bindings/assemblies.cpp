@@ -2,7 +2,11 @@
 #include "simulation/assemblies.h"
 
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
+
+#include <tuple>
+#include <utility>
 
 #include "bindings.h"
 
@@ -12,18 +16,6 @@ using gelenk::AssemblyPart;
 
 namespace {
 
-// Names ("A.phi") and units of all coordinates of an island.
-std::vector<std::pair<std::string, std::string>> coordinates(const gelenk::Scene& scene, const AssemblyPart& part) {
-  std::vector<std::pair<std::string, std::string>> out;
-  for (const int j : part.joints) {
-    const gelenk::Joint& joint = scene.joints[j];
-    for (const gelenk::Quantity& q : gelenk::find_joint_kind(joint.type)->q) {
-      out.emplace_back(joint.name + "." + std::string(q.name), std::string(q.unit));
-    }
-  }
-  return out;
-}
-
 // The values of all coordinates, in the same order.
 std::vector<double> values(const Assembly& assembly) {
   std::vector<double> out;
@@ -31,21 +23,22 @@ std::vector<double> values(const Assembly& assembly) {
   return out;
 }
 
-nb::list listed(const gelenk::Scene& scene, const std::vector<std::string>& bodies, int most_starts, unsigned seed) {
-  std::vector<AssemblyPart> parts;
-  {
-    const nb::gil_scoped_release release;
-    parts = gelenk::list_assemblies(scene, bodies, most_starts, seed);
-  }
-  nb::list out;
-  for (const AssemblyPart& part : parts) {
-    nb::list names;
-    nb::list units;
-    for (const auto& [name, unit] : coordinates(scene, part)) {
-      names.append(name);
-      units.append(unit);
+// Each island with the names ("A.phi") and the units of its coordinates.
+using Listed = std::tuple<AssemblyPart, std::vector<std::string>, std::vector<std::string>>;
+std::vector<Listed> listed(const gelenk::Scene& scene, const std::vector<std::string>& bodies, int most_starts,
+                           unsigned seed) {
+  const nb::gil_scoped_release release;
+  std::vector<Listed> out;
+  for (AssemblyPart& part : gelenk::list_assemblies(scene, bodies, most_starts, seed)) {
+    auto& [shown, names, units] =
+        out.emplace_back(std::move(part), std::vector<std::string>(), std::vector<std::string>());
+    for (const int j : shown.joints) {
+      const gelenk::Joint& joint = scene.joints[j];
+      for (const gelenk::Quantity& q : gelenk::find_joint_kind(joint.type)->q) {
+        names.push_back(joint.name + "." + std::string(q.name));
+        units.emplace_back(q.unit);
+      }
     }
-    out.append(nb::make_tuple(nb::cast(part), names, units));
   }
   return out;
 }

@@ -4,12 +4,14 @@
 
 #include <nanobind/eigen/dense.h>
 #include <nanobind/nanobind.h>
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 #include <chrono>
+#include <optional>
 #include <span>
 #include <string>
 #include <tuple>
@@ -47,13 +49,12 @@ struct Solution {
 };
 
 Solution solve(const RecordedProblem& problem, const std::string& solver, double tolerance, int max_iterations,
-               bool exact_coulomb, const Eigen::VectorXd& start) {
-  if (start.size() != 0 && start.size() != problem.size())
-    throw nb::value_error("start: expected one number for each row of G");
+               bool exact_coulomb, const std::optional<Eigen::VectorXd>& start) {
+  if (start && start->size() != problem.size()) throw nb::value_error("start: expected one number for each row of G");
   for (const ConeSolverKind& kind : cone_solver_kinds()) {
     if (kind.name != solver) continue;
     Solution out;
-    out.x = start.size() == 0 ? Eigen::VectorXd::Zero(problem.size()) : start;
+    out.x = start ? *start : Eigen::VectorXd::Zero(problem.size());
     Recorder recorder;
     ConeOptions options;
     options.tolerance = tolerance;
@@ -105,7 +106,8 @@ void bind_cones(nb::module_& m) {
       .def("without_matrix", &RecordedProblem::without_matrix,
            "The same for methods as if there were too many rows for a matrix, if there is a root.")
       .def("solve", &solve, nb::arg("solver") = "hybrid", nb::arg("tolerance") = 1e-10,
-           nb::arg("max_iterations") = 1000, nb::arg("exact_coulomb") = true, nb::arg("start") = Eigen::VectorXd());
+           nb::arg("max_iterations") = 1000, nb::arg("exact_coulomb") = true, nb::arg("start") = nb::none(),
+           "start: first approximation, a number for each row of G; None: zeros.");
   m.def("cone_solvers", [] {
     std::vector<std::pair<std::string, std::string>> out;
     for (const ConeSolverKind& kind : cone_solver_kinds()) out.emplace_back(kind.name, kind.summary);

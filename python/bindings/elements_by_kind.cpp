@@ -5,10 +5,12 @@
 
 #include <nanobind/eigen/dense.h>
 #include <nanobind/stl/map.h>
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
 
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -144,13 +146,13 @@ class ForceAtPorts {
   // Whether the numbers are mutually consistent.
   bool is_sound() const { return !fault_of(force_, {}); }
   // None if the element does not supply its own.
-  nb::object jacobians(const Poses& poses, const Velocities& velocities, const Vector& u,
-                       const Eigen::Matrix3d& R_0W) const {
-    return at(poses, velocities, u, R_0W, [&](const auto& force, auto& here) -> nb::object {
+  std::optional<nb::dict> jacobians(const Poses& poses, const Velocities& velocities, const Vector& u,
+                                    const Eigen::Matrix3d& R_0W) const {
+    return at(poses, velocities, u, R_0W, [&](const auto& force, auto& here) -> std::optional<nb::dict> {
       if constexpr (gelenk::HasPortJacobians<std::decay_t<decltype(force)>, std::decay_t<decltype(here.ports[0])>>) {
         return shown_jacobians(force.jacobians(here.ports.data(), u.data()));
       }
-      return nb::none();
+      return std::nullopt;
     });
   }
   nb::dict derivatives_by_duals(const Poses& poses, const Velocities& velocities, const Vector& u,
@@ -218,14 +220,14 @@ class AlongOne {
         },
         force_);
   }
-  nb::object jacobians(double q, double v) const {
+  std::optional<std::vector<double>> jacobians(double q, double v) const {
     return std::visit(
-        [&](const auto& force) -> nb::object {
+        [&](const auto& force) -> std::optional<std::vector<double>> {
           if constexpr (gelenk::HasJacobians<std::decay_t<decltype(force)>>) {
             const auto jacobians = force.jacobians(q, v);
-            return nb::cast(std::vector<double>(jacobians.begin(), jacobians.end()));
+            return std::vector<double>(jacobians.begin(), jacobians.end());
           }
-          return nb::none();
+          return std::nullopt;
         },
         force_);
   }

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <nanobind/stl/filesystem.h>
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/string_view.h>
 #include <nanobind/stl/vector.h>
+
+#include <optional>
 
 #include "bindings.h"
 #include "fmu/export/file_name.h"
@@ -16,24 +19,26 @@ namespace nb = nanobind;
 namespace {
 
 using PlatformAndFile = std::pair<std::string, std::filesystem::path>;
+using PyCompress = nb::typed<nb::callable, nb::bytes(nb::bytes)>;
+using PyWriteView = nb::typed<nb::callable, std::string(std::string, nb::typed<nb::list, double>)>;
 
 // compress: zlib.compress, or None. view: as WriteView, or None.
 void export_packed(const gelenk::Scene& scene, const std::vector<PlatformAndFile>& runtimes,
-                   const std::filesystem::path& out, const std::filesystem::path& licenses, const nb::object& compress,
-                   const nb::object& view) {
+                   const std::filesystem::path& out, const std::filesystem::path& licenses,
+                   const std::optional<PyCompress>& compress, const std::optional<PyWriteView>& view) {
   gelenk::Compress call;
-  if (!compress.is_none()) {
+  if (compress) {
     call = [&compress](std::string_view bytes) {
       const nb::gil_scoped_acquire held;
-      const auto stream = nb::cast<nb::bytes>(compress(nb::bytes(bytes.data(), bytes.size())));
+      const auto stream = nb::cast<nb::bytes>((*compress)(nb::bytes(bytes.data(), bytes.size())));
       return std::string(stream.c_str(), stream.size());
     };
   }
   gelenk::WriteView draw;
-  if (!view.is_none()) {
+  if (view) {
     draw = [&view](const std::string& json, const std::vector<double>& poses) {
       const nb::gil_scoped_acquire held;
-      return nb::cast<std::string>(view(json, poses));
+      return nb::cast<std::string>((*view)(json, poses));
     };
   }
   std::vector<gelenk::Runtime> libraries;

@@ -79,6 +79,8 @@ void gelenk::bind_fmu_log(nb::module_& m) {
       .def("take", &FmuLog::take, "Return the messages since the last call: pairs of FMI status and bytes.")
       .def_prop_ro(
           "environment", [](FmuLog& log) { return reinterpret_cast<std::uintptr_t>(&log); },
-          "Value of fmi2CallbackFunctions.componentEnvironment.");
-  m.attr("fmu_logger") = reinterpret_cast<std::uintptr_t>(&gelenk_fmu_logger);
+          "Value of fmi2CallbackFunctions.componentEnvironment.")
+      .def_prop_ro(
+          "logger", [](const FmuLog&) { return reinterpret_cast<std::uintptr_t>(&gelenk_fmu_logger); },
+          "Address of the function for fmi2CallbackFunctions.logger.");
 }

@@ -39,5 +39,5 @@ void gelenk::bind_inspection(nb::module_& m) {
       .def_ro("moved_frames", &Inspection::moved_frames)
       .def_ro("mobility", &Inspection::mobility)
       .def_ro("left_out", &Inspection::left_out, "Clause on parts that no requested output depends on; empty: none.");
-  m.attr("reduction_names") = nb::cast(words::reductions);
+  m.def("reduction_names", [] { return words::reductions; }, "The names of all reductions.");
 }

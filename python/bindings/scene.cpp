@@ -25,6 +25,12 @@ using gelenk::Scene;
 
 namespace {
 
+std::vector<std::string> names_of(const std::vector<gelenk::Signal>& signals) {
+  std::vector<std::string> out;
+  for (const gelenk::Signal& signal : signals) out.push_back(signal.name);
+  return out;
+}
+
 void bind_outputs(nb::module_& m) {
   m.def(
       "with_outputs",
@@ -37,17 +43,10 @@ void bind_outputs(nb::module_& m) {
       "A copy that requests these outputs (all if empty), which faults_of_outputs must have accepted.");
   m.def("faults_of_outputs", &gelenk::faults_of_outputs, nb::arg("scene"), nb::arg("outputs"),
         "Errors in these names and patterns, a clause each.");
-  std::vector<std::string> diagnostics;
-  for (const gelenk::Signal& signal : gelenk::diagnostic_signals()) diagnostics.push_back(signal.name);
-  m.attr("diagnostic_names") = nb::cast(diagnostics);
+  m.def("diagnostic_names", [] { return names_of(gelenk::diagnostic_signals()); }, "The names of all diagnostics.");
   m.def(
-      "input_names",
-      [](const Scene& scene) {
-        std::vector<std::string> names;
-        for (const gelenk::Signal& input : gelenk::input_signals(scene)) names.push_back(input.name);
-        return names;
-      },
-      nb::arg("scene"), "The names of all inputs of the scene.");
+      "input_names", [](const Scene& scene) { return names_of(gelenk::input_signals(scene)); }, nb::arg("scene"),
+      "The names of all inputs of the scene.");
   m.def("meets", &gelenk::output_matches, nb::arg("pattern"), nb::arg("name"),
         "Whether a name is equal to, or matches, the pattern.");
   m.def(

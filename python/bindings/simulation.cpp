@@ -303,9 +303,9 @@ void bind_readings(nb::class_<SharedSimulation>& simulation) {
       .def_prop_ro(
           "events",
           [](SharedSimulation& p) {
-            nb::list out;
+            std::vector<std::tuple<double, std::string>> out;
             for (const gelenk::EventReport& event : p.with([](Simulation& s) { return s.events(); })) {
-              out.append(nb::make_tuple(event.time, event.text));
+              out.emplace_back(event.time, event.text);
             }
             return out;
           },

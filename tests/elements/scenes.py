@@ -99,7 +99,7 @@ def sound(section: str, kind: Kind, way: int, words: dict[str, Any]) -> dict[str
     for _ in range(100):
         fields = given(described, way, words, rng)
         numbers = {name: value for name, value in fields.items() if not isinstance(value, str | bool)}
-        checked = {"joints": elements.Along, "forces": elements.Force}.get(section)
+        checked: type[Any] | None = {"joints": elements.Along, "forces": elements.Force}.get(section)
         if checked is None or checked(kind["name"], numbers).is_sound:
             break
     return fields

@@ -64,7 +64,7 @@ def test_fmpy_runs_what_logs_after_gelenk_has_closed_its_plants(order: str, tmp_
 def test_the_logger_writes_out_what_comes_with_a_message() -> None:
     """Messages of other tools' FMUs are formats with arguments; Gelenk's double their percent signs."""
     log = _core.FmuLog()
-    logger = CFUNCTYPE(None, c_void_p, c_char_p, c_int, c_char_p, c_char_p, c_int, c_char_p)(_core.fmu_logger)
+    logger = CFUNCTYPE(None, c_void_p, c_char_p, c_int, c_char_p, c_char_p, c_int, c_char_p)(log.logger)
     logger(log.environment, b"x", 1, b"all", b"%d of %s", 7, b"nine")
     logger(log.environment, b"x", 3, b"all", b"100 %% of \xff", 0, b"")
     logger(log.environment, b"x", 2, b"all", b"%s", 0, b"a" * 5000)

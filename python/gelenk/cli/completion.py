@@ -102,7 +102,7 @@ def _solver_choices(key: str) -> list[str]:
 def _reductions() -> list[str]:
     from gelenk import _core
 
-    return [*_core.reduction_names, "all"]
+    return [*_core.reduction_names(), "all"]
 
 
 def _platforms(incomplete: str) -> list[str]:

@@ -15,7 +15,7 @@ from gelenk.errors import GelenkError, StartWarning
 from gelenk.model.scene import Scene, Source, load
 
 #: The reductions by name, in the order in which they are reported.
-REDUCTIONS: tuple[str, ...] = tuple(_core.reduction_names)
+REDUCTIONS: tuple[str, ...] = tuple(_core.reduction_names())
 
 
 @dataclass(frozen=True)

@@ -169,14 +169,14 @@ class Scene:
             UsageError: a reduction is unknown.
         """
         names = [name.replace("-", "_") for name in reductions]
-        known = [*_core.reduction_names, "all"]
+        known = [*_core.reduction_names(), "all"]
         faults = [unknown(name, "reduction", known) for name in names if name not in known]
         if faults:
             raise UsageError("\n".join(faults))
         if not names:
             return self
         if "all" in names:
-            names = list(_core.reduction_names)
+            names = _core.reduction_names()
         data = self.to_dict()
         solver = data.setdefault("solver", {})
         solver["reductions"] = {**solver.get("reductions", {}), **dict.fromkeys(names, False)}

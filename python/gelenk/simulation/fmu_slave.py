@@ -50,7 +50,7 @@ def instantiated(folder: str, description: Any, log: _core.FmuLog, *, verbose: b
             libraryPath=_library(folder, description.coSimulation.modelIdentifier),
         )
     callbacks = fmi2.fmi2CallbackFunctions(
-        logger=fmi2.fmi2CallbackLoggerTYPE(_core.fmu_logger),
+        logger=fmi2.fmi2CallbackLoggerTYPE(log.logger),
         allocateMemory=fmi2.defaultCallbacks.allocateMemory,
         freeMemory=fmi2.defaultCallbacks.freeMemory,
         componentEnvironment=c_void_p(log.environment),

@@ -30,7 +30,7 @@ log = logging.getLogger(__name__)
 SINGULAR_CROSSINGS = "solver.singular_positions"  # diagnostic: number of singular configurations crossed
 BLOCK = 256  # steps between looks at what the user wants
 MAX_NUMBERS = 500_000_000  # in a result, 4 GB
-_DIAGNOSTICS = frozenset(_core.diagnostic_names)
+_DIAGNOSTICS = frozenset(_core.diagnostic_names())
 
 
 def simulate(
