@@ -43,12 +43,6 @@ std::string numbered(const std::vector<std::string>& items) {
 // The nearest power of ten; 0 for 0.
 double power_of_ten(double x) { return x > 0 ? std::pow(10.0, std::round(std::log10(x))) : 0; }
 
-// Whether velocity i is the time derivative of coordinate i, which does not hold for quaternions.
-bool is_rate_of_coordinate(const JointKind& kind, int i) {
-  const auto n = static_cast<std::size_t>(i);
-  return n < kind.v.size() && kind.v[n].unit == std::string(kind.q[n].unit) + "/s";
-}
-
 }  // namespace
 
 Catalog::Catalog(const Scene& scene) {
@@ -58,7 +52,7 @@ Catalog::Catalog(const Scene& scene) {
   rates_begin_ = static_cast<int>(variables_.size());
   for (std::size_t j = 0; j < kinds_.size(); ++j) {
     for (int i = 0; i < kinds_[j]->nq; ++i) {
-      if (is_rate_of_coordinate(*kinds_[j], i)) continue;
+      if (!kinds_[j]->is_of_quaternion(i)) continue;
       const Variable& coordinate = variables_[static_cast<std::size_t>(output_variable(first_output_[j] + i))];
       Variable v;
       v.name = "der(" + coordinate.name + ")";
@@ -179,8 +173,8 @@ void Catalog::declare_states(const IndependentOutputs& independent) {
     const int v = q + kind.nq;
     const int a = v + kind.nv;
     for (int i = 0; i < kind.nq; ++i) {
-      const bool plain = is_rate_of_coordinate(kind, i);
-      if (plain && among(independent.coordinates, q + i)) declare(output_variable(q + i), output_variable(v + i));
+      if (kind.is_of_quaternion(i) || !among(independent.coordinates, q + i)) continue;
+      declare(output_variable(q + i), output_variable(v + i));
     }
     for (int i = 0; i < kind.nv; ++i) {
       if (among(independent.speeds, v + i)) declare(output_variable(v + i), output_variable(a + i));

@@ -195,9 +195,8 @@ class DependencyAnalysis {
   // A state depends on itself; a component of a quaternion on all four, through their normalization.
   Knowns of_state(const Signal& signal, int variable) const {
     const JointKind& kind = *find_joint_kind(scene_.joints[static_cast<std::size_t>(signal.joint)].type);
-    const int component = signal.component - (kind.nq - 4);
-    if (signal.level != 0 || !kind.has_quaternion() || component < 0) return listed({variable});
-    const int first = variable - component;
+    if (signal.level != 0 || !kind.is_of_quaternion(signal.component)) return listed({variable});
+    const int first = variable - (signal.component - (kind.nq - 4));
     return listed({first, first + 1, first + 2, first + 3});
   }
 

@@ -19,10 +19,10 @@ const Variable& variable(const Catalog& catalog, unsigned reference) {
                    std::to_string(catalog.variables().size()));
 }
 
-// The index of an output among the simulation's states, or none.
-int state_of(const std::vector<StateVariable>& states, int output) {
-  const auto found = std::ranges::find(states, output, &StateVariable::output);
-  return found == states.end() ? StateVariable::none : static_cast<int>(found - states.begin());
+// The index of an output among the simulation's states, or -1.
+int state_of(const std::vector<int>& states, int output) {
+  const auto found = std::ranges::find(states, output);
+  return found == states.end() ? -1 : static_cast<int>(found - states.begin());
 }
 
 void check_determined(const Simulation& simulation, int output, double derivative) {

@@ -12,6 +12,7 @@
 
 #include "bindings.h"
 #include "check/warnings.h"
+#include "joint/kinds.h"
 #include "mechanism/wanted_part.h"
 #include "scene/locking_elements.h"
 #include "scene/natural_time.h"
@@ -24,6 +25,23 @@ namespace nb = nanobind;
 using gelenk::Scene;
 
 namespace {
+
+// Names of the outputs that are the components of a quaternion, and of those that are its angular velocity.
+using Quaternion = std::tuple<std::string, std::vector<std::string>, std::vector<std::string>>;
+std::vector<Quaternion> quaternions(const Scene& scene) {
+  std::vector<Quaternion> out;
+  for (const gelenk::Joint& joint : scene.joints) {
+    const gelenk::JointKind& kind = *gelenk::find_joint_kind(joint.type);
+    if (!kind.has_quaternion()) continue;
+    const auto names = [&](std::span<const gelenk::Quantity> of) {
+      std::vector<std::string> named;
+      for (const gelenk::Quantity& q : of) named.push_back(joint.name + "." + std::string(q.name));
+      return named;
+    };
+    out.emplace_back(joint.name, names(kind.q.last(4)), names(kind.v.last(3)));
+  }
+  return out;
+}
 
 std::vector<std::string> names_of(const std::vector<gelenk::Signal>& signals) {
   std::vector<std::string> out;
@@ -47,6 +65,9 @@ void bind_outputs(nb::module_& m) {
   m.def(
       "input_names", [](const Scene& scene) { return names_of(gelenk::input_signals(scene)); }, nb::arg("scene"),
       "The names of all inputs of the scene.");
+  m.def("output_signals", &gelenk::output_signals, nb::arg("scene"), "All outputs of the scene, requested or not.");
+  m.def("quaternions", &quaternions, nb::arg("scene"),
+        "Of each joint with a quaternion: its name, the names of the components, and of its angular velocity.");
   m.def("meets", &gelenk::output_matches, nb::arg("pattern"), nb::arg("name"),
         "Whether a name is equal to, or matches, the pattern.");
   m.def(

@@ -20,6 +20,7 @@ void bind_signal(nb::module_& m) {
       .def_ro("joint", &Signal::joint, "Index of the joint in the file; -1: not a joint variable.")
       .def_ro("level", &Signal::level, "0 coordinate, 1 velocity, 2 acceleration; -1: not a joint variable.")
       .def_ro("component", &Signal::component, "Index within the joint's coordinates, velocities or accelerations.")
+      .def_ro("derivative", &Signal::derivative, "Index of the output that is its time derivative; -1: none.")
       .def("__repr__", [](const Signal& s) { return "<Signal " + s.name + " [" + s.unit + "]>"; });
 }
 

@@ -152,12 +152,13 @@ Vector flattened(const Eigen::MatrixXd& from) {
 }
 
 // friction: name of a FrictionTreatment.
-std::vector<Vector> linearize(SharedSimulation& plant, const std::string& friction) {
+std::tuple<Vector, Vector, Vector, Vector, Vector, std::vector<int>> linearize(SharedSimulation& plant,
+                                                                               const std::string& friction) {
   static constexpr std::string_view names[] = {"present", "locked", "sliding", "off"};
   const auto treatment = static_cast<gelenk::FrictionTreatment>(std::ranges::find(names, friction) - names);
   const gelenk::Linearization l =
       plant.with([&](Simulation& s) { return gelenk::StateDerivatives(s).linearize(treatment); });
-  return {flattened(l.A), flattened(l.B), flattened(l.C), flattened(l.D), flattened(l.xdot)};
+  return {flattened(l.A), flattened(l.B), flattened(l.C), flattened(l.D), flattened(l.xdot), l.locked};
 }
 
 std::vector<Vector> residual_jacobians(SharedSimulation& plant, int island, const std::vector<double>& x,
@@ -195,18 +196,6 @@ std::tuple<std::vector<RestForce>, bool, bool> rest_forces(SharedSimulation& pla
     out.emplace_back(of.coordinate, of.unit, of.force, of.limit, of.side);
   }
   return {out, found.is_balanced, found.is_held};
-}
-
-// Indices of the outputs that are the states, and of those that are their derivatives (-1: none).
-std::vector<std::vector<int>> states_of(SharedSimulation& plant) {
-  return plant.with([](Simulation& s) {
-    std::vector<std::vector<int>> out(2);
-    for (const gelenk::StateVariable& state : gelenk::StateDerivatives(s).states()) {
-      out[0].push_back(state.output);
-      out[1].push_back(state.derivative);
-    }
-    return out;
-  });
 }
 
 void bind_inputs(nb::class_<SharedSimulation>& simulation) {
@@ -257,8 +246,12 @@ void bind_checks(nb::class_<SharedSimulation>& simulation) {
 
 void bind_derivatives(nb::class_<SharedSimulation>& simulation) {
   simulation
-      .def("_states", states_of,
-           "Indices of the outputs that are the states, and of those that are their derivatives (-1: none).")
+      .def(
+          "_states",
+          [](SharedSimulation& p) {
+            return p.with([](Simulation& s) { return gelenk::StateDerivatives(s).states(); });
+          },
+          "Indices of the outputs that are the states.")
       .def(
           "_take_states",
           [](SharedSimulation& p, const std::vector<int>& coordinates, const std::vector<int>& speeds) {
@@ -268,8 +261,10 @@ void bind_derivatives(nb::class_<SharedSimulation>& simulation) {
             p.with([&](Simulation& s) { gelenk::StateDerivatives(s).take_states({coordinates, speeds}); });
           },
           nb::arg("coordinates"), nb::arg("speeds"), "Select the states with respect to which derivatives are taken.")
-      .def("_linearize", linearize, nb::arg("friction") = "present",
-           "The matrices A, B, C, D column by column, and xdot.")
+      .def(
+          "_linearize", linearize, nb::arg("friction") = "present",
+          "The matrices A, B, C, D column by column, xdot, and the indices of the outputs that are coordinates at rest "
+          "by friction or a limit.")
       .def("_rest_forces", rest_forces,
            "What friction and limits have to do to keep the present position at rest, whether that balances the load, "
            "and whether they can.")

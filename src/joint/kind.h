@@ -43,6 +43,9 @@ struct JointKind {
   // Whether it can have a stop.
   bool stops() const { return nq == 1 && nv == 1; }
   bool has_quaternion() const { return nq > nv; }
+  // Whether coordinate i is a component of the quaternion, and velocity i one of its angular velocity; both come last.
+  // Any other velocity i is the time derivative of coordinate i.
+  bool is_of_quaternion(int i) const { return has_quaternion() && i >= nq - 4; }
 };
 
 }  // namespace gelenk

@@ -39,15 +39,20 @@ void add_group(std::vector<Signal>& signals, const SignalGroup& group, const Ele
 
 void add_level(std::vector<Signal>& signals, const Joint& joint, int index, int level,
                std::span<const Quantity> quantities) {
+  const JointKind& kind = kind_of(*joint.is);
   for (std::size_t i = 0; i < quantities.size(); ++i) {
     const Quantity& q = quantities[i];
+    const auto component = static_cast<int>(i);
+    const bool has_rate = level == 1 || (level == 0 && !kind.is_of_quaternion(component));
+    const auto rate = static_cast<int>(signals.size() + quantities.size());
     signals.push_back({.name = joint.name + "." + std::string(q.name),
                        .unit = std::string(q.unit),
                        .description = joint.name + ": " + std::string(q.description),
                        .stage = static_cast<Stage>(level),
                        .joint = index,
                        .level = level,
-                       .component = static_cast<int>(i)});
+                       .component = component,
+                       .derivative = has_rate ? rate : -1});
   }
 }
 

@@ -22,7 +22,8 @@ struct Signal {
   // index within the joint. Else -1.
   int joint = -1;
   int level = -1;
-  int component = -1;  // also the index within a group of an element
+  int component = -1;   // also the index within a group of an element
+  int derivative = -1;  // of an output: index of the output that is its time derivative; else -1
   // Signals of elements only: section, index of the element in it (level 3: its kind among joint_force_kinds()), group
   // of signals. Else -1.
   int section = -1;

@@ -62,10 +62,10 @@ VectorXd Placement::remaining(std::span<const double> x) const {
     const Island& island = *impl_.islands[static_cast<std::size_t>(at.island)];
     const Reading& reading = island.reading();
     const double present = at.sign * (at.is_coordinate ? reading.q : reading.v)[at.component];
-    out[static_cast<Index>(k)] = x[k] / impl_.output_size[impl_.states[k].output] - present;
+    out[static_cast<Index>(k)] = x[k] / impl_.output_size[impl_.states[k]] - present;
   }
   for (std::size_t k = 0; k + 3 < x.size(); ++k) {
-    if (impl_.states[k].derivative != StateVariable::none) continue;
+    if (impl_.outputs[impl_.states[k]].derivative >= 0) continue;
     keep_independent_rotations(k, out);
     k += 3;
   }
@@ -76,7 +76,7 @@ VectorXd Placement::remaining(std::span<const double> x) const {
 void Placement::keep_independent_rotations(std::size_t state, VectorXd& change) const {
   const Sensitivity::Place at = impl_.sensitivity->place(state);
   const auto island = static_cast<std::size_t>(at.island);
-  const JointPlace& joint = impl_.prepared.reduced.joints[impl_.outputs[impl_.states[state].output].joint];
+  const JointPlace& joint = impl_.prepared.reduced.joints[impl_.outputs[impl_.states[state]].joint];
   const int first = joint.iv + static_cast<int>(joint.v_sign.size()) - 3;
   const std::vector<int>& independent = impl_.independent_by_island[island].coordinates;
   Eigen::Array3d kept;
@@ -189,10 +189,7 @@ void Placement::start_from(const Simulation& other, std::span<const double> x) {
 
 void Placement::take_inputs_and_modes(const Simulation& other, std::span<const double> x, bool closed) {
   const Simulation::Impl& from = *other.impl_;
-  if (from.states.size() != impl_.states.size() ||
-      !std::ranges::equal(from.states, impl_.states, {}, &StateVariable::output, &StateVariable::output)) {
-    throw UsageError("it has other states than with the values given");
-  }
+  if (from.states != impl_.states) throw UsageError("it has other states than with the values given");
   if (from.input_size != impl_.input_size) throw UsageError("it has other natural units than with the values given");
   impl_.u = from.u;
   approach(x, from.time, closed);
@@ -209,14 +206,15 @@ std::string Placement::modes() const {
 
 std::vector<double> Placement::rates() {
   std::vector<double> out;
-  for (const StateVariable& state : impl_.states) {
-    if (state.derivative == StateVariable::none) {
+  for (const int state : impl_.states) {
+    const int rate = impl_.outputs[state].derivative;
+    if (rate < 0) {
       const std::vector<double> still(impl_.states.size(), 0.0);
       const std::vector<double> held(impl_.u.count(), 0.0);
       const VectorXd all = StateDerivatives(simulation_).directional_derivative(still, held).xdot;
       return {all.begin(), all.end()};
     }
-    out.push_back(simulation_.output(state.derivative));
+    out.push_back(simulation_.output(rate));
   }
   return out;
 }

@@ -10,7 +10,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 
 Sensitivity::Sensitivity(const ReducedScene& reduced, const Islands& islands, const Outputs& readings,
-                         const std::vector<Signal>& outputs, const std::vector<StateVariable>& states,
+                         const std::vector<Signal>& outputs, const std::vector<int>& states,
                          const std::vector<Independent>& independent, const std::vector<double>& u)
     : reduced_(reduced), islands_(islands), readings_(readings), signals_(outputs), states_(states), u_(u) {
   for (std::size_t i = 0; i < islands.size(); ++i) {
@@ -21,21 +21,19 @@ Sensitivity::Sensitivity(const ReducedScene& reduced, const Islands& islands, co
   }
 }
 
-const JointPlace& Sensitivity::place_of(const StateVariable& state) const {
-  return reduced_.joints[signals_[state.output].joint];
-}
+const JointPlace& Sensitivity::place_of(int state) const { return reduced_.joints[signals_[state].joint]; }
 
 // The index of a state in q or v of its island.
-int Sensitivity::component_of(const StateVariable& state) const {
-  const Signal& s = signals_[state.output];
+int Sensitivity::component_of(int state) const {
+  const Signal& s = signals_[state];
   const JointPlace& place = place_of(state);
   return s.component + (s.level == 0 ? place.iq : place.iv);
 }
 
 Sensitivity::Place Sensitivity::place(std::size_t state) const {
-  const StateVariable& of = states_[state];
+  const int of = states_[state];
   const JointPlace& joint = place_of(of);
-  const Signal& signal = signals_[of.output];
+  const Signal& signal = signals_[of];
   const bool is_coordinate = signal.level == 0;
   return {.island = joint.island,
           .component = component_of(of),
@@ -133,13 +131,13 @@ void Sensitivity::add_rates(int i, const MovedState& moved, DirectionalDerivativ
   const Mechanism& mechanism = islands_[i]->prepared().mechanism;
   const Eigen::VectorXd y = sensitivities_[i]->point();
   for (std::size_t s = 0; s < states_.size(); ++s) {
-    const StateVariable& state = states_[s];
+    const int state = states_[s];
     const JointPlace& place = place_of(state);
     if (place.island != i) continue;
-    const Signal& signal = signals_[state.output];
+    const Signal& signal = signals_[state];
     const double sign = (signal.level == 0 ? place.q_sign : place.v_sign)[signal.component];
     const auto row = static_cast<Index>(s);
-    if (state.derivative == StateVariable::none) {
+    if (signal.derivative < 0) {
       out.xdot[row] = sign * sensitivities_[i]->qdot()[component_of(state)];
       out.rates.row(row) = sign * moved.qdot.row(component_of(state));
       continue;
@@ -153,6 +151,9 @@ void Sensitivity::add_rates(int i, const MovedState& moved, DirectionalDerivativ
 }
 
 namespace {
+
+// Of the motion, in natural units, that velocities among the states cause where friction and limits permit none.
+constexpr double locked_rounding = 1e-10;
 
 DirectionalDerivative zero_derivative(std::size_t outputs, std::size_t states, Index columns) {
   const auto ny = static_cast<Index>(outputs);
@@ -207,6 +208,12 @@ Linearization Sensitivity::linearize(FrictionTreatment friction) {
       all.outputs.col(columns[k]) += part.outputs.col(k);
       all.rates.col(columns[k]) += part.rates.col(k);
     }
+  }
+  const Index coordinates = std::ranges::count(states_, 0, [this](int state) { return signals_[state].level; });
+  for (Index s = 0; s < coordinates; ++s) {
+    if (std::ranges::find(states_, signals_[states_[s]].derivative) == states_.end()) continue;
+    const auto by_velocities = all.rates.row(s).segment(coordinates, nx - coordinates);
+    if (by_velocities.cwiseAbs().maxCoeff() <= locked_rounding) out.locked.push_back(states_[s]);
   }
   out.xdot = all.xdot;
   out.A = all.rates.leftCols(nx);

@@ -25,11 +25,13 @@ struct DirectionalDerivative {
 };
 
 // d xdot = A dx + B du, dy = C dx + D du about a point with the state derivatives xdot; x: states, y: all outputs.
+// locked: the coordinates among the states that friction or a limit keeps at rest, by their outputs.
 // A quaternion among the states is normalized after each change. It cannot change along itself, so A has a zero
 // eigenvalue for each quaternion.
 struct Linearization {
   Eigen::MatrixXd A, B, C, D;
   Eigen::VectorXd xdot;
+  std::vector<int> locked;
 };
 
 // Differentiates the islands it is constructed with, at their present state, and does not change them.
@@ -38,7 +40,7 @@ class Sensitivity {
   using Islands = std::vector<std::unique_ptr<Island>>;
   // independent: by island. u: all inputs, read at each call.
   Sensitivity(const ReducedScene& reduced, const Islands& islands, const Outputs& readings,
-              const std::vector<Signal>& outputs, const std::vector<StateVariable>& states,
+              const std::vector<Signal>& outputs, const std::vector<int>& states,
               const std::vector<Independent>& independent, const std::vector<double>& u);
 
   // All three throw NotDifferentiablePoint and SingularMass; faulty_island() is then the island concerned.
@@ -73,14 +75,14 @@ class Sensitivity {
   template <class T, class Take>
   void read(int i, CarriedState<T>& at, Take take) const;
   std::vector<int> columns_of(int island) const;
-  const JointPlace& place_of(const StateVariable& state) const;
-  int component_of(const StateVariable& state) const;
+  const JointPlace& place_of(int state) const;
+  int component_of(int state) const;
 
   const ReducedScene& reduced_;
   const Islands& islands_;
   const Outputs& readings_;
   const std::vector<Signal>& signals_;
-  const std::vector<StateVariable>& states_;
+  const std::vector<int>& states_;  // outputs
   const std::vector<double>& u_;
   std::vector<std::unique_ptr<ConstrainedSensitivity>> sensitivities_;
   int current_island_ = 0;

@@ -78,7 +78,7 @@ struct Simulation::Impl {
   bool cut_short = false;  // whether the last advance ended early
   IndependentOutputs independent;
   std::vector<Independent> independent_by_island;
-  std::vector<StateVariable> states;
+  std::vector<int> states;                   // outputs
   std::unique_ptr<Sensitivity> sensitivity;  // created on first use
 
   Eigen::VectorXd sizes_of_states() const;  // SI values of natural units; same for derivatives

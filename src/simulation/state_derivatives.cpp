@@ -67,7 +67,7 @@ void Simulation::Impl::find_independent() {
     // A quaternion is a state if any of its three rotations is independent; only those that are have an effect.
     const JointKind& kind = *find_joint_kind(scene.joints[s.joint].type);
     const int turns = kind.nv - 3;
-    const bool quaternion = kind.has_quaternion() && s.component >= turns;
+    const bool quaternion = kind.is_of_quaternion(s.component);
     const auto first = free_q[place.island].begin() + place.iv + turns;
     const bool rotates = quaternion && std::find(first, first + 3, true) != first + 3;
     if (s.level == 0 && (quaternion ? rotates : free_q[place.island][place.iv + s.component]))
@@ -75,7 +75,7 @@ void Simulation::Impl::find_independent() {
     if (s.level == 1 && (!quaternion || rotates) && free_v[place.island][place.iv + s.component])
       independent.speeds.push_back(i);
   }
-  states = states_of(scene, outputs, independent);
+  states = independent.states();
 }
 
 // The independent coordinates and velocities of an island, as far as possible the wanted ones; flags by velocity.
@@ -95,7 +95,7 @@ Independent Simulation::Impl::independent_of(int island, const std::vector<bool>
 
 Eigen::VectorXd Simulation::Impl::sizes_of_states() const {
   Eigen::VectorXd out(static_cast<Eigen::Index>(states.size()));
-  for (std::size_t i = 0; i < states.size(); ++i) out[static_cast<Eigen::Index>(i)] = output_size[states[i].output];
+  for (std::size_t i = 0; i < states.size(); ++i) out[static_cast<Eigen::Index>(i)] = output_size[states[i]];
   return out;
 }
 
@@ -118,7 +118,7 @@ void check_size(const char* what, std::size_t found, std::size_t expected) {
 }  // namespace
 
 const IndependentOutputs& StateDerivatives::independent() const { return impl_.independent; }
-const std::vector<StateVariable>& StateDerivatives::states() const { return impl_.states; }
+const std::vector<int>& StateDerivatives::states() const { return impl_.states; }
 
 void StateDerivatives::take_states(const IndependentOutputs& independent) {
   Simulation::Impl& s = impl_;
@@ -134,7 +134,7 @@ void StateDerivatives::take_states(const IndependentOutputs& independent) {
   }
   s.sensitivity.reset();
   s.independent = independent;
-  s.states = states_of(s.scene, s.outputs, s.independent);
+  s.states = independent.states();
   for (int i = 0; i < static_cast<int>(s.islands.size()); ++i) {
     const auto wanted = [&](int level, const std::vector<int>& among) {
       return speeds_of(s.scene, s.prepared.reduced, s.outputs, i, level, among);

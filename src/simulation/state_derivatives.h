@@ -20,8 +20,9 @@ class StateDerivatives {
   // quaternion whose three rotations are all independent.
   const IndependentOutputs& independent() const;
 
-  // The states with respect to which derivatives are taken: these coordinates, then these velocities.
-  const std::vector<StateVariable>& states() const;
+  // The states with respect to which derivatives are taken, as indices into outputs(): these coordinates, then these
+  // velocities.
+  const std::vector<int>& states() const;
 
   // Selects other states, the same number as above. Throws UsageError for an output that is not a tree coordinate or
   // velocity.

@@ -9,22 +9,17 @@
 
 namespace gelenk {
 
-// A state: a joint coordinate or velocity, identified by its output.
-struct StateVariable {
-  static constexpr int none = -1;
-  int output = none;
-  int derivative = none;  // the output that is its time derivative; none for components of a quaternion
-};
-
 // Independent outputs: coordinates (all four components of a quaternion or none) and velocities.
 struct IndependentOutputs {
   std::vector<int> coordinates, speeds;
   bool operator==(const IndependentOutputs&) const = default;
+  // The corresponding states: the coordinates, then the velocities.
+  std::vector<int> states() const {
+    std::vector<int> out = coordinates;
+    out.insert(out.end(), speeds.begin(), speeds.end());
+    return out;
+  }
 };
-
-// The corresponding states: the coordinates, then the velocities.
-std::vector<StateVariable> states_of(const Scene& scene, const std::vector<Signal>& outputs,
-                                     const IndependentOutputs& independent);
 
 // For each velocity of the island, whether its coordinate (level 0) or the velocity itself (level 1) is among these
 // outputs. A quaternion sets the flags of its three angular velocities.

@@ -38,14 +38,14 @@ class Linear:
 
 
 def linearized(plant: gelenk.Simulation) -> Linear:
-    A, B, C, D, xdot = plant._core._linearize()
+    A, B, C, D, xdot, _ = plant._core._linearize()
     nx, nu, ny = len(xdot), len(plant.inputs), len(plant.outputs)
 
     def shaped(flat: Array, rows: int, columns: int) -> Array:
         return flat.reshape((columns, rows)).T
 
     return Linear(
-        [plant.outputs[i].name for i in plant._core._states()[0]],
+        [plant.outputs[i].name for i in plant._core._states()],
         shaped(A, nx, nx),
         shaped(B, nx, nu),
         shaped(C, ny, nx),
@@ -66,7 +66,7 @@ class Assembler:
     def __init__(self, source: Scene, plant: gelenk.Simulation) -> None:
         self.source = source
         self.plant = plant
-        self.states = [plant.outputs[i].name for i in plant._core._states()[0]]
+        self.states = [plant.outputs[i].name for i in plant._core._states()]
         self.values = dict(zip((s.name for s in plant.outputs), plant.values(), strict=True))
         self.inputs = {s.name: plant.input(s.name) for s in plant.inputs}
 

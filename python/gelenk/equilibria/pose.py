@@ -16,7 +16,7 @@ from gelenk.linear.model import equilibrium_rate_bounds
 from gelenk.linear.operating_point import START
 from gelenk.model.rotation import rotated
 from gelenk.model.values import Value, start_parameter, unknown
-from gelenk.simulation.derivatives import Derivatives
+from gelenk.simulation.derivatives import Derivatives, Quaternion
 from gelenk.simulation.plant import Plant
 
 Array = NDArray[np.float64]
@@ -228,14 +228,15 @@ class PosedPlant:
             step: change of its unknowns, shape (unknowns,).
         """
         out: dict[str, float] = {}
+        by_component = {Q: of for of in pose.found.quaternions for Q in of.Q}
         for name in self._starts:
-            joint, _, component = name.rpartition(".Q[")
-            if joint and f"{joint}.theta[1]" in pose.minimal.candidates:
-                if component == "1]":
-                    out |= _rotated(pose, joint, step)
-            elif joint or pose.minimal.is_coordinate(name) or self.conditions is not None:
+            quaternion = by_component.get(name)
+            if quaternion and quaternion.theta[0] in pose.minimal.candidates:
+                if name == quaternion.Q[0]:
+                    out |= _rotated(pose, quaternion, step)
+            elif quaternion or pose.minimal.is_coordinate(name) or self.conditions is not None:
                 out[name] = pose.found.values[name]
-                if not joint:
+                if not quaternion:
                     out[name] += float(pose.jacobian([name])[0] @ step)
             else:
                 out[name] = 0.0  # a velocity
@@ -309,9 +310,8 @@ class PosedPlant:
         return min(1.0, MAX_STEP_ANGLE / angle) if angle else 1.0
 
 
-def _rotated(pose: LinearizedPose, joint: str, step: Array) -> dict[str, float]:
+def _rotated(pose: LinearizedPose, of: Quaternion, step: Array) -> dict[str, float]:
     """Return the quaternion Q o exp(theta / 2) after a rotation about the frame's own axes."""
-    theta = pose.jacobian([f"{joint}.theta[{i}]" for i in (1, 2, 3)]) @ step
-    names = [f"{joint}.Q[{i}]" for i in (1, 2, 3, 4)]
-    Q = np.array([pose.found.values[name] for name in names])
-    return dict(zip(names, map(float, rotated(Q, theta)), strict=True))
+    theta = pose.jacobian(of.theta) @ step
+    Q = np.array([pose.found.values[name] for name in of.Q])
+    return dict(zip(of.Q, map(float, rotated(Q, theta)), strict=True))

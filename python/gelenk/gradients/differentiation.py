@@ -141,7 +141,7 @@ class Differentiator:
         with warnings.catch_warnings(action="ignore", category=StartWarning):
             plant.initialize()
         self._indices = [plant._output[name] for name in names]
-        self._states: list[int] = plant._core._states()[0]
+        self._states: list[int] = plant._core._states()
         self._columns = [plant._input.get(name, -1) for name in inputs_by]
         self._largest, self._fastest = np.zeros((len(self._states), len(by))), np.zeros(len(self._states))
         self._whole = 0.0  # the communication step [s]

@@ -90,7 +90,7 @@ class Neighbors:
         """
         self._names, self._outputs = tuple(names), list(outputs)
         self._leader = leader
-        self._states: list[int] = leader._core._states()[0]
+        self._states: list[int] = leader._core._states()
         self._sides = [self._chosen(scene, name) for name in names]
         self._plants = [plant._core for side in self._sides for plant in side.plants]
         self._largest = np.zeros((len(self._states) + len(self._outputs), len(self._names)))

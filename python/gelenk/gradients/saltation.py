@@ -87,7 +87,7 @@ class Saltation:
             changes["solver.formulation"] = "projection"
         self._scene = scene.with_parameters(changes)
         self._names, self._inputs = tuple(names), tuple(inputs)
-        self._states: list[int] = leader._core._states()[0]
+        self._states: list[int] = leader._core._states()
         self._chosen = leader._core.independent_coordinates, leader._core.independent_speeds
         self._displacements = [FIRST_DISPLACEMENT] * len(names)
 

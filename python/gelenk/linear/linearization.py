@@ -3,10 +3,10 @@
 
 from __future__ import annotations
 
+import itertools
 import logging
-import re
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -161,8 +161,8 @@ def model_at(
     try:
         reached = point.reach(plant)
         if states is not None:
-            rotations = [re.sub(r"\.Q(?=\[[123]\]$)", ".theta", name) for name in plant.readings]
-            states = with_dots(states, list(dict.fromkeys([*plant.readings, *rotations])))
+            rotations = [theta for quaternion in plant.quaternions for theta in quaternion.theta]
+            states = with_dots(states, [*plant.readings, *rotations])
         found = plant.derivatives(states or (), friction)
     finally:
         plant.close()
@@ -170,23 +170,15 @@ def model_at(
     model = _assembled(plant.name, point.time, found, inputs, outputs, states, with_idle)
     model = replace(model, friction=friction)
     if states is None:
-        model = _without_locked(model, found.rates)
+        model = _without(model, {name for q in found.locked for name in (q, found.rates[q])})
     sizes = len(model.states), len(model.inputs), len(model.outputs)
     log.info("%s: linearized at t = %g s, %d states, %d inputs, %d outputs", model.name, model.time, *sizes)
     return model
 
 
-def _without_locked(model: LinearModel, rates: Mapping[str, str]) -> LinearModel:
-    """Remove the coordinates that friction or a limit keeps at rest, and their velocities.
-
-    Args:
-        model: the model.
-        rates: names of the velocities of coordinates.
-    """
-    place = {name: i for i, name in enumerate(model.states)}
-    pairs = [(place[q], place[v]) for q, v in rates.items() if q in place and v in place]
-    locked = [i for q, v in pairs if model.A[q, v] == 0 for i in (q, v)]
-    kept = np.delete(np.arange(len(place)), locked)
+def _without(model: LinearModel, locked: Collection[str]) -> LinearModel:
+    """Remove states: the coordinates that friction or a limit keeps at rest, and their velocities."""
+    kept = np.array([i for i, name in enumerate(model.states) if name not in locked], int)
     return replace(
         model, states=tuple(model.states[i] for i in kept), x0=model.x0[kept], rates=model.rates[kept],
         A=model.A[np.ix_(kept, kept)], B=model.B[kept], C=model.C[:, kept],
@@ -215,9 +207,10 @@ def _assembled(
     found = found.without(undetermined)
     minimal = MinimalRealization(found.in_own_units())
     check_complete(minimal)
-    idle = () if with_idle else minimal.idle_rotations
+    spins = [] if with_idle else minimal.idle_rotations
     if outputs is not None and states is None:
-        idle = _without_effect(minimal, idle, _indices(y, found.readings))
+        spins = _without_effect(minimal, spins, _indices(y, found.readings))
+    idle = tuple(name for spin in spins for name in spin)
     x = chosen_states(minimal, states, idle)
     complete = completed(minimal, x)
     by_x, C = transformed(minimal, complete, time)
@@ -239,15 +232,11 @@ def _assembled(
     ))  # fmt: skip
 
 
-def _without_effect(minimal: MinimalRealization, idle: Names, rows: Sequence[int]) -> tuple[str, ...]:
-    """Return those of the idle rotations on which none of the rows of C depends, by joint."""
-    seen = {
-        name.rpartition(".")[0]
-        for name in idle
-        if np.abs(minimal.C[np.ix_(rows, [minimal.names.index(name)])]).max(initial=0.0)
-        > DEPENDENCY_TOLERANCE
-    }
-    return tuple(name for name in idle if name.rpartition(".")[0] not in seen)
+def _without_effect(minimal: MinimalRealization, spins: list[Names], rows: Sequence[int]) -> list[Names]:
+    """Return those of the idle rotations on which none of the rows of C depends."""
+    by_spin = [minimal.C[np.ix_(rows, _indices(spin, minimal.names))] for spin in spins]
+    small = [np.abs(by_states).max(initial=0.0) <= DEPENDENCY_TOLERANCE for by_states in by_spin]
+    return list(itertools.compress(spins, small))
 
 
 def _in_si(model: LinearModel) -> LinearModel:

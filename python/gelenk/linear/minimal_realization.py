@@ -9,7 +9,6 @@ dtheta~) the perturbed one, this follows to first order from dS/dt = S (w + dw)~
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -17,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gelenk.errors import GelenkError, UsageError
-from gelenk.model.values import check_names, elements, unknown
-from gelenk.simulation.derivatives import Derivatives
+from gelenk.model.values import check_names, unknown
+from gelenk.simulation.derivatives import Derivatives, Quaternion
 
 Array = NDArray[np.float64]
 
@@ -31,6 +30,7 @@ DEPENDENCY_TOLERANCE = (
 class _Rotation:
     """A joint whose quaternion can be read."""
 
+    of: Quaternion
     Q: list[int]  # indices of the quaternion's components in the readings
     w: list[int]  # indices of the angular velocity's components
     G: Array  # shape (4, 3): dQ = G dtheta; dtheta = 4 G' dQ
@@ -49,126 +49,120 @@ class MinimalRealization:
     def __init__(self, of: Derivatives) -> None:
         self.of = of
         self._row = {name: i for i, name in enumerate(of.readings)}
-        self._rotations = self._find_rotations()
+        # Without accelerations, the velocities cannot be states.
+        self._rotations = [
+            self._rotation(one)
+            for one in of.quaternions
+            if one.w[0] in of.rates and {*one.Q, *one.w} <= {*self._row}
+        ]
+        self._theta = {
+            theta: (rotation, i)
+            for rotation in self._rotations
+            for i, theta in enumerate(rotation.of.theta)
+            if theta not in self._row
+        }
+        by_component = {Q: rotation for rotation in self._rotations for Q in rotation.of.Q}
         columns: dict[str, Array] = {}
-        raw = np.eye(len(of.states))
-        place = {name: i for i, name in enumerate(of.states)}
+        raw = dict(zip(of.states, np.eye(len(of.states)), strict=True))
         for name in of.states:
-            joint, _, component = name.rpartition(".Q[")
-            if joint not in self._rotations:
-                columns[name] = raw[place[name]]
-            elif component == "1]":
-                across = self._rotations[joint].G.T @ raw[[place[Q] for Q in elements(f"{joint}.Q", 4)]]
-                turns = zip(elements(f"{joint}.theta", 3), across, strict=True)
-                columns |= {theta: column for theta, column in turns if self._rotates(joint, column)}
+            rotation = by_component.get(name)
+            if rotation is None:
+                columns[name] = raw[name]
+            elif name == rotation.of.Q[0]:
+                across = rotation.G.T @ np.array([raw[Q] for Q in rotation.of.Q])
+                turns = zip(rotation.of.theta, across, strict=True)
+                columns |= {theta: column for theta, column in turns if self._rotates(rotation, column)}
         self.names = tuple(sorted(columns, key=lambda name: not self.is_coordinate(name)))
         E = np.array([columns[name] for name in self.names]).reshape(len(columns), len(of.states)).T
         self.C: Array = of.C @ E
         self.D = of.D
 
-    def _find_rotations(self) -> dict[str, _Rotation]:
-        rotations = {}
-        for name in self.of.readings:
-            joint = name.removesuffix(".Q[1]")
-            wanted = [*elements(f"{joint}.Q", 4), *elements(f"{joint}.w", 3)]
-            # Frame sensors have Q and w, too, but only joints have the time derivatives of w as readings.
-            if joint == name or f"{joint}.w[1]" not in self.of.rates or not {*wanted} <= {*self._row}:
-                continue
-            rows = [self._row[n] for n in wanted]
-            x, y, z, s = (self.of.values[n] for n in wanted[:4])
-            G = 0.5 * np.array([[s, -z, y], [z, s, -x], [-y, x, s], [-x, -y, -z]])
-            rotations[joint] = _Rotation(rows[:4], rows[4:], G)
-        return rotations
+    def _rotation(self, of: Quaternion) -> _Rotation:
+        x, y, z, s = (self.of.values[n] for n in of.Q)
+        G = 0.5 * np.array([[s, -z, y], [z, s, -x], [-y, x, s], [-x, -y, -z]])
+        return _Rotation(of, [self._row[n] for n in of.Q], [self._row[n] for n in of.w], G)
 
-    def _rotates(self, joint: str, direction: Array) -> bool:
+    def _rotates(self, rotation: _Rotation, direction: Array) -> bool:
         """Return whether a joint rotates if the plant's states change so: not if its loop forbids it."""
-        change = 4 * self._rotations[joint].G.T @ self.of.C[self._rotations[joint].Q] @ direction
+        change = 4 * rotation.G.T @ self.of.C[rotation.Q] @ direction
         return bool(np.abs(change).max() > 0.5)  # of 1 rad
 
     @property
     def incomplete_joints(self) -> list[str]:
         """Names of joints with a quaternion that is not among the states."""
-        return [joint for joint in self._rotations if not self._rotations_of(joint)]
+        return [rotation.of.joint for rotation in self._rotations if not self._own(rotation.of.theta)]
 
-    def _rotations_of(self, joint: str) -> list[str]:
-        return [theta for theta in elements(f"{joint}.theta", 3) if theta in self.names]
+    def _own(self, names: Sequence[str]) -> list[str]:
+        return [name for name in names if name in self.names]
 
     @property
-    def idle_rotations(self) -> tuple[str, ...]:
-        """Names of the states of joints that spin idly, such as a rod between two ball joints.
+    def idle_rotations(self) -> list[Sequence[str]]:
+        """Names of the states of each joint that spins idly, such as a rod between two ball joints.
 
         Only some rotations of such a joint are states, and no acceleration depends on them, their own
         included, nor the rate of another state.
         """
-        idle: list[str] = []
-        for joint in self._rotations:
-            own = self._rotations_of(joint)
+        idle: list[Sequence[str]] = []
+        for rotation in self._rotations:
+            own = self._own(rotation.of.theta)
             if len(own) not in (1, 2):
                 continue
             others = [name for name in self.names if name not in own]  # and its own accelerations
-            own += [w for w in elements(f"{joint}.w", 3) if w in self.names]
+            own += self._own(rotation.of.w)
             columns = [self.names.index(name) for name in own]
             rates = np.array([self.rate(name)[0] for name in others]).reshape(len(others), len(self.names))
             size = np.maximum(1.0, np.abs(rates).max(axis=1, initial=0.0))
             if np.all(np.abs(rates[:, columns]) <= DEPENDENCY_TOLERANCE * size[:, None]):
-                idle += own
-        return tuple(idle)
+                idle.append(own)
+        return idle
 
     @property
     def candidates(self) -> list[str]:
         """Names of all quantities that can be states: those whose time derivative is a reading."""
-        quaternions = {self.of.readings[k] for rotation in self._rotations.values() for k in rotation.Q}
+        quaternions = {name for rotation in self._rotations for name in rotation.of.Q}
         out = [name for name in self.of.readings if name in self.of.rates and name not in quaternions]
-        return out + [theta for joint in self._rotations for theta in elements(f"{joint}.theta", 3)]
+        return out + [theta for rotation in self._rotations for theta in rotation.of.theta]
 
     def speed(self, coordinate: str) -> str:
         """Return the name of a coordinate's velocity: A.w for A.phi, S.w[1] for S.theta[1]."""
-        theta = self._theta(coordinate)
-        if theta is None:
+        if coordinate not in self._theta:
             return self.of.rates[coordinate]
-        return coordinate.replace(".theta[", ".w[")
+        rotation, i = self._theta[coordinate]
+        return rotation.of.w[i]
 
     def is_coordinate(self, name: str) -> bool:
         """Whether the second time derivative of a quantity is a reading, so that it is a coordinate."""
-        return self._theta(name) is not None or self.of.rates.get(name) in self.of.rates
+        return name in self._theta or self.of.rates.get(name) in self.of.rates
 
     def row(self, name: str) -> Array:
         """Return the derivatives of a reading or rotation coordinate with respect to the states, shape
         (states,).
         """
-        theta = self._theta(name)
-        if theta is None:
+        if name not in self._theta:
             row: Array = self.C[self._row[name]]
             return row
-        rotation, i = theta
+        rotation, i = self._theta[name]
         return np.asarray(4 * rotation.G[:, i] @ self.C[rotation.Q])
 
     def rate(self, name: str) -> tuple[Array, Array, float]:
         """Return the derivatives of a state's rate with respect to the states and the inputs, and the rate
         itself.
         """
-        theta = self._theta(name)
-        if theta is None:
+        if name not in self._theta:
             row = self._row[self.of.rates[name]]
             return self.C[row], self.D[row], self.of.values[self.of.rates[name]]
-        rotation, i = theta
+        rotation, i = self._theta[name]
         w = np.array([self.of.values[self.of.readings[k]] for k in rotation.w])
         w_cross_theta = np.cross(w, 4 * (rotation.G.T @ self.C[rotation.Q]).T).T[i]
         return self.C[rotation.w[i]] - w_cross_theta, self.D[rotation.w[i]], float(w[i])
 
     def unit(self, name: str) -> str:
         """Return the unit of a state."""
-        return "rad" if self._theta(name) is not None else self.of.units.get(name, "1")
+        return "rad" if name in self._theta else self.of.units.get(name, "1")
 
     def value(self, name: str) -> float:
         """Return the value of a state at the operating point; 0 for a rotation coordinate."""
-        return 0.0 if self._theta(name) is not None else self.of.values[name]
-
-    def _theta(self, name: str) -> tuple[_Rotation, int] | None:
-        joint, _, component = name.rpartition(".theta[")
-        if name in self._row or joint not in self._rotations or component not in ("1]", "2]", "3]"):
-            return None
-        return self._rotations[joint], int(component[0]) - 1
+        return 0.0 if name in self._theta else self.of.values[name]
 
 
 def chosen_states(
@@ -188,7 +182,7 @@ def chosen_states(
     if wanted is None:
         return [name for name in minimal.names if name not in idle]
     known = minimal.candidates
-    check_names(wanted, known, "state", lambda name: _no_state(name, known))
+    check_names(wanted, known, "state", lambda name: _no_state(name, known, minimal.of.quaternions))
     out = list(wanted)
     if all(minimal.is_coordinate(name) for name in wanted):
         out += [minimal.speed(name) for name in wanted]
@@ -242,9 +236,8 @@ def check_complete(minimal: MinimalRealization) -> None:
             raise GelenkError(f"{sentence}: the rate of {name} does not follow from theirs")
 
 
-def _no_state(name: str, known: Sequence[str]) -> str:
-    theta = re.sub(r"\.Q(\[[1-4]\])?$", ".theta[1]", name)
-    if theta != name and theta in known:
-        owner = name.rpartition(".")[0]
-        return f"{name}: a quaternion has one component too many for states; use {owner}.theta[1..3]"
+def _no_state(name: str, known: Sequence[str], quaternions: Sequence[Quaternion]) -> str:
+    for of in quaternions:
+        if name in (*of.Q, f"{of.joint}.Q") and of.theta[0] in known:
+            return f"{name}: a quaternion has one component too many for states; use {of.joint}.theta[1..3]"
     return unknown(name, "state", known)

@@ -109,7 +109,7 @@ class Equations:
             )
         self._indices = [plant._input[name] for name in self.inputs]
         self._outputs = [plant._output[name] for name in outputs]
-        self._states: list[int] = plant._core._states()[0]
+        self._states: list[int] = plant._core._states()
         #: Names of the states.
         self.states = tuple(plant._signals[i].name for i in self._states)
         #: Their values at the start.

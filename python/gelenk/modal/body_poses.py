@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from gelenk.linear.model import LinearModel
 from gelenk.model.rotation import rotated
 from gelenk.model.scene import Scene, known_parameters, load
-from gelenk.model.values import Value, elements, start_parameter
+from gelenk.model.values import Value, start_parameter
+from gelenk.simulation.derivatives import quaternions_of
 from gelenk.simulation.simulation import Simulation
 
 type Array = NDArray[np.float64]
@@ -49,14 +50,14 @@ class PoseEvaluator:
         """
         starts: dict[str, Value] = {}
         for name, value in self.values.items():
-            joint, _, component = name.rpartition(".Q[")
-            if joint and component == "1]":
-                Q = np.array([self.values[n] for n in elements(f"{joint}.Q", 4)])
-                theta = np.array([displacements.get(n, 0.0) for n in elements(f"{joint}.theta", 3)])
-                for n, part in zip(elements(f"{joint}.Q", 4), rotated(Q, theta), strict=True):
-                    starts[start_parameter(n)] = float(part)
-            elif not joint:
-                starts[start_parameter(name)] = value + displacements.get(name, 0.0)
+            starts[start_parameter(name)] = value + displacements.get(name, 0.0)
+        for of in quaternions_of(self.scene):
+            if of.Q[0] not in self.values:
+                continue
+            Q = np.array([self.values[name] for name in of.Q])
+            theta = np.array([displacements.get(name, 0.0) for name in of.theta])
+            for name, part in zip(of.Q, rotated(Q, theta), strict=True):
+                starts[start_parameter(name)] = float(part)
         plant = Simulation(self.scene.with_parameters(starts))
         plant.initialize()
         return {name: plant.pose(name) for name in self.data["bodies"]}

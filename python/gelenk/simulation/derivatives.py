@@ -3,16 +3,48 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gelenk import _core
 from gelenk.model.scales import Scales
+from gelenk.model.scene import Scene
+from gelenk.model.values import elements
 
 Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Quaternion:
+    """The quaternion of a joint.
+
+    Attributes:
+        joint: name of the joint.
+        Q: names of its four components.
+        w: names of the three components of its angular velocity.
+    """
+
+    joint: str
+    Q: Sequence[str]
+    w: Sequence[str]
+
+    @property
+    def theta(self) -> list[str]:
+        """Names of the three rotation coordinates that replace it in minimal states."""
+        return elements(f"{self.joint}.theta", 3)
+
+
+def quaternions_of(scene: Scene) -> tuple[Quaternion, ...]:
+    """Return the quaternions of the joints of a scene."""
+    return tuple(Quaternion(*of) for of in _core.quaternions(scene._core))
+
+
+def rates_of(signals: Sequence[_core.Signal]) -> dict[str, str]:
+    """Return the outputs that have time derivatives among the outputs of a scene, and these, by name."""
+    return {s.name: signals[s.derivative].name for s in signals if s.derivative >= 0}
 
 
 @dataclass(frozen=True)
@@ -28,6 +60,8 @@ class Derivatives:
         D: derivatives with respect to the inputs, shape (readings, inputs).
         values: values of inputs and readings at the operating point.
         rates: name of a reading -> name of the reading that is its time derivative.
+        quaternions: quaternions of joints; not all of their components need be readings.
+        locked: coordinates among the states that friction or a limit keeps at rest.
         units: units of inputs and readings.
         order: minimal number of states of the mechanism; None if unknown.
         scales: the mechanism's own units.
@@ -41,6 +75,8 @@ class Derivatives:
     D: Array
     values: Mapping[str, float]
     rates: Mapping[str, str]
+    quaternions: tuple[Quaternion, ...]
+    locked: tuple[str, ...]
     units: Mapping[str, str]
     order: int | None = None
     scales: Scales = field(default_factory=Scales)
@@ -70,14 +106,3 @@ class Derivatives:
         )
         values = {name: value / self.size(name) for name, value in self.values.items()}
         return replace(self, C=self.C * x / y[:, None], D=self.D * u / y[:, None], values=values)
-
-
-def differentiated_name(name: str, description: str) -> str | None:
-    """Return the name of the quantity of which an output is the time derivative, from its description.
-
-    "A.w" with the description "A: angular velocity, der(phi)" is the derivative of "A.phi"; None if the
-    description does not end so.
-    """
-    found = re.search(r"\bder\(([^()]+)\)$", description)
-    owner = name.rpartition(".")[0]
-    return f"{owner}.{found.group(1)}" if found and owner else None

@@ -15,6 +15,7 @@ import zipfile
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from ctypes import c_double, c_int, c_uint
+from functools import cached_property
 from pathlib import Path
 from typing import Any, override
 
@@ -29,7 +30,7 @@ from gelenk.file_reading import existing
 from gelenk.model.scales import Scales
 from gelenk.model.scene import Scene, load
 from gelenk.model.values import Value, number
-from gelenk.simulation.derivatives import Derivatives, differentiated_name
+from gelenk.simulation.derivatives import Derivatives, Quaternion, quaternions_of, rates_of
 from gelenk.simulation.fmu_file import DESCRIPTION, extract, text_in
 from gelenk.simulation.fmu_slave import instantiated
 from gelenk.simulation.plant import Plant
@@ -38,6 +39,7 @@ log = logging.getLogger(__name__)
 
 _WARNING = 1  # fmi2Warning; larger statuses are failures
 _DISCARD = 2  # fmi2Discard: the values are not available
+LOCKED_ROUNDING = 1e-10  # of the change of a velocity with itself where friction or a limit permits none
 
 
 class FmuPlant(Plant):
@@ -86,6 +88,19 @@ class FmuPlant(Plant):
     def scene(self) -> Scene | None:
         file = Path(self._folder) / "resources" / "scene.json"
         return load(file) if file.exists() else None
+
+    @cached_property
+    @override
+    def quaternions(self) -> tuple[Quaternion, ...]:
+        scene = self.scene
+        return () if scene is None else quaternions_of(scene)
+
+    @cached_property
+    def _rates(self) -> dict[str, str]:
+        """Outputs that are time derivatives, by the names of what they differentiate, as far as known."""
+        scene, known = self.scene, {*self._real(self.outputs)}
+        rates = {} if scene is None else rates_of(_core.output_signals(scene._core))
+        return {name: rate for name, rate in rates.items() if rate in known and name in self._variables}
 
     @property
     @override
@@ -220,19 +235,17 @@ class FmuPlant(Plant):
             )
             D = np.vstack([self._jacobian(unknowns, inputs), np.zeros((len(inner), len(inputs)))])
             values = self._slave.getReal(self._references_of(names))
+        # What is at rest does not even keep the velocity that it is given.
+        moved = {v: C[unknowns.index(v), states.index(v)] for v in declared.values() if v in declared}
+        locked = (q for q in states if abs(moved.get(declared[q], 1.0)) <= LOCKED_ROUNDING)
         return Derivatives(
             tuple(states), tuple(inputs), tuple(outputs), (*unknowns, *inner), C, D,
-            dict(zip(names, map(float, values), strict=True)),
-            self._rates_of(outputs) | declared, self.units, *self._annotated(),
+            dict(zip(names, map(float, values), strict=True)), self._rates | declared, self.quaternions,
+            tuple(locked), self.units, *self._annotated(),
         )  # fmt: skip
 
     def _real(self, names: Iterable[str]) -> list[str]:
         return [name for name in names if self._variables[name].type == "Real"]
-
-    def _rates_of(self, outputs: Iterable[str]) -> dict[str, str]:
-        """Return the outputs that are time derivatives, by the names of what they differentiate."""
-        found = {name: differentiated_name(name, self._variables[name].description or "") for name in outputs}
-        return {of: name for name, of in found.items() if of is not None and of in self._variables}
 
     def _annotated(self) -> tuple[int | None, Scales]:
         """Return the minimal number of states, None if unknown, and the mechanism's own units."""

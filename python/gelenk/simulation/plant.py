@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from gelenk.errors import GelenkError, StepError, UsageError
 from gelenk.model.scene import Scene, by_parameter
 from gelenk.model.values import Value
-from gelenk.simulation.derivatives import Derivatives
+from gelenk.simulation.derivatives import Derivatives, Quaternion
 from gelenk.simulation.inputs import SampledInputs
 
 
@@ -57,6 +57,10 @@ class Plant(Protocol):
     @property
     def run_warnings(self) -> list[str]:
         """Why the run since `start` may not have kept its tolerance, a sentence each."""
+
+    @property
+    def quaternions(self) -> tuple[Quaternion, ...]:
+        """The quaternions of joints; empty if unknown."""
 
     def by_parameter(self, settings: Mapping[str, Value]) -> dict[str, Value]:
         """Return settings with names of parameters in place of paths in the scene. Raises UsageError."""

@@ -13,7 +13,7 @@ from gelenk.errors import GelenkError, StepBudgetError, StepError, UsageError
 from gelenk.model.scales import Scales
 from gelenk.model.scene import Scene, by_parameter
 from gelenk.model.values import Value
-from gelenk.simulation.derivatives import Derivatives, differentiated_name
+from gelenk.simulation.derivatives import Derivatives, Quaternion, quaternions_of, rates_of
 from gelenk.simulation.inputs import SampledInputs
 from gelenk.simulation.plant import Plant
 from gelenk.simulation.simulation import Simulation
@@ -61,6 +61,11 @@ class ScenePlant(Plant):
     @override
     def run_warnings(self) -> list[str]:
         return self._simulation._core.run_warnings()
+
+    @property
+    @override
+    def quaternions(self) -> tuple[Quaternion, ...]:
+        return quaternions_of(self._scene)
 
     @override
     def by_parameter(self, settings: Mapping[str, Value]) -> dict[str, Value]:
@@ -148,23 +153,21 @@ class ScenePlant(Plant):
                 raise
             plant._core._take_states(taken, speeds)
             found = plant._core._linearize(friction)
-        _, _, C, D, _ = found
-        states = [self.readings[i] for i in plant._core._states()[0]]
+        _, _, C, D, _, locked = found
+        states = [self.readings[i] for i in plant._core._states()]
         ny = len(self.readings)
         return Derivatives(
             tuple(states), tuple(self.inputs), tuple(self.outputs), tuple(self.readings),
             C.reshape((len(states), ny)).T, D.reshape((len(self.inputs), ny)).T,
-            self.values | self.input_values, rates,
-            self._units,
+            self.values | self.input_values, rates, self.quaternions,
+            tuple(self.readings[i] for i in locked), self._units,
             plant.size.degrees_of_freedom + plant.size.free_coordinates, self._scales,
         )  # fmt: skip
 
     @property
     def rates(self) -> dict[str, str]:
         """Names of readings, and of the readings that are their time derivatives."""
-        known = set(self.readings)
-        of = {s.name: differentiated_name(s.name, s.description) for s in self._simulation._signals}
-        return {name: rate for rate, name in of.items() if name in known}
+        return rates_of(self._simulation._signals)
 
     @property
     def values(self) -> dict[str, float]:

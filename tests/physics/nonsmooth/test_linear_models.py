@@ -89,6 +89,19 @@ def test_a_linkage_at_rest_has_no_states() -> None:
     assert model(source, friction="off").states == ("A.phi", "A.w")
 
 
+@pytest.mark.parametrize("joint", ["A", "B", "C", "D"])
+def test_friction_of_any_joint_locks_a_linkage(joint: str, tmp_path: Path) -> None:
+    """Also of those whose coordinates are no states, through the loop."""
+    source = four_bar_with_friction()
+    del source["gravity"]
+    source["joints"]["A"]["start"]["w"] = 0.0
+    for other in {"A", "B", "C", "D"} - {joint}:
+        del source["joints"][other]["friction"]
+    assert model(source).states == ()
+    fmu = gelenk.export_fmu(gelenk.load(source), tmp_path / "locked.fmu")
+    assert gelenk.linear.linear_model(fmu).states == ()
+
+
 def test_contact_locks_too() -> None:
     source = wheel({"coulomb": 1.0}, phi=0.5, w=0.0)
     source["joints"]["J"] |= {"limit": {"upper": 0.5}}
