@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "joint/kinds.h"
 #include "modelDescription/fingerprint.h"
 #include "scene_file/read.h"
 #include "simulation/start_report.h"
@@ -51,7 +52,6 @@ Plant::Plant(std::shared_ptr<const PlantModel> model)
       inputs_(inputs_of(model_->catalog)),
       first_inputs_(inputs_) {
   take_starts(model_->catalog, inputs_);
-  for (const Joint& joint : scene_.joints) joints_.push_back(joint.is);
 }
 
 void Plant::set_experiment(double start, double tolerance) {
@@ -116,15 +116,13 @@ double Plant::get(int variable) {
 }
 
 double Plant::rate(const Rate& rate) {
-  std::array<double, 7> q{};  // the free joint has the most coordinates
-  std::array<double, 7> v{};
+  std::array<double, 13> state{};  // the free joint has the most coordinates and velocities
   std::array<double, 7> qdot{};
-  const AnyJoint& joint = *joints_[static_cast<std::size_t>(rate.joint)];
+  const AnyJoint& joint = *scene_.joints[static_cast<std::size_t>(rate.joint)].is;
   const JointKind& kind = kind_of(joint);
   const int first = catalog().first_output(rate.joint);
-  for (int i = 0; i < kind.nq; ++i) q[static_cast<std::size_t>(i)] = simulation_->output(first + i);
-  for (int i = 0; i < kind.nv; ++i) v[static_cast<std::size_t>(i)] = simulation_->output(first + kind.nq + i);
-  coordinate_rates(joint, q.data(), v.data(), qdot.data());
+  for (int i = 0; i < kind.nq + kind.nv; ++i) state[static_cast<std::size_t>(i)] = simulation_->output(first + i);
+  coordinate_rates(joint, state.data(), state.data() + kind.nq, qdot.data());
   return qdot[static_cast<std::size_t>(rate.component)];
 }
 

@@ -12,7 +12,6 @@
 
 #include "fmu/runtime/settings.h"
 #include "formulation/inputs.h"
-#include "joint/kinds.h"
 #include "modelDescription/catalog.h"
 #include "simulation/simulation.h"
 
@@ -101,7 +100,6 @@ class Plant {
   Inputs inputs_;        // as set so far
   Inputs first_inputs_;  // when simulation_ was assembled
   std::optional<Simulation> simulation_;
-  std::vector<Stored<AnyJoint>> joints_;  // by joint of the scene
   double start_ = 0;
   double tolerance_ = 0;
   bool tolerance_confirmed_ = false;  // whether solver.tolerance was set
