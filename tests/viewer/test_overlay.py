@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 
 import gelenk
 from gelenk.cli import app
-from gelenk.viewer.between import resampled
+from gelenk.viewer.interpolation import resampled
 
 from .browser import Browser
 

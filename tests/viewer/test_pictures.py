@@ -15,12 +15,12 @@ from scipy.spatial.transform import Rotation
 
 import gelenk
 from gelenk.simulation.recording import record
-from gelenk.viewer.between import interpolated
 from gelenk.viewer.data import page_data
 from gelenk.viewer.drawing.camera import HALF_ANGLE, MARGIN, Camera
 from gelenk.viewer.drawing.colors import LEAST_CONTRAST, color_of, luminance, readable
 from gelenk.viewer.drawing.options import PictureOptions
 from gelenk.viewer.drawing.painter import OVERSAMPLING, Painter
+from gelenk.viewer.interpolation import interpolated
 
 SCENES = sorted(path.stem for path in (Path(__file__).parent.parent.parent / "scenes").glob("*.yaml"))
 SIZE = (240, 180)

@@ -26,7 +26,7 @@ from gelenk.cli.command import Report, command
 from gelenk.errors import StepError, UsageError
 from gelenk.file_writing import writing
 from gelenk.simulation.progress import terminal_bar
-from gelenk.viewer.endings import PICTURES, is_picture
+from gelenk.viewer.file_types import PICTURES, is_picture
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

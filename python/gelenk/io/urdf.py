@@ -25,7 +25,7 @@ from gelenk.file_reading import read_bytes, usable_name
 from gelenk.io.urdf_ignored import ignored
 from gelenk.io.urdf_inertia import impossible_inertias, notes_on_missing, repaired
 from gelenk.io.urdf_limits import bounds_of, limit_notes, start_within
-from gelenk.model import foreign
+from gelenk.model import other_formats
 from gelenk.model.scene import Scene, from_dict
 from gelenk.model.values import is_number
 
@@ -104,7 +104,7 @@ def _check(file: Path) -> ET.Element:
     except (ValueError, LookupError) as e:  # encodings
         raise SceneError(f"{file}: not XML in UTF-8: {e}") from None
     if root.tag != "robot":
-        foreign.refuse_content(content, str(file), "a URDF robot description (<robot>)")
+        other_formats.refuse_content(content, str(file), "a URDF robot description (<robot>)")
         raise SceneError(f"{file}: found <{root.tag}>, expected <robot>")
     if any(element.tag.startswith("{http://www.ros.org/wiki/xacro}") for element in root.iter()):
         raise SceneError(f"{file}: contains xacro macros; expand it with xacro first")

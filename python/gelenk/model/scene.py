@@ -17,10 +17,10 @@ from gelenk import _core, _html
 from gelenk.errors import AssemblyError, SceneError, SceneWarning, UsageError
 from gelenk.file_reading import existing, read_start
 from gelenk.file_writing import write_text
-from gelenk.model import foreign, yaml12
-from gelenk.model.given import Given
+from gelenk.model import other_formats, yaml12
+from gelenk.model.line_numbers import Places
 from gelenk.model.meshes import Meshes
-from gelenk.model.places import Places
+from gelenk.model.source_text import Given
 from gelenk.model.values import Value, number, unknown
 from gelenk.model.yaml_faults import without_quotes
 
@@ -295,16 +295,16 @@ def load(source: Source) -> Scene:
     if isinstance(source, Mapping):
         return from_dict(source)
     if isinstance(source, str) and ("\n" in source or source.lstrip().startswith(("{", "<"))):
-        foreign.refuse_content(source.encode("utf-8", "replace"), "scene")
+        other_formats.refuse_content(source.encode("utf-8", "replace"), "scene")
         return _read(source, "yaml", "")
     path = existing(source)
     _core.check_size(path.stat().st_size, str(path))
     language = LANGUAGES.get(path.suffix.lower())
     if language is None:
-        foreign.refuse_ending(path)
+        other_formats.refuse_ending(path)
     content = read_start(path, MAX_BYTES, pipes=True)
     _core.check_size(len(content), str(path))
-    foreign.refuse_content(content, str(path))
+    other_formats.refuse_content(content, str(path))
     try:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError as e:

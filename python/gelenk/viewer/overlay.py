@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gelenk.errors import UsageError
-from gelenk.viewer.between import resampled
+from gelenk.viewer.interpolation import resampled
 
 type Array = NDArray[np.float64]
 

@@ -14,7 +14,7 @@ from gelenk.errors import UsageError
 from gelenk.file_writing import write_text
 from gelenk.viewer.data import page_data
 from gelenk.viewer.degrees import with_degrees
-from gelenk.viewer.endings import PICTURES, is_picture
+from gelenk.viewer.file_types import PICTURES, is_picture
 from gelenk.viewer.overlay import overlaid
 from gelenk.viewer.page import page_of
 

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gelenk.model.skeleton import placed, turned
-from gelenk.viewer.between import interpolated
 from gelenk.viewer.drawing.colors import SPRING_COLOR, Color, color_of, readable
 from gelenk.viewer.drawing.solids import Array, Indices, Solid, basis, coil, solid_of
+from gelenk.viewer.interpolation import interpolated
 
 FAR_AWAY = 4.0  # size of the run, in sizes of the mechanism, from which the camera follows
 SAMPLED_POSES = 20_000  # poses that the box around a run is computed from
