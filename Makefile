@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # make demo     build into .venv, export a four-bar, simulate its FMU, plot the results
 # make extras   fetch the optional packages: sweeps, tables, import of URDF files, films
-# make test     check formatting, run the linters and all tests
+# make test     check formatting, run the linters and the tests that take five minutes on two processors in all
 # make tidy     run clang-tidy on everything, as CI does; FILES=src/touch: on these files only, each on its own
 # make lint     the checks of make test and make tidy, without running any tests
 # make format   format all code
 # make pytest   run the tests only; one file: make pytest TESTS=tests/test_layout.py
+# make thorough run the longer tests that CI also runs, some four minutes: many seeds, killed writers, random scenes in all ways
+# make studies  run the tests that take half an hour; weekly
 # make reductions  measure the gain of each reduction: tables of docs/reductions.md
 # make charts   measure the methods: charts and tables of docs/work-precision.md and docs/stability.md
 # make accuracy  measure the errors of adaptive integrators against their tolerance: docs/accuracy.md; QUICK=1: a subset
@@ -22,7 +24,7 @@
 # make agreement  run 20000 random scenes in which everything non-smooth meets, each in several ways; TRIALS=... other numbers
 # make masters  run the shipped scenes in third-party masters and VDMCheck: table of docs/fmu.md; needs Maven, Java and cargo
 # make sanitize run the FMU under AddressSanitizer, UBSan, ThreadSanitizer and Valgrind
-# make units    run the native unit tests under AddressSanitizer and UBSan; CI does so, too
+# make units    compile and run the native unit tests, tests/native, under AddressSanitizer and UBSan if the compiler has them; CI does so, too
 # make mutants  change thresholds, guards and fall-backs at random, and see whether tests notice; COUNT=40, SEED=1
 # make fuzz     fuzz the readers of scenes and saved states with libFuzzer, SECONDS_EACH=600; needs clang
 # make states   regenerate the fuzzers' seeds of FMU states, after the contents of a state have changed
@@ -66,9 +68,9 @@ needs-sanitize: ; @sh cmake/needs.sh sanitize libasan libubsan libtsan valgrind
 needs-fuzz: ; @CLANGXX="$(CLANGXX)" sh cmake/needs.sh fuzz clang++
 needs-runtimes: ; @sh cmake/needs.sh runtimes cargo
 
-.PHONY: $(NEEDS) help demo extras test lint style tidy format pytest reductions charts accuracy nonsmooth gallery tutorial real-time growth bench costs clocks studies special thrown agreement masters sanitize units fuzz mutants states runtimes wheels platforms lock lowest clean
+.PHONY: $(NEEDS) help demo extras test lint style tidy format pytest thorough reductions charts accuracy nonsmooth gallery tutorial real-time growth bench costs clocks studies special thrown agreement masters sanitize units fuzz mutants states runtimes wheels platforms lock lowest clean
 help:
-	@sed -n '2,38s/^# //p' Makefile
+	@sed -n '2,40s/^# //p' Makefile
 
 demo: $(VENV)/gelenk.stamp
 	@echo "Running the demo (some seconds)"
@@ -82,8 +84,11 @@ test: style pytest
 lint: style tidy
 
 pytest: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
-	@echo "Running $(TESTS) with $(JOBS) jobs (all tests: a quarter of an hour)"
-	$(BIN)/python -m pytest -n $(JOBS) $(TESTS)
+	@echo "Running $(TESTS) with $(JOBS) jobs (all: four minutes with two; then tests/native is left to make units)"
+	$(BIN)/python -m pytest -n $(JOBS) $(if $(filter tests,$(TESTS)),--ignore=tests/native) $(TESTS)
+
+thorough: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
+	$(BIN)/python -m pytest -n $(JOBS) -m "thorough and not study" $(if $(filter tests,$(TESTS)),--ignore=tests/native) $(TESTS)
 
 # Checks that do not change files.
 style: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
@@ -198,10 +203,10 @@ RUNTIMES = $(shell $(CXX) -print-file-name=libasan.so) $(shell $(CXX) -print-fil
 units: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 	@case "$(RUNTIMES)" in \
 	  /*\ /*) echo "Running the native unit tests under sanitizers (some minutes)"; \
-	    GELENK_SANITIZE=address LD_PRELOAD="$(RUNTIMES)" ASAN_OPTIONS=detect_leaks=0 PYTHONMALLOC=malloc \
-	    $(BIN)/python -m pytest -q -n $(JOBS) tests/native ;; \
-	  *) echo "make units: skipped: $(CXX) has no libasan.so or no libubsan.so" ;; \
-	esac
+	    export GELENK_SANITIZE=address LD_PRELOAD="$(RUNTIMES)" ASAN_OPTIONS=detect_leaks=0 PYTHONMALLOC=malloc ;; \
+	  *) echo "Running the native unit tests without sanitizers: $(CXX) has no libasan.so or no libubsan.so" ;; \
+	esac; \
+	$(BIN)/python -m pytest -q -n $(JOBS) tests/native
 
 # New inputs are kept in build/fuzz/corpus, inputs that cause a failure in build/fuzz. The build takes twenty minutes, so
 # continuous integration only reads the seeds, with the package as it is: tests/fuzz/test_corpus.py.

@@ -3,13 +3,12 @@
 
 from __future__ import annotations
 
-import os
 import re
 import shlex
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
+
+import programs
 
 ROOT = Path(__file__).parent.parent
 WITH_CODE = sorted(
@@ -59,10 +58,7 @@ def printed(command: str, folder: Path, **environment: str) -> tuple[int, str]:
     """The exit code of a command `gelenk ...` in this folder, and what it prints, errors included."""
     program, *arguments = shlex.split(command)
     assert program == "gelenk"
-    done = subprocess.run(
-        [sys.executable, "-m", program, *arguments], cwd=folder, stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT, text=True, timeout=600, check=False, env=os.environ | environment,
-    )  # fmt: skip
+    done = programs.gelenk(*arguments, cwd=folder, merged=True, **environment)
     return done.returncode, done.stdout
 
 

@@ -15,18 +15,15 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import IO
 
+import programs
 import pytest
 
 import gelenk
 from gelenk.simulation import progress
 
-COMMAND = [sys.executable, "-m", "gelenk"]
-
 
 def call(*args: str | Path, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [*COMMAND, *map(str, args)], cwd=cwd, capture_output=True, text=True, timeout=120, check=False
-    )
+    return programs.gelenk(*args, cwd=cwd)
 
 
 def told(*args: str | Path, cwd: Path | None = None) -> str:
@@ -307,8 +304,8 @@ def test_long_run_shows_its_progress_on_a_terminal(
 def test_short_run_shows_no_progress(four_bar_file: Path, terminal: tuple[int, IO[str]]) -> None:
     end, stream = terminal
     done = subprocess.run(
-        [*COMMAND, "simulate", four_bar_file, "--stop", "0.1"], stdout=subprocess.DEVNULL, stderr=stream,
-        timeout=60, check=True,
+        [sys.executable, "-m", "gelenk", "simulate", four_bar_file, "--stop", "0.1"],
+        stdout=subprocess.DEVNULL, stderr=stream, timeout=60, check=True,
     )  # fmt: skip
     assert done.returncode == 0
     assert seen(end) == ""

@@ -6,13 +6,13 @@ from __future__ import annotations
 import json
 import logging
 import math
-import os
 import subprocess
 import sys
 from pathlib import Path
 from typing import Any
 
 import command_line
+import programs
 import pytest
 from mechanisms import body, frame, joint, scene
 from physics.nonsmooth.test_dead_centers import slider_crank
@@ -25,10 +25,7 @@ COMMANDS = dict(command_line.commands())
 
 
 def call(*args: str | Path, cwd: Path, **env: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [sys.executable, "-m", "gelenk", *map(str, args)], cwd=cwd, env={**os.environ, **env},
-        capture_output=True, text=True, timeout=120, check=False,
-    )  # fmt: skip
+    return programs.gelenk(*args, cwd=cwd, **env)
 
 
 @pytest.fixture

@@ -4,14 +4,13 @@
 from __future__ import annotations
 
 import pickle
-import subprocess
-import sys
 import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import programs
 import pytest
 
 import gelenk
@@ -105,10 +104,8 @@ def test_an_fmu_is_warned_of_alike(tmp_path: Path) -> None:
 
 def test_the_command_prints_the_warning_as_a_line(tmp_path: Path) -> None:
     gelenk.load(ROD | {"gravity": [0, 0, 0]}).save(tmp_path / "rod.yaml")
-    done = subprocess.run(
-        [sys.executable, "-m", "gelenk", "simulate", "rod.yaml"], capture_output=True, text=True, check=True,
-        cwd=tmp_path,
-    )  # fmt: skip
+    done = programs.gelenk("simulate", "rod.yaml", cwd=tmp_path)
+    assert done.returncode == 0
     assert done.stderr.startswith("nothing moves: there is no gravity")
     assert len(done.stderr.splitlines()) == 1
 
@@ -160,10 +157,7 @@ def test_a_missing_file_is_one_of_our_errors_and_names_similar_ones(
 
 def test_pictures_do_not_pretend_to_show_reactions(empty_folder: Path) -> None:
     gelenk.load(ROD).save("rod.yaml")
-    done = subprocess.run(
-        [sys.executable, "-m", "gelenk", "view", "rod.yaml", "--reactions", "-o", "rod.png"],
-        capture_output=True, text=True, check=False,
-    )  # fmt: skip
+    done = programs.gelenk("view", "rod.yaml", "--reactions", "-o", "rod.png")
     assert done.returncode == 1
     assert done.stderr == "--reactions: pictures have no arrows, expected a page: -o FILE.html\n"
     assert not (empty_folder / "rod.png").exists()

@@ -3,10 +3,8 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
-
 import command_line
+import programs
 import pytest
 
 COMMANDS = dict(command_line.commands())
@@ -24,10 +22,8 @@ def squeezed(text: str) -> str:
 @pytest.mark.parametrize("name", COMMANDS)
 def test_help_prints_the_texts_of_all_options(name: str) -> None:
     """Units such as "[s]" are not taken for markup."""
-    done = subprocess.run(
-        [sys.executable, "-m", "gelenk", *name.split(), "--help"], capture_output=True, text=True, timeout=60,
-        check=True,
-    )  # fmt: skip
+    done = programs.gelenk(*name.split(), "--help")
+    assert done.returncode == 0, done.stderr
     texts = [option.help for option in COMMANDS[name].params if getattr(option, "help", None)]
     assert texts
     for text in [*texts, COMMANDS[name].help]:

@@ -4,12 +4,10 @@
 from __future__ import annotations
 
 import importlib.util
-import os
 import re
-import subprocess
-import sys
 from pathlib import Path
 
+import programs
 import pytest
 from pages import ROOT, WITH_CODE, blocks, commands, create_files, printed, shown
 
@@ -64,10 +62,7 @@ def test_python_of_a_page_runs_as_a_script(page: str, empty_folder: Path) -> Non
     pytest.importorskip("matplotlib", reason="matplotlib (the extra charts) is not installed")
     create_files(ROOT / page, empty_folder)
     Path("page.py").write_text("\n".join(blocks(ROOT / page, "python")), encoding="utf-8")
-    done = subprocess.run(
-        [sys.executable, "page.py"], capture_output=True, text=True, timeout=300, check=False,
-        env=os.environ | NO_BROWSER,
-    )  # fmt: skip
+    done = programs.run("page.py", **NO_BROWSER)
     assert done.returncode == 0, done.stderr
 
 

@@ -4,12 +4,11 @@
 from __future__ import annotations
 
 import re
-import subprocess
-import sys
 import warnings
 from pathlib import Path
 from typing import NamedTuple
 
+import programs
 import pytest
 import scene_files
 import yaml
@@ -215,9 +214,8 @@ def test_leaving_out_reductions_does_not_warn_again() -> None:
 
 def test_command_tells_a_warning_as_a_line() -> None:
     Path("s.yaml").write_text(SCENE.replace("phi: 0.5", "phi: 90"))
-    done = subprocess.run(
-        [sys.executable, "-m", "gelenk", "check", "s.yaml"], capture_output=True, text=True, check=True
-    )
+    done = programs.gelenk("check", "s.yaml")
+    assert done.returncode == 0
     assert done.stderr.splitlines() == [
         "s.yaml:11: joints.A.start.phi: found 90 rad, which is 14.3 turns, expected an angle in rad; "
         "90 degrees are 1.5708 rad"
@@ -227,12 +225,7 @@ def test_command_tells_a_warning_as_a_line() -> None:
 @pytest.mark.parametrize(("name", "found"), [("r.xlsx", "the ending .xlsx"), ("r", "no ending")])
 def test_table_of_another_kind_is_refused_before_the_run(name: str, found: str) -> None:
     Path("s.yaml").write_text(SCENE)
-    done = subprocess.run(
-        [sys.executable, "-m", "gelenk", "simulate", "s.yaml", "--output", name],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    done = programs.gelenk("simulate", "s.yaml", "--output", name)
     assert done.returncode == 1
     expected = "FILE.csv, FILE.parquet, FILE.nc, FILE.mat, or - for stdout"
     assert done.stderr == f"--output {name}: found {found}, expected {expected}\n"

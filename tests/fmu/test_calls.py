@@ -3,12 +3,10 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import fmpy
+import programs
 import pytest
 
 import gelenk
@@ -27,15 +25,7 @@ def crank_rocker_fmu(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.parametrize("name", SCENARIOS)
 def test_calls(name: str, crank_rocker_fmu: Path, tmp_path: Path) -> None:
     folder = Path(fmpy.extract(str(crank_rocker_fmu), str(tmp_path / "extracted")))
-    run = subprocess.run(
-        [sys.executable, "-m", "fmu.scenarios", name, str(folder)],
-        cwd=tmp_path,
-        env={**os.environ, "PYTHONPATH": os.pathsep.join([str(TESTS), os.environ.get("PYTHONPATH", "")])},
-        capture_output=True,
-        text=True,
-        timeout=120,
-        check=False,
-    )
+    run = programs.run("-m", "fmu.scenarios", name, folder, cwd=tmp_path, PYTHONPATH=str(TESTS))
     assert run.returncode == 0, f"exit code {run.returncode}\n{run.stdout}\n{run.stderr}"
     if run.stdout.startswith("skip: "):
         pytest.skip(run.stdout)

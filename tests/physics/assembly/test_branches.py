@@ -8,11 +8,11 @@ import itertools
 import json
 import math
 import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import programs
 import pytest
 from mechanisms import Scene, frame, joint, reordered, rod
 from scipy.optimize import brentq, fsolve
@@ -285,8 +285,7 @@ def test_command_lists_and_writes_branches(tmp_path: Path) -> None:
     file.write_text(json.dumps(source))
 
     def call(*arguments: object) -> subprocess.CompletedProcess[str]:
-        command = [sys.executable, "-m", "gelenk", "assemblies", str(file), *map(str, arguments)]
-        return subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+        return programs.gelenk("assemblies", file, *arguments)
 
     listed = json.loads(call("--json").stdout)
     expected = gelenk.assemblies(source)
