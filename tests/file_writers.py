@@ -3,7 +3,7 @@
 
 As a program: what remained how often.
 
-python file_writers.py (kills | full | two) KIND COUNT FOLDER
+python file_writers.py (kills | moments | full | two) KIND COUNT FOLDER
 """
 
 from __future__ import annotations
@@ -142,13 +142,58 @@ def kills(kind: str, count: int, folder: Path) -> Counter[str]:
     return outcomes
 
 
+def moments(kind: str, _: int, folder: Path) -> Counter[str]:
+    """What a process would leave that is killed before a call of the operating system, or in one that writes.
+
+    A killed process leaves what others see at that moment: the file is read before each call.
+    """
+    case = _Case(kind, folder)
+    case.restore()
+    outcomes: Counter[str] = Counter()
+    reader, writer = os.pipe()
+    is_looking = False
+
+    def look(event: str, _: object) -> None:
+        nonlocal is_looking
+        if not is_looking and event.startswith(("open", "os.", "shutil.", "tempfile.")):
+            is_looking = True
+            os.write(writer, f"{case.found()}\n".encode())
+            is_looking = False
+
+    def looking() -> None:
+        sys.addaudithook(look)
+        KINDS[kind](case.new, case.path)
+        look("open", None)
+
+    child = _in_a_child(looking)
+    os.close(writer)
+    with os.fdopen(reader, encoding="utf-8") as file:
+        outcomes.update(file.read().splitlines())
+    _, status = os.waitpid(child, 0)
+    outcomes[f"ended with {status}"] += 1
+    case.restore()
+
+    def cut() -> None:
+        signal.signal(signal.SIGXFSZ, signal.SIG_DFL)
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+        resource.setrlimit(resource.RLIMIT_FSIZE, (case.size // 2, case.size // 2))
+        KINDS[kind](case.new, case.path)
+
+    _, status = os.waitpid(_in_a_child(cut), 0)
+    outcomes[f"killed by {os.WTERMSIG(status)}, {case.found()}"] += 1
+    return outcomes
+
+
 def full(kind: str, count: int, folder: Path) -> Counter[str]:
-    """Let writing fail after a random number of bytes; the process must end by itself, with an OSError."""
+    """Let writing fail at the first byte, the last one, and then after a random number of bytes.
+
+    The process must end by itself, with an OSError.
+    """
     case = _Case(kind, folder)
     outcomes: Counter[str] = Counter()
-    for _ in range(count):
+    for k in range(count):
         case.restore()
-        limit = random.randrange(case.size)
+        limit = (0, case.size - 1)[k] if k < 2 else random.randrange(case.size)
 
         def writing(limit: int = limit) -> None:
             signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
@@ -202,4 +247,5 @@ def two(kind: str, count: int, folder: Path) -> Counter[str]:
 if __name__ == "__main__":
     job, kind, count, folder = sys.argv[1:]
     random.seed(0)
-    print(json.dumps({"kills": kills, "full": full, "two": two}[job](kind, int(count), Path(folder))))
+    jobs = {"kills": kills, "moments": moments, "full": full, "two": two}
+    print(json.dumps(jobs[job](kind, int(count), Path(folder))))

@@ -329,6 +329,7 @@ def assert_drawn(path: Path) -> None:
     assert path.stat().st_size < 150_000
 
 
+@pytest.mark.thorough
 def test_work_precision_from_the_command_line(tmp_path: Path, four_bar_file: Path) -> None:
     result = CliRunner().invoke(
         app, ["chart", "work-precision", str(four_bar_file), "--quick", "--jobs", "2", "-o", str(tmp_path)]
@@ -341,6 +342,7 @@ def test_work_precision_from_the_command_line(tmp_path: Path, four_bar_file: Pat
     assert "tolerance 1e-06: auto good" in result.output
 
 
+@pytest.mark.thorough
 def test_stability_from_the_command_line(tmp_path: Path) -> None:
     result = CliRunner().invoke(app, ["chart", "stability", "--quick", "--jobs", "2", "-o", str(tmp_path)])
     assert result.exit_code == 0, result.output

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 from benchmarks.growth import FAMILIES, exponent, measured
-from samples import sampled
+from samples import sampled, thorough_beyond
 
 import gelenk
 
@@ -32,6 +32,7 @@ def test_cost_grows_as_the_number_of_bodies(family: str) -> None:
         assert found < 1.5, f"{what}: from {times[0]:.2f} s to {times[1]:.2f} s; 1.3 on an idle machine"
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("family", sampled(LINEAR, ["chain", "tree"]))
 def test_memory_of_many_bodies_has_a_bound(family: str) -> None:
     """A full matrix in their velocities alone would take 130 MB."""
@@ -60,7 +61,7 @@ def test_many_loops_are_assembled_as_few_are(family: str) -> None:
         assert abs(np.remainder(difference + np.pi, 2 * np.pi) - np.pi) < 1e-9, signal.name
 
 
-@pytest.mark.parametrize("n", [40, 400])
+@pytest.mark.parametrize("n", thorough_beyond([40, 400], [40]))
 def test_assembly_of_many_degrees_of_freedom_is_the_least_change_of_the_guesses(n: int) -> None:
     """An arch of n rods between two pins has n - 2 degrees of freedom: up to 64 a basis of the null space is
     used, for more the sparse least-change equations. The change is orthogonal to the null space.

@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 from hostile_files import KINDS
+from samples import thorough_beyond
 
 import gelenk
 
@@ -29,7 +30,7 @@ def outcomes(kind: str, folder: Path) -> list[dict[str, Any]]:
 
 
 @pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="memory is measured on Linux")
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", thorough_beyond(KINDS, ["csv", "inputs", "json"]))
 def test_a_hostile_file_is_refused_in_a_sentence(kind: str, tmp_path: Path) -> None:
     """Some 460 files; only exceptions of Gelenk, and OSError for what cannot be opened."""
     if kind in NEEDED:

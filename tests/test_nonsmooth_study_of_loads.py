@@ -67,6 +67,7 @@ def test_exact_accelerations_of_an_eccentric_wheel() -> None:
         exact_bearings.Eccentric(2.0, 0.1, 0.2, 1.001, 0.0).acceleration(0.0, 5.0, 1.0)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("family", loaded_trials.FAMILIES, ids=lambda family: family.__name__)
 def test_a_sample_of_trials_is_right(family: loaded_trials.Family) -> None:
     for trial in list(family())[::5]:
@@ -74,6 +75,7 @@ def test_a_sample_of_trials_is_right(family: loaded_trials.Family) -> None:
         assert verdict.outcome == "right", f"{trial.name}: {verdict}"
 
 
+@pytest.mark.thorough
 def test_what_is_to_be_refused_is_not_right_if_it_runs() -> None:
     refused = [trial for trial in loaded_trials.eccentric_wheels() if trial.refused]
     assert len(refused) > 5

@@ -7,6 +7,7 @@ import math
 from itertools import product
 from typing import Any
 
+import pytest
 from looped import looped
 from mechanisms import four_bar
 from physics.nonsmooth.test_stops import ball
@@ -41,6 +42,7 @@ def assert_saving_does_nothing(source: dict[str, Any], drive: str, jumps: str, t
     assert saved == plain
 
 
+@pytest.mark.thorough
 @looped(("formulation", "integrator"), [*product(ODE, INTEGRATORS), *product(DAE, ("auto", "ida"))])
 @looped("jumps", EVERY)
 def test_with_every_formulation_and_integrator(formulation: str, integrator: str, jumps: str) -> None:

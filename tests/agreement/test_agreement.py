@@ -8,11 +8,11 @@ folder tests: `python -m agreement --minimize 17`.
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 from pathlib import Path
 
+import programs
 import pytest
+from samples import thorough_beyond
 
 TRIALS, BLOCK = 300, 25
 REFUSED = ("refused", "not started")  # ends of what a way reports that could not be run
@@ -28,25 +28,22 @@ ONCE_WRONG = (2403, 4327, 3373, 5005, 4515, 5134, 6967, 9529, 5881, 9709, 10491)
 
 def findings(first: int, count: int) -> list[dict[str, str]]:
     """In another process, so that a crash is reported."""
-    child = subprocess.run(
-        [sys.executable, "-m", "agreement", str(count), str(first), "--jobs", "1"],
-        cwd=Path(__file__).parent.parent,
-        capture_output=True,
-        text=True,
-    )
+    folder = Path(__file__).parent.parent
+    child = programs.run("-m", "agreement", count, first, "--jobs", 1, cwd=folder, timeout=1800)
     lines = child.stdout.splitlines()
     assert lines, child.stderr
     assert lines[-1].startswith(f"{count} trials"), child.stdout + child.stderr
     return [json.loads(line) for line in lines[:-1]]
 
 
-@pytest.mark.parametrize("first", range(0, TRIALS, BLOCK))
+@pytest.mark.parametrize("first", thorough_beyond(range(0, TRIALS, BLOCK), [0]))
 def test_all_ways_agree(first: int) -> None:
     found = findings(first, BLOCK)
     assert not [each for each in found if not each["way"].endswith(REFUSED)]
     assert len(found) <= MOST_REFUSED  # lest all agree because nothing runs
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("seed", ONCE_WRONG)
 def test_what_was_refused_or_wrong_once_is_not(seed: int) -> None:
     assert not findings(seed, 1)

@@ -35,6 +35,7 @@ def test_evaluations(job: tuple[str, Prepared]) -> None:
         judge(title, what, count)
 
 
+@pytest.mark.thorough
 @pytest.mark.skipif(sys.platform != "linux" or not valgrind(), reason="valgrind is not installed")
 def test_instructions(job: tuple[str, Prepared]) -> None:
     title, ready = job
@@ -48,6 +49,7 @@ def test_instructions(job: tuple[str, Prepared]) -> None:
 COST_OF_FRICTION = 1.5
 
 
+@pytest.mark.thorough
 @pytest.mark.skipif(sys.platform != "linux" or not valgrind(), reason="valgrind is not installed")
 @pytest.mark.parametrize("pair", FRICTION)
 def test_friction_costs_little(pair: str, host: Path, tmp_path: Path) -> None:
@@ -61,6 +63,7 @@ def test_friction_costs_little(pair: str, host: Path, tmp_path: Path) -> None:
 COST_AT_REST = 0.9
 
 
+@pytest.mark.thorough
 @pytest.mark.skipif(sys.platform != "linux" or not valgrind(), reason="valgrind is not installed")
 def test_rest_costs_less_than_motion(host: Path, tmp_path: Path) -> None:
     jobs = [prepared(job, host, tmp_path / str(i)) for i, job in enumerate(AT_REST)]

@@ -34,6 +34,7 @@ def gains(name: str, host: Path, folder: Path, *off: str) -> float:
     return instructions(without(source, *off), host, folder / "without") / least
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("off", "written"),
     [(REDUCTIONS, 2.27), (("planar",), 1.47)],  # as found here; an evaluation alone gains more
@@ -45,6 +46,7 @@ def test_a_four_bar_is_stepped_with_fewer_instructions(
     assert gains("four_bar", host, tmp_path, *off) > (1 - MARGIN) * written
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", sampled(DRIVEN, ["four_bar", "cart_pole"]))
 def test_reductions_take_no_more_instructions_than_they_save(name: str, host: Path, tmp_path: Path) -> None:
     """All together. 2 %: where a master reads every output, there may be nothing to save."""

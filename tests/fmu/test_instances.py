@@ -46,6 +46,7 @@ def test_instances_of_quaternions_give_the_bits_of_one_alone(host: Path, tmp_pat
     assert play(host, arguments, "crowd=50", "threads=4") == "crowd 50\nthreads 4\n"
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("integrator", ["auto", "ida"])
 def test_ten_thousand_lives_leave_no_memory_behind(
     integrator: str, host: Path, four_bar: gelenk.Scene, tmp_path: Path

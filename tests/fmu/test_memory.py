@@ -21,10 +21,17 @@ HOST = "oom_host"
 
 INTEGRATORS = ["auto", "erk", "rk4", "ida", "cvode", "dirk", "generalized-alpha"]
 CASES = [
-    *((crank_rocker, name) for name in INTEGRATORS),
-    (driven, "auto"),
-    (driven, "ida"),
-    (cranked, "auto"),
+    (crank_rocker, "auto"),
+    (crank_rocker, "ida"),
+    *(
+        pytest.param(*case, marks=pytest.mark.thorough)
+        for case in (
+            *((crank_rocker, name) for name in INTEGRATORS if name not in ("auto", "ida")),
+            (driven, "auto"),
+            (driven, "ida"),
+            (cranked, "auto"),
+        )
+    ),
 ]
 
 

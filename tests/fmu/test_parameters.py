@@ -13,7 +13,6 @@ import fmpy
 import pytest
 import scene_files
 from mechanisms import Scene
-from samples import sampled
 
 import gelenk
 
@@ -173,11 +172,16 @@ HELD = {"balancing_robot": ("lift", "roll"), "bicycle": ("height", "pitch")}
 
 
 LONG = ("andrews", "stewart", "five_bar")
+SHORT = ("double_pendulum", "heavy_top", "free_body", "pendulum", "cart_pole")
+
+
+def tier(name: str) -> list[pytest.MarkDecorator]:
+    return [pytest.mark.study] if name in LONG else [] if name in SHORT else [pytest.mark.thorough]
 
 
 @pytest.mark.parametrize(
     "file",
-    sampled(scene_files.good(), [file for file in scene_files.good() if file.stem not in LONG]),
+    [pytest.param(file, marks=tier(file.stem)) for file in scene_files.good()],
     ids=lambda file: file.stem,
 )
 def test_each_parameter_of_each_scene_acts(file: Path, tmp_path: Path) -> None:

@@ -47,6 +47,7 @@ PLANTS = [
 ]
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("plant", "tunable", "first"), PLANTS)
 def test_running_asks_nothing_of_the_heap(
     plant: Callable[[], Scene], tunable: str, first: int, host: Path, tmp_path: Path

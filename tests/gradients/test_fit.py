@@ -50,6 +50,7 @@ def test_five_parameters_of_a_four_bar_lie_in_their_confidence_intervals(
         assert count / trials == pytest.approx(0.95, abs=of_one), name
 
 
+@pytest.mark.thorough
 def test_without_noise_the_parameters_are_found(measured_bar: gelenk.Scene, curves: dict[str, Any]) -> None:
     guess = {name: 1.1 * value for name, value in TRUE.items()}
     found = gelenk.fit(measured_bar, curves, guess, step=STEP, inputs=TORQUE, deviation=1e-3, accuracy=1e-9)

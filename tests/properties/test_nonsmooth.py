@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from samples import thorough_beyond
 
 MECHANISMS = int(os.environ.get("NONSMOOTH_MECHANISMS", "300"))
 BLOCK = 25
@@ -43,7 +44,7 @@ def checked(first: int, last: int) -> list[dict[str, Any]]:
     return out
 
 
-@pytest.mark.parametrize("first", range(0, MECHANISMS, BLOCK))
+@pytest.mark.parametrize("first", thorough_beyond(range(0, MECHANISMS, BLOCK), [0]))
 def test_random_mechanisms_obey_the_laws(first: int) -> None:
     found = checked(first, min(first + BLOCK, MECHANISMS))
     assert not [each for each in found if each["is"] == "fault"]

@@ -90,6 +90,7 @@ def test_a_local_cluster_is_made_for_the_sweep(four_bar: gelenk.Scene) -> None:
     assert same(found, gelenk.sweep(four_bar, {"crank.m": [0.9, 1.0]}, outputs={"A.w": "last"}, stop=0.01))
 
 
+@pytest.mark.thorough
 def test_a_local_cluster_is_reached_from_this_machine_only(four_bar: gelenk.Scene) -> None:
     """Whoever reaches a port of it can run code: all of them are on the loopback interface."""
     psutil = pytest.importorskip("psutil")
@@ -116,6 +117,7 @@ def crash_or_hang(_: Any, x: Any) -> float:
     return float(x[0])
 
 
+@pytest.mark.thorough
 def test_a_run_that_crashes_or_hangs_ends_only_itself(
     four_bar: gelenk.Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -170,6 +172,7 @@ def restarted() -> Iterator[Restarted]:
     cluster.kill()
 
 
+@pytest.mark.thorough
 def test_a_scheduler_that_is_killed_and_started_again_loses_nothing(
     four_bar: gelenk.Scene, restarted: Restarted, short_chunks: None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -194,6 +197,7 @@ def test_a_scheduler_that_is_killed_and_started_again_loses_nothing(
     assert progress[-1] == 64
 
 
+@pytest.mark.thorough
 def test_a_scheduler_that_is_lost_leaves_a_store_that_continues(
     four_bar: gelenk.Scene, tmp_path: Any, short_chunks: None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -216,6 +220,7 @@ def test_a_scheduler_that_is_lost_leaves_a_store_that_continues(
     assert same(made(four_bar, store=tmp_path), made(four_bar))
 
 
+@pytest.mark.thorough
 def test_a_sweep_that_takes_too_long_ends(four_bar: gelenk.Scene, client: Any) -> None:
     """Each run lasts for some 0.05 s, so that some of them are made within the time, and not all."""
     found = gelenk.sweep(
@@ -227,6 +232,7 @@ def test_a_sweep_that_takes_too_long_ends(four_bar: gelenk.Scene, client: Any) -
     assert np.isnan(found["A.phi.last"].values).tolist() == [bool(error) for error in errors]
 
 
+@pytest.mark.thorough
 def test_jobs_of_a_batch_system_are_workers(four_bar: gelenk.Scene) -> None:
     """Through the scripts of dask-jobqueue, run by a shell instead of a batch system."""
     local = pytest.importorskip("dask_jobqueue.local")

@@ -56,6 +56,7 @@ def test_a_pushed_mass_has_the_indices_of_a_product() -> None:
     assert float(found.sel(index="first").sum()) < 1 < float(found.sel(index="total").sum())  # they interact
 
 
+@pytest.mark.thorough
 def test_three_links_have_the_indices_of_the_ishigami_function() -> None:
     """Of sin x + 7 sin^2 y + 0.1 z^4 sin x (Ishigami & Homma 1990) with angles in [-pi, pi]."""
     names = ("A", "B", "C")

@@ -98,6 +98,7 @@ def test_runs_of_random_linkages_start_at_the_equilibrium_found() -> None:
     assert_same({(case := drawn(seed)).name: at_rest(case.source) for seed in range(60)}, 0.75)
 
 
+@pytest.mark.thorough
 @examples(40)
 @given(source=trees(), angle=st.floats(-1, 1))
 def test_runs_of_random_trees_start_at_the_equilibrium_found(source: Scene, angle: float) -> None:

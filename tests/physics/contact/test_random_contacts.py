@@ -6,6 +6,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from models.random_contacts import RandomScene, random_scene
+from samples import thorough_beyond
 
 import gelenk
 
@@ -50,7 +51,7 @@ def course(made: RandomScene, steps: int = STEPS) -> tuple[np.ndarray, bool]:
     return np.array(rows), True
 
 
-@pytest.mark.parametrize("block", range(8))
+@pytest.mark.parametrize("block", thorough_beyond(range(8), [1]))
 def test_every_step_ends_with_finite_numbers(block: int) -> None:
     """Or is refused, with the state as it was; costs are bounded by those of a step in all its parts."""
     refused = 0
@@ -62,7 +63,7 @@ def test_every_step_ends_with_finite_numbers(block: int) -> None:
     assert refused <= MOST_REFUSED
 
 
-@pytest.mark.parametrize("block", range(2))
+@pytest.mark.parametrize("block", thorough_beyond(range(2), [1]))
 def test_energy_does_not_grow(block: int) -> None:
     """Without restitution and belts, in steps with rotations of up to 0.1 rad and without penetration.
 

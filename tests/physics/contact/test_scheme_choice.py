@@ -165,6 +165,7 @@ def test_thrown_bodies_are_as_by_events_alone(first: int) -> None:
     assert located > 10 * stepped
 
 
+@pytest.mark.thorough
 @pytest.mark.filterwarnings("ignore::gelenk.StartWarning")
 def test_extreme_scenes_end() -> None:
     """Of 1e-6 to 1e6 m, coincident, penetrating, with huge friction: numbers are finite, none is refused."""

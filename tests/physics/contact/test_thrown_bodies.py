@@ -3,6 +3,7 @@
 
 import pytest
 from models.thrown import EDGED, STEP, run, thrown
+from samples import thorough_beyond
 
 import gelenk
 
@@ -14,7 +15,7 @@ MOST_REFUSED = 2
 FORMER = [53, 203, 276, 277, 198, 73, 133, EDGED + 194, EDGED + 200, EDGED + 356, EDGED + 541]
 
 
-@pytest.mark.parametrize("first", [0, BLOCK, 2 * BLOCK, EDGED, EDGED + BLOCK])
+@pytest.mark.parametrize("first", thorough_beyond([0, BLOCK, 2 * BLOCK, EDGED, EDGED + BLOCK], [0, EDGED]))
 def test_steps_end_without_gain_of_energy(first: int) -> None:
     """Or are refused in words that are known; numbers are finite, nothing penetrates, and all ends."""
     courses = [run(seed) for seed in range(first, first + BLOCK)]

@@ -121,6 +121,7 @@ def test_motion_from_an_fmu_input_with_derivatives(tmp_path: Path) -> None:
     assert_close("hinge.phi", rows, reference()[0], 1e-8, "requested tolerance")
 
 
+@pytest.mark.thorough
 def test_motion_from_a_periodic_table() -> None:
     """The table has 24 points per period; y'' is linear between them."""
     period = 1 / FREQUENCY
