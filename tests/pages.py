@@ -58,7 +58,7 @@ def printed(command: str, folder: Path, **environment: str) -> tuple[int, str]:
     """The exit code of a command `gelenk ...` in this folder, and what it prints, errors included."""
     program, *arguments = shlex.split(command)
     assert program == "gelenk"
-    done = programs.gelenk(*arguments, cwd=folder, merged=True, **environment)
+    done = programs.gelenk(*arguments, cwd=folder, merged=True, env=environment)
     return done.returncode, done.stdout
 
 

@@ -13,6 +13,7 @@ import runpy
 import subprocess
 import sys
 import tempfile
+from collections.abc import Mapping
 from pathlib import Path
 
 SERVER = multiprocessing.get_context("forkserver")
@@ -31,21 +32,25 @@ def started(name: str) -> bool:
 
 
 def run(
-    *arguments: object, cwd: Path | None = None, merged: bool = False, timeout: float = 120, **variables: str
+    *arguments: object,
+    cwd: Path | None = None,
+    env: Mapping[str, str] | None = None,
+    merged: bool = False,
+    timeout: float = 120,
 ) -> subprocess.CompletedProcess[str]:
     """Run `python ARGUMENTS`, where these are `-m MODULE ...` or `FILE ...`.
 
     Args:
         arguments: as on the command line.
         cwd: the folder to run in; default: the current one.
+        env: further variables of the environment.
         merged: stderr goes where stdout goes.
         timeout: s, after which the program is killed.
-        variables: further variables of the environment.
 
     Raises:
         subprocess.TimeoutExpired: the program took too long.
     """
-    words = [*map(str, arguments)]
+    words, variables = [*map(str, arguments)], dict(env or {})
     if any(started(name) for name in variables):
         return subprocess.run(
             [sys.executable, *words], cwd=cwd, env=os.environ | variables, stdin=subprocess.DEVNULL,
@@ -67,10 +72,13 @@ def run(
 
 
 def gelenk(
-    *arguments: object, cwd: Path | None = None, merged: bool = False, **variables: str
+    *arguments: object,
+    cwd: Path | None = None,
+    env: Mapping[str, str] | None = None,
+    merged: bool = False,
 ) -> subprocess.CompletedProcess[str]:
     """Run the command `gelenk ARGUMENTS`: see `run`."""
-    return run("-m", "gelenk", *arguments, cwd=cwd, merged=merged, timeout=600, **variables)
+    return run("-m", "gelenk", *arguments, cwd=cwd, env=env, merged=merged, timeout=600)
 
 
 def _run(words: list[str], cwd: str, environment: dict[str, str], out: str, err: str) -> None:

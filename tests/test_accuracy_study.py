@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import warned
 from benchmarks.accuracy import page, scenes
 from benchmarks.accuracy.runs import INTEGRATORS, TOLERANCES, Settings, references_of, runs_of
 
@@ -18,6 +19,7 @@ from gelenk.chart.outcome import Outcome
 ERK = Method("projection", "erk")
 
 
+@warned.TURNS
 def test_the_study_covers_the_conditions_of_the_page() -> None:
     """At least 40 scenes load under all conditions: 5 sets of communication points, 3 kinds of inputs."""
     plants = scenes.plants()
@@ -42,6 +44,7 @@ def test_smooth_inputs_are_given_with_their_derivatives() -> None:
         assert derivative == pytest.approx(wave.at(0.7)[order + 1], rel=1e-6)
 
 
+@warned.TURNS
 def test_smooth_inputs_move_within_a_communication_step() -> None:
     """A disk without spring: w is the integral of the sine over its moment of inertia. The cubic polynomials
     have an error of 5 7^4 h^5 / 120 / 0.02 per step of 1 ms: 5e-9 of 1000; held inputs one of about 0.1.

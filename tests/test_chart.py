@@ -80,16 +80,11 @@ def double(x: int) -> int:
     return 2 * x
 
 
-def sleep(seconds: float) -> float:
-    time.sleep(seconds)
-    return seconds
-
-
 def test_a_crash_and_a_hang_end_their_own_run_only() -> None:
     calls: list[tuple[Any, tuple[float, ...], float]] = [
         (double, (1,), 60.0),
         (crash, (), 60.0),
-        (sleep, (100.0,), 0.5),
+        (time.sleep, (100.0,), 0.5),
         (double, (4,), 60.0),
     ]
     first, crashed, hung, last = work_off(calls, 2)

@@ -25,7 +25,7 @@ COMMANDS = dict(command_line.commands())
 
 
 def call(*args: str | Path, cwd: Path, **env: str) -> subprocess.CompletedProcess[str]:
-    return programs.gelenk(*args, cwd=cwd, **env)
+    return programs.gelenk(*args, cwd=cwd, env=env)
 
 
 @pytest.fixture

@@ -7,6 +7,7 @@ import math
 
 import numpy as np
 import pytest
+import warned
 from benchmarks.contacts import __main__ as study
 from benchmarks.contacts import engines, failure_map, piles, problems, tipping, trials
 
@@ -137,6 +138,7 @@ def test_a_reference_whose_edge_slides_back_is_refused() -> None:
         tipping.tipping_box(force, lift, [0.1, 0.2])
 
 
+@warned.IN_STEPS
 @pytest.mark.parametrize("family", dict.fromkeys(trial.family for trial in trials.trials()))
 def test_trials_of_the_failure_map_are_right(family: str) -> None:
     """Each third one; and where Painleve's rod has no motion, erk says so."""

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import warned
 from mechanisms import GRAVITY, body, frame, joint, scene
 from test_cli import call, faults, told
 
@@ -74,6 +75,7 @@ def test_a_torque_beyond_what_gravity_can_balance_is_refused() -> None:
     assert gelenk.equilibrium(source, input_values={"drive.tau": 2.3}).residual < 1e-9
 
 
+@warned.GUESSES
 @BOTH
 def test_poses_that_the_loop_cannot_take_are_told(four_bar_by: Any) -> None:
     with pytest.raises(

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import warned
 from benchmarks.growth import FAMILIES, exponent, measured
 from samples import sampled, thorough_beyond
 
@@ -41,6 +42,7 @@ def test_memory_of_many_bodies_has_a_bound(family: str) -> None:
     assert large.export_memory < MOST_MEMORY
 
 
+@warned.GUESSES
 @pytest.mark.parametrize("family", ["N-four-bar", "scissors"])
 def test_many_loops_are_assembled_as_few_are(family: str) -> None:
     """More than 300 velocities use a sparse factorization: the assembly is the same."""

@@ -7,6 +7,7 @@ import math
 from pathlib import Path
 
 import pytest
+import warned
 import yaml
 from mechanisms import GRAVITY, Scene
 from pages import blocks, executed
@@ -24,6 +25,7 @@ def test_friction_of_bearings(root: Path, capsys: pytest.CaptureFixture[str]) ->
     assert f'print(rest.held["axle.phi"])  # {told[2]}' in blocks(page, "python")[0]
 
 
+@warned.GYRATION
 @pytest.mark.parametrize(("share", "rests"), [(0.999, True), (1.001, False)])
 def test_a_pin_holds_within_its_friction_circle(root: Path, share: float, rests: bool) -> None:
     """1.5 mm, as the page states."""

@@ -6,11 +6,13 @@ from __future__ import annotations
 import control
 import numpy as np
 import pytest
+import warned
 from mechanisms import four_bar
 
 import gelenk
 
 
+@warned.MOVING
 def test_scene_without_inputs_and_with_one_output_is_a_state_space_too() -> None:
     """python-control takes D of shape (1, 0) for one of shape (0, 0)."""
     source = four_bar(1.1)

@@ -14,6 +14,7 @@ from typing import Any
 import control
 import numpy as np
 import pytest
+import warned
 from mechanisms import body, four_bar, frame, frame_sensor, joint, reaction, scene, with_sensors
 from models.derivative_cases import assert_relative
 from test_cli import call, faults, told
@@ -222,9 +223,8 @@ def test_a_quaternion_is_no_state(tmp_path: Path) -> None:
 def test_a_guess_that_is_moved_is_no_point(four_bar_file: Path) -> None:
     with pytest.raises(gelenk.UsageError, match=r"D\.phi: assembly changed it from 1\.9 to 1\.915\d*, "):
         linear_model(four_bar_file, at={"D.phi": 1.9})
-    found = linear_model(
-        four_bar_file, at={"D.phi": 1.9, "A.fixed": False, "D.fixed": True}, states=["D.phi"]
-    )
+    at = {"D.phi": 1.9, "A.fixed": False, "D.fixed": True}
+    found = linear_model(four_bar_file, at=at, states=["D.phi"])
     assert found.x0[0] == 1.9
 
 
@@ -247,6 +247,7 @@ def test_states_that_nothing_feels_may_be_left_out(cart_pole: Path, tmp_path: Pa
             linear_model(source, at=UPRIGHT, states=["track.s", "hinge.phi", "hinge.w"])
 
 
+@warned.SINGULAR
 def test_singular_positions_are_told(tmp_path: Path) -> None:
     source = mechanisms.parallelogram(0.0, 1.0)
     for plant in (source, gelenk.export_fmu(source, tmp_path / "x.fmu")):

@@ -71,7 +71,7 @@ def test_python_of_a_page_runs_as_a_script(page: str, empty_folder: Path) -> Non
         code = code.replace("range(5000)", "range(200)")
     Path("page.py").write_text(code, encoding="utf-8")
     Path("reader.py").write_text(READER, encoding="utf-8")
-    done = programs.run("page.py", **NO_BROWSER | {"BROWSER": f"{sys.executable} reader.py %s &"})
+    done = programs.run("page.py", env=NO_BROWSER | {"BROWSER": f"{sys.executable} reader.py %s &"})
     assert done.returncode == 0, done.stderr
 
 

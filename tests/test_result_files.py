@@ -39,6 +39,8 @@ def test_results_are_read_back(ending: str, result: gelenk.Result, tmp_path: Pat
     assert again.units == ({} if ending == ".csv" else UNITS)
 
 
+# What it asks for is the default since pandas 3.
+@pytest.mark.filterwarnings("ignore:The 'float_precision' argument is deprecated")
 def test_pandas_reads_parquet_and_csv(result: gelenk.Result, tmp_path: Path) -> None:
     pandas = pytest.importorskip("pandas", reason="pandas is not installed")
     pytest.importorskip("pyarrow", reason="pyarrow is not installed")

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import warned
 from mechanisms import four_bar
 from physics.loops.test_parallelograms import four_bar_chain
 from physics.nonsmooth.test_stops import ball
@@ -48,6 +49,7 @@ def goes_on_to_the_bit(scene: Any, before: int, after: int, size: float, **solve
     return plant
 
 
+@warned.TIGHT
 @pytest.mark.parametrize("path", SCENES, ids=lambda p: p.stem)
 @pytest.mark.parametrize("integrator", ["auto", "ida", "generalized-alpha"])
 def test_shipped_scenes(path: Path, integrator: str) -> None:

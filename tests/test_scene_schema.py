@@ -135,7 +135,7 @@ def scenes_of_pages() -> Iterator[Any]:
             yield pytest.param(completed(part), id=f"{page}-{number}")
 
 
-@pytest.mark.parametrize("scene", scenes_of_pages())
+@pytest.mark.parametrize("scene", [*scenes_of_pages()])
 def test_schema_and_reader_take_every_scene_of_every_page(
     scene: dict[str, Any], validator: jsonschema.Draft202012Validator
 ) -> None:

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import warned
 from models.derivative_cases import assert_relative
 from models.differences import Assembler, in_time, linearized, output_derivatives
 
@@ -42,6 +43,7 @@ def started(source: Any, end: float = START) -> gelenk.Simulation:
     return plant
 
 
+@warned.GUESSES
 @pytest.mark.parametrize("source", SET_BESIDE)
 def test_derivatives_are_those_of_plants_set_beside(source: Any) -> None:
     """Differences of fourth order over 1 ms: h^4 f5 / 30, far below 1e-7."""
@@ -54,6 +56,7 @@ def test_derivatives_are_those_of_plants_set_beside(source: Any) -> None:
             assert_relative(f"by {known}", matrix[:, k], beside.column(known, 1e-3), 1e-7)
 
 
+@warned.GUESSES
 @every_place
 def test_time_derivatives_are_those_along_the_motion(source: Any) -> None:
     """First ones are C xdot; both are differences of eighth order: h^8 f10 / 3150, rounding over h^2."""

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import warned
 from mechanisms import Scene
 
 import gelenk
@@ -150,6 +151,7 @@ def changed(x: float, field: Kind) -> float:
 ELSEWHERE = {("limit", "law"), ("stop", "law")}
 
 
+@warned.GUESSES
 @every_place
 def test_each_field_has_an_effect(variants: list[Scene], at: tuple[str, ...], given: Given) -> None:
     """Given otherwise in the scene, the motion or what is measured is another one."""
@@ -213,6 +215,7 @@ def test_each_number_can_be_a_parameter(variants: list[Scene], at: tuple[str, ..
     assert len(found) == expected
 
 
+@warned.GUESSES
 @every_place
 def test_each_parameter_has_an_effect(variants: list[Scene], at: tuple[str, ...], given: Given) -> None:
     """Set before the start."""
@@ -229,6 +232,7 @@ def test_each_parameter_has_an_effect(variants: list[Scene], at: tuple[str, ...]
     assert silent == set()
 
 
+@warned.GUESSES
 @every_place
 def test_each_tuned_number_has_the_effect_of_the_parameter(
     variants: list[Scene], at: tuple[str, ...], given: Given

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import warned
 from mechanisms import Scene
 from physics.methods.test_scaling import course, scales
 
@@ -25,6 +26,7 @@ def mixes_units(given: Given) -> bool:
 AS_GIVEN = [p for p in PLACES if p[2][0] != "constraints" or not mixes_units(p[3])]
 
 
+@warned.GUESSES
 @pytest.mark.parametrize("source", [p[1][0] for p in AS_GIVEN], ids=[p[0] for p in AS_GIVEN])
 def test_a_number_of_any_kind_is_converted_by_its_unit(source: Scene) -> None:
     """Of 37 times the size and an eleventh of the mass: 0.1 s at rtol 1e-10, errors 1000 rtol of the largest.

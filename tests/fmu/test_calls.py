@@ -25,7 +25,7 @@ def crank_rocker_fmu(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.parametrize("name", SCENARIOS)
 def test_calls(name: str, crank_rocker_fmu: Path, tmp_path: Path) -> None:
     folder = Path(fmpy.extract(str(crank_rocker_fmu), str(tmp_path / "extracted")))
-    run = programs.run("-m", "fmu.scenarios", name, folder, cwd=tmp_path, PYTHONPATH=str(TESTS))
+    run = programs.run("-m", "fmu.scenarios", name, folder, cwd=tmp_path, env={"PYTHONPATH": str(TESTS)})
     assert run.returncode == 0, f"exit code {run.returncode}\n{run.stdout}\n{run.stderr}"
     if run.stdout.startswith("skip: "):
         pytest.skip(run.stdout)

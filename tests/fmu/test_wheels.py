@@ -11,6 +11,7 @@ from typing import Any
 import fmpy
 import numpy as np
 import pytest
+import warned
 from fmpy.validation import validate_fmu
 from mechanisms import Scene, rotation
 from models.disc import disc, disc_on_a_table, flying_disc
@@ -24,6 +25,8 @@ from gelenk.chart import mechanisms
 from .derivatives import directional
 from .host import OK, Fmu, Slave
 from .states import deserialize, get_state, serialized, set_state
+
+pytestmark = [warned.MOVING, warned.STILL]
 
 KNOCKED = {"lean": {"phi": 0.05, "w": 0.3, "fixed": True}}
 ON_TABLE = {"r": [0.5, 0.1, 0.3], "Q": [0, 0, 0, 1], "w": [0.2, 9.0, 0.4]}

@@ -60,6 +60,7 @@ def read(path: Path) -> gelenk.Scene | None:
     return None
 
 
+@pytest.mark.filterwarnings("ignore::gelenk.SceneWarning")
 @looped(("fuzzer", "seed"), EVERY)
 def test_scenes_are_refused_or_come_back_the_same(fuzzer: str, seed: str, tmp_path: Path) -> None:
     path = tmp_path / SCENES[fuzzer]

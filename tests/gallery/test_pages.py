@@ -9,10 +9,13 @@ from pathlib import Path
 
 import pytest
 import scene_files
+import warned
 from benchmarks.gallery import SHOTS, SIZE, index
 
 import gelenk
 from gallery.entries import GALLERY, NAMES, file, ran
+
+pytestmark = warned.STILL
 
 LARGEST = {"picture.png": 60_000, "moving.gif": 250_000}  # bytes
 TOTAL = 8_000_000

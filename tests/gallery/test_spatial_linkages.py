@@ -7,6 +7,7 @@ import math
 
 import numpy as np
 import pytest
+import warned
 from benchmarks.gallery import TILTING
 from mechanisms import GRAVITY, Array, Scene, rotation
 from models.bricard import P3
@@ -107,6 +108,7 @@ def delta_angles(p: Array) -> list[float]:
     return out
 
 
+@warned.GUESSES
 def test_delta_robot() -> None:
     """Inverse kinematics in closed form; torques that hold the arms by virtual work."""
     run = ran("delta_robot")

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import warned
 
 import gelenk
 from gradients.test_sensitivity import apart, central
@@ -217,6 +218,7 @@ def test_stick_and_slip_have_the_derivatives_of_their_closed_form() -> None:
 OPTIONS: dict[str, Any] = {"stop": 1.0, "step": 0.02, "inputs": {"drive.tau": 6.0}}
 
 
+@warned.GUESSES
 @pytest.mark.parametrize(
     ("joint", "fields", "by"),
     [

@@ -47,6 +47,7 @@ def is_number(text: str) -> bool:
         return False
 
 
+@pytest.mark.filterwarnings("ignore:.* was cut off after line:gelenk.FileWarning")
 @examples(100)
 @given(result=results(), data=st.data())
 def test_non_numeric_cell_is_refused_with_its_line(

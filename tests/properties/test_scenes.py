@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import warned
 from elements.scenes import JOINTS, some_joint
 from hypothesis import given
 from hypothesis import strategies as st
@@ -54,6 +55,7 @@ def trees(draw: st.DrawFn) -> Scene:
     return scene({f"b{i}": draw(bodies()) for i in range(count)}, joints, gravity=list(gravity))
 
 
+@warned.GYRATION
 @examples(80)
 @given(source=trees())
 def test_tree_is_the_same_in_cpp_and_python(source: Scene, tmp_path: Path) -> None:

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import warned
 from models.touching import inertia_of_box, on_plane, stack
 
 import gelenk
@@ -34,6 +35,7 @@ def at_rest(shape: dict[str, Any], height: float, **start: Any) -> Recording:
 SIDEWAYS = {"Q": [np.sqrt(0.5), 0, 0, np.sqrt(0.5)]}  # z of the shape is horizontal
 
 
+@warned.STILL
 @pytest.mark.parametrize(
     ("shape", "height", "start"),
     [

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import warned
 from mechanisms import body, frame, joint, scene
 from test_cli import call
 
@@ -71,6 +72,7 @@ def test_a_mode_lasts_its_damped_period() -> None:
     assert swing(20.0).view()._data["modes"][0]["time"][-1] == 2.0
 
 
+@warned.GUESSES
 @pytest.mark.filterwarnings("ignore::gelenk.OperatingPointWarning")
 def test_an_amplitude_at_which_loops_cannot_be_closed_is_reduced_unless_it_is_given(
     root: Path, monkeypatch: pytest.MonkeyPatch

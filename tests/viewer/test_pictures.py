@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import warned
 from mechanisms import Array, body, frame, joint, scene
 from PIL import Image
 from scipy.spatial.transform import Rotation
@@ -40,6 +41,7 @@ def pinhole(camera: Camera, points: Array) -> Array:
     return np.column_stack([x, camera.height / 2 - focal * (points - eye) @ up / depth])
 
 
+@warned.STILL
 @pytest.mark.parametrize("name", SCENES)
 def test_every_body_is_drawn_where_it_is(name: str, root: Path) -> None:
     """At the start and the end: alone, it differs from the background in the box of its projected points."""

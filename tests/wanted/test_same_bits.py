@@ -12,11 +12,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import warned
 from many_islands import many_islands
 from mechanisms import Array, frame, joint, rod
 
 import gelenk
 from gelenk import _core
+
+pytestmark = warned.GUESSES
 
 COUNT = 200
 KEPT = (0, 1, 2, 3, 4, 5, 6, 113, 154)  # all kinds, among them a truss (5, 113), and some twice
@@ -127,6 +130,7 @@ def test_natural_units_are_those_of_the_whole_scene(size: float) -> None:
         assert np.array_equal(run(plant), expected[:, [at[s.name] for s in plant.outputs]])
 
 
+@warned.MOVING
 def test_linear_model_of_a_part_is_a_block_of_the_whole_model() -> None:
     scene = gelenk.load(many_islands(12))
     whole = gelenk.linearize(scene)

@@ -10,12 +10,15 @@ import fmpy
 import jsonschema
 import numpy as np
 import pytest
+import warned
 from fmpy.validation import validate_fmu
 from many_islands import many_islands
 from mechanisms import Scene, body, four_bar, frame, joint, rod, scene
 
 import gelenk
 from gelenk import _core
+
+pytestmark = warned.MOVING
 
 
 def names_in(source: gelenk.Scene, section: str) -> set[str]:

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import warned
 from mechanisms import GRAVITY, Scene, body, four_bar, frame, joint, rod, scene
 from models import linear_plants as plants
 from models.derivative_cases import CASES
@@ -273,6 +274,7 @@ def test_unattainable_angle_to_hold_is_rejected() -> None:
     assert str(error.value) == "P.phi: the mechanism cannot be brought to the pose to hold"
 
 
+@warned.PRESSED
 @pytest.mark.parametrize(
     "name",
     ["spatial four-bar", "crank-rocker in space", "Bricard's ring", "rod between balls", "ball on its stop"],

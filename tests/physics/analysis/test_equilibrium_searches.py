@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 import scene_files
+import warned
 from hypothesis import given
 from hypothesis import strategies as st
 from mechanisms import GRAVITY, Scene, body, four_bar, frame, joint, scene
@@ -86,6 +87,7 @@ def assert_same(cases: Mapping[str, Scene], min_fraction: float) -> None:
     assert len(found) >= min_fraction * len(outcomes)
 
 
+@warned.GUESSES
 @pytest.mark.parametrize("path", scene_files.good(), ids=lambda path: path.stem)
 def test_runs_of_shipped_scenes_start_at_the_equilibrium_found(path: Path) -> None:
     """The scenes as they are, and with other start angles."""
@@ -93,11 +95,13 @@ def test_runs_of_shipped_scenes_start_at_the_equilibrium_found(path: Path) -> No
     assert_same({case.name: at_rest(case.source) for case in cases}, 0)
 
 
+@warned.SINGULAR
 def test_runs_of_random_linkages_start_at_the_equilibrium_found() -> None:
     """Planar and spatial, at special positions, far from equilibrium; many have several equilibria."""
     assert_same({(case := drawn(seed)).name: at_rest(case.source) for seed in range(60)}, 0.75)
 
 
+@warned.GYRATION
 @pytest.mark.thorough
 @examples(40)
 @given(source=trees(), angle=st.floats(-1, 1))

@@ -10,6 +10,7 @@ from typing import Any
 import control
 import numpy as np
 import pytest
+import warned
 from mechanisms import GRAVITY, body, four_bar, frame, joint, scene
 from models import linear_plants as plants
 from models.derivative_cases import CASES, assert_relative
@@ -293,6 +294,7 @@ def test_free_body_under_a_wrench() -> None:
 # --- in general ---
 
 
+@warned.PRESSED
 @pytest.mark.parametrize("name", CASES)
 def test_models_of_scene_and_fmu_have_two_states_per_degree_of_freedom_and_agree(
     name: str, tmp_path: Path

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import warned
 from mechanisms import GRAVITY, Scene, body, four_bar, frame, joint, scene
 from models import linear_plants as plants
 from models.derivative_cases import CASES
@@ -266,6 +267,7 @@ def test_mode_shapes_of_dependent_joints_and_bodies_satisfy_the_loop() -> None:
     assert mode.kind == "damped"  # its crank is damped
 
 
+@warned.PRESSED
 @pytest.mark.parametrize("name", list(CASES))
 @pytest.mark.filterwarnings("ignore::gelenk.OperatingPointWarning")
 def test_every_mode_solves_the_eigenvalue_problem(name: str, tmp_path: Path) -> None:

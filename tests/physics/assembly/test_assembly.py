@@ -10,11 +10,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+import warned
 from mechanisms import Scene, four_bar, four_bar_angles, reordered
 from scipy.optimize import brentq
 
 import gelenk
 from gelenk.chart import mechanisms as shipped
+
+pytestmark = warned.GUESSES
 
 LINKS = (0.5, 1.75, 1.5, 2.0)
 JOINTS = "ABCD"

@@ -9,12 +9,15 @@ from collections.abc import Callable
 
 import pytest
 import scene_files
+import warned
 from benchmarks.speed.families import MAKERS
 from benchmarks.speed.tree import to_scene
 from mechanisms import Scene, frame, joint, reordered, rod, scene
 from special.listed import started
 
 import gelenk
+
+pytestmark = [warned.AMBIGUOUS, warned.GUESSES, warned.STILL]
 
 ORDERS = range(12)
 

@@ -7,6 +7,7 @@ import re
 
 import numpy as np
 import pytest
+import warned
 from mechanisms import Scene, frame, joint, rod
 
 import gelenk
@@ -35,6 +36,7 @@ def started(source: Scene, *names: str) -> list[float]:
     return [plant.output(name) for name in names]
 
 
+@warned.TURNS
 def test_gears_count_revolutions() -> None:
     """The start is more than one revolution away from the assembly without a guess."""
     source = geared(a={"phi": 31.0, "w": 6.0, "fixed": True})
@@ -44,6 +46,7 @@ def test_gears_count_revolutions() -> None:
     assert w == pytest.approx(2.0, abs=ROUNDING)
 
 
+@warned.GUESSES
 def test_guesses_on_both_sides_of_a_gear_are_met_by_least_squares() -> None:
     """On the line a = 3 b: b = (3 u A + v B) / (9 u + v) with weights u, v."""
     source = geared(a={"phi": 7.0, "weight": 2}, b={"phi": 2.0, "weight": 5})
@@ -61,6 +64,8 @@ def test_fixed_angles_that_contradict_a_gear_are_named() -> None:
     assert "b.phi, for instance, would then be 2.33333 rad instead of 2 rad." in text
 
 
+@warned.GUESSES
+@warned.TURNS
 def test_loop_is_closed_at_the_start_of_a_prescribed_motion() -> None:
     """The motion starts beyond one revolution: the crank is at that angle and has the motion's velocity."""
     source = bare()

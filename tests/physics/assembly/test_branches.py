@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import programs
 import pytest
+import warned
 from mechanisms import Scene, frame, joint, reordered, rod
 from scipy.optimize import brentq, fsolve
 from scipy.spatial.transform import Rotation
@@ -57,6 +58,7 @@ def test_four_bar_with_a_fixed_crank_has_two_assemblies(seed: int | None) -> Non
     assert sum(branch.is_default for branch in found) == 1
 
 
+@warned.GUESSES
 def test_applied_branch_leaves_free_coordinates_free() -> None:
     """Its angles become guesses, except for the fixed crank angle, for which another value can be set."""
     source = held({"A": 1.1}, B={"phi": -0.2}, D={"phi": 1.5, "weight": 3})

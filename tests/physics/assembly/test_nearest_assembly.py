@@ -15,12 +15,15 @@ from typing import Any
 
 import numpy as np
 import pytest
+import warned
 from mechanisms import frame, joint, placed, reordered, rotation, scene
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 from special.plants import without
 
 import gelenk
+
+pytestmark = warned.GUESSES
 
 Array = NDArray[np.float64]
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import fmpy
 import pytest
+import warned
 from mechanisms import GRAVITY, Scene, body, frame, joint, scene
 
 import gelenk
@@ -57,6 +58,7 @@ def test_parameter_has_the_effect_of_the_number_in_the_scene(
             assert found[name].tolist() == written[name].tolist(), name  # the same calls: bitwise identical
 
 
+@warned.STILL
 def test_wheel_of_radius_zero_is_rejected(tmp_path: Path) -> None:
     upright = {"r": [0, 0, 0.3], "Q": [0, 0, 0, 1], "fixed": ["Q"]}
     source = scene(

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import warned
 from mechanisms import Scene, body, frame, joint, scene
 from models.driven_mass import (
     END,
@@ -27,6 +28,7 @@ from models.driven_mass import (
 import gelenk
 
 
+@warned.TIGHT
 @pytest.mark.parametrize("steps", [equal_steps, unequal_steps])
 @pytest.mark.parametrize("integrator", ["auto", "erk", "cvode", "ida", "rk4"])
 def test_error_of_a_driven_mass_is_of_second_order(

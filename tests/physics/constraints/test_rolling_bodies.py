@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import warned
 from mechanisms import (
     GRAVITY,
     Array,
@@ -24,6 +25,8 @@ from models.running import Recording, assert_close, run
 from scipy.spatial.transform import Rotation
 
 import gelenk
+
+pytestmark = warned.GUESSES
 
 UP = np.array([0, 0, 1.0])
 AXIS = np.array([0.3, 0.8, -0.2]) / np.linalg.norm([0.3, 0.8, -0.2])

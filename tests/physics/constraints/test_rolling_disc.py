@@ -7,6 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+import warned
 from mechanisms import GRAVITY, Scene, rotation
 from models.disc import (
     ACROSS,
@@ -211,6 +212,7 @@ def errors(formulation: str, integrator: str, step: float = 1e-3, stop: float = 
     return max(float(abs(np.array(found[name]) - expected[name]).max()) for name in COMPARED)
 
 
+@warned.TIGHT
 @pytest.mark.parametrize("integrator", BOUNDS)
 @pytest.mark.parametrize("formulation", INDEX1)
 def test_every_formulation_matches_the_reduced_equations(formulation: str, integrator: str) -> None:

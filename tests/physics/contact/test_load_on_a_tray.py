@@ -6,6 +6,7 @@ from math import pi
 
 import numpy as np
 import pytest
+import warned
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
@@ -85,6 +86,7 @@ def still_tray(integrator: str, tolerance: float) -> gelenk.Scene:
     return gelenk.load(scene)
 
 
+@warned.TIGHT
 @pytest.mark.parametrize("integrator", ["auto", "erk", "cvode", "dirk"])
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-8, 1e-10])
 def test_a_load_slides_on_a_falling_tray_and_leaves(integrator: str, tolerance: float) -> None:

@@ -6,6 +6,7 @@ from math import asin, atan, cos, radians, sin, sqrt, tan
 
 import numpy as np
 import pytest
+import warned
 from benchmarks.contacts.problems import Problem, problems
 from models.running import assert_restored_run_continues
 from models.touching import SceneData, inertia_of_box, on_plane
@@ -63,6 +64,7 @@ def test_fixed_steps_end_at_events(problem: Problem) -> None:
     assert error(problem, "rk4", 1e-8) <= 1e-7
 
 
+@warned.TIGHT
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-8, 1e-10])
 @pytest.mark.parametrize("share", [0.1, 0.3, 0.5, 0.7, 0.9, 0.99])
 @pytest.mark.parametrize("integrator", ["auto", *INTEGRATORS])

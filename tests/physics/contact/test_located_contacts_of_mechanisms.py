@@ -5,6 +5,7 @@ from math import asin, cos, sin
 
 import numpy as np
 import pytest
+import warned
 from models.touching import SceneData
 
 import gelenk
@@ -68,6 +69,7 @@ def carried(rate: float, phase: float, friction: float, integrator: str) -> Scen
     }
 
 
+@warned.TIGHT
 @pytest.mark.parametrize("integrator", ["erk", "cvode", "dirk"])
 def test_a_ball_leaves_a_plate_that_is_carried_around(integrator: str) -> None:
     """It leaves where the plate falls with the acceleration of gravity: r w2 sin(phi) = g."""

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import warned
 from models import polyhedra
 
 import gelenk
@@ -58,6 +59,7 @@ def test_mass_of_a_tetrahedron() -> None:
     assert body["inertia"] == pytest.approx([1 / 80] * 3 + [1 / 480] * 3, rel=ROUNDING)
 
 
+@warned.IN_STEPS
 def test_a_notch_is_filled_in_contact() -> None:
     """The hull of the L has the side x + y = 4. Above it, a ball in the notch has its gap to this side."""
     p = np.array([2.5, 2.5, 1.0])
@@ -73,6 +75,7 @@ def test_a_notch_is_filled_in_contact() -> None:
     assert plant.output("c.gap") == pytest.approx((p[0] + p[1] - 4) / sqrt(2) - 0.2, rel=1e-12)
 
 
+@warned.IN_STEPS
 def test_a_mesh_rests_like_the_box_that_it_is() -> None:
     """On a plane with its weight as contact force, without creep."""
     scene = scene_with(polyhedra.box(), surface="a", position=[-0.5, -1, 0])
@@ -145,6 +148,7 @@ def test_saving_keeps_the_name_in_its_folder_and_writes_points_elsewhere(folder:
     assert "# a part" in (folder / "below" / "scene.yaml").read_text()
 
 
+@warned.STILL
 def test_an_fmu_does_not_need_the_file(folder: Path) -> None:
     gelenk.export_fmu(folder / "scene.yaml", folder / "Part.fmu")
     before = gelenk.simulate(folder / "scene.yaml", stop=0.1, step=0.05)

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import warned
 from models.touching import inertia_of_box, on_plane, stack
 
 import gelenk
@@ -86,6 +87,7 @@ def test_wrong_shapes_are_named(shape: dict[str, Any], message: str) -> None:
         gelenk.load(scene)
 
 
+@warned.MOVING
 def test_closed_contacts_have_no_derivatives() -> None:
     """Above the floor they exist, on it they are refused by the contact's name."""
     high = on_plane({"sphere": 0.1}, 1, [0.004] * 3, {"r": [0, 0, 1.0]}, {})

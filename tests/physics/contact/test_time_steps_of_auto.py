@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import warned
 from models.running import assert_restored_run_continues
 from models.touching import free_cubes
 from models.vibrating import STEPPING_BOXES, conveyor, resting_boxes, vibration
@@ -186,6 +187,7 @@ def test_fixed_steps_that_amplify_a_vibration_are_refused(angle: float, stable: 
             gelenk.simulate(scene, stop=stop, step=step)
 
 
+@warned.GRAVITY
 @pytest.mark.parametrize("integrator", ["moreau-jean", "auto", "erk"])
 def test_numbers_too_large_are_refused(integrator: str) -> None:
     """Six balls in gravity of 1e300 m/s2: energies were infinite."""

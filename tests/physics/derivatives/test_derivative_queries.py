@@ -7,6 +7,7 @@ import math
 
 import numpy as np
 import pytest
+import warned
 from mechanisms import (
     body,
     four_bar,
@@ -23,6 +24,7 @@ import gelenk
 from gelenk.chart import mechanisms
 
 
+@warned.SINGULAR
 def test_singular_configuration_is_reported() -> None:
     """The flat parallelogram: its constraint Jacobian loses rank, and two branches meet."""
     plant = gelenk.Simulation(mechanisms.parallelogram(0.0, 1.0))

@@ -10,6 +10,7 @@ import math
 
 import numpy as np
 import pytest
+import warned
 from mechanisms import (
     GRAVITY,
     body,
@@ -27,6 +28,7 @@ import gelenk
 from gelenk.chart import mechanisms
 
 
+@warned.PRESSED
 @pytest.mark.parametrize("name", CASES)
 def test_derivatives_match_finite_differences_of_independently_assembled_plants(name: str) -> None:
     """1e-7 as documented; measured: at most 7e-9 (differences of fourth order over 1 ms: h^4 f5 / 30)."""
@@ -44,6 +46,7 @@ def test_derivatives_match_finite_differences_of_independently_assembled_plants(
                 assert_relative(f"by {known} at {t} s", matrix[:, k], assembler.column(known, 1e-3), 1e-7)
 
 
+@warned.PRESSED
 @pytest.mark.parametrize("name", CASES)
 def test_derivatives_of_state_derivatives_are_those_of_the_outputs(name: str) -> None:
     """Velocities and accelerations are outputs; the rate of a quaternion, 1/2 Q (w, 0), is differentiated."""

@@ -8,6 +8,7 @@ from functools import partial
 
 import numpy as np
 import pytest
+import warned
 from mechanisms import (
     GRAVITY,
     Array,
@@ -99,6 +100,7 @@ def jacobians(plant: gelenk.Simulation, island: int, x: Array, by_duals: bool) -
     return [np.array(part) for part in plant._core._residual_jacobians(island, x.tolist(), by_duals)]
 
 
+@warned.PRESSED
 @pytest.mark.parametrize("name", [*CASES, *OTHERS])
 def test_recursion_and_dual_numbers_agree(name: str) -> None:
     """At states that do not satisfy the loops, for any norm of quaternions, accelerations and multipliers.

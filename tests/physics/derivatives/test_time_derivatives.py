@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import warned
 from mechanisms import (
     body,
     frame,
@@ -17,6 +18,7 @@ from models.differences import Array, in_time, linearized, output_derivatives
 import gelenk
 
 
+@warned.PRESSED
 @pytest.mark.parametrize("name", CASES)
 def test_time_derivatives_match_finite_differences_of_accurate_runs(name: str) -> None:
     """Eighth order at a tolerance of 1e-13: rounding over h^2 and truncation h^8 f10 / 3150 give 1e-6."""
@@ -37,6 +39,7 @@ def test_time_derivatives_match_finite_differences_of_accurate_runs(name: str) -
     assert_relative("second", found[1], expected[1], 1e-6)
 
 
+@warned.PRESSED
 @pytest.mark.parametrize("name", CASES)
 def test_first_time_derivatives_are_directional_derivatives_along_the_motion(name: str) -> None:
     """dy/dt = C xdot + D udot: two evaluations of the same sums agree to 1e-10 of them."""

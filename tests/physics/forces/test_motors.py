@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import warned
 from mechanisms import GRAVITY, Scene, body, four_bar, frame, joint, scene
 from models.running import assert_close, record, run
 
@@ -45,6 +46,7 @@ def test_geared_motor_on_a_slider_in_gravity() -> None:
     assert_close("J.s", found["J.s"], 0.5 * a * found.time**2, 1e-9, "10 rtol")
 
 
+@warned.TIGHT
 @pytest.mark.parametrize("integrator", ["ida", "erk", "rk4"])
 def test_input_may_jump_between_steps(integrator: str) -> None:
     """Torques of +1, -2, +0.5 N m on the wheel alone: w and phi by exact summation."""

@@ -8,12 +8,15 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import warned
 from mechanisms import Scene, frame_sensor, reordered, with_sensors
 from models.bricard import P3
 from models.running import INTEGRATORS, Recording, assert_close, run
 
 import gelenk
 from gelenk.chart import mechanisms
+
+pytestmark = warned.TIGHT
 
 TIMES = np.array([0.0, *P3])
 

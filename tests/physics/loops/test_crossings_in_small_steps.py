@@ -7,12 +7,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import warned
 
 import gelenk
 from gelenk.chart.mechanisms import equal_slider_crank
 from gelenk.chart.scenes import equal_slider_crank_truth
 
 
+@warned.TIGHT
 @pytest.mark.parametrize("step", [1e-3, 1e-2])
 @pytest.mark.parametrize("integrator", ["auto", "erk", "dirk", "ida", "cvode", "cvode-adams"])
 def test_slider_crank_with_equal_links_crosses_its_singularity_accurately(

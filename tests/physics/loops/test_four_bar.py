@@ -8,14 +8,18 @@ damping 0.1 N m s/rad, 5 s. The reference equation (models/one_dof.py) is integr
 
 from __future__ import annotations
 
+import functools
 import math
 
 import numpy as np
 import pytest
+import warned
 from mechanisms import GRAVITY, four_bar, frame_sensor, with_sensors
 from models.one_dof import OneDofMechanism
 from models.planar_loops import FourBar, uniform
 from models.running import INTEGRATORS, Recording, assert_close, run
+
+pytestmark = warned.TIGHT
 
 TIMES = np.linspace(0, 5, 501)
 START = 1.1  # rad, a pose without symmetry
@@ -24,15 +28,13 @@ LINKS = FourBar(uniform(2, 0.5), uniform(2, 1.75), uniform(2, 1.5), 2.0)
 GRAVITIES = {"hanging": (0.0, -GRAVITY, 0.0), "turning": (0.0, 0.0, 0.0)}
 
 
-def reference(gravity: tuple[float, float, float]) -> dict[str, np.ndarray]:
-    motion = OneDofMechanism(LINKS.geometry(), gravity, lambda _t, _phi, w: 3 - 0.1 * w)
+@functools.cache
+def truth_of(name: str) -> dict[str, np.ndarray]:
+    motion = OneDofMechanism(LINKS.geometry(), GRAVITIES[name], lambda _t, _phi, w: 3 - 0.1 * w)
     phi, w = motion.motion(START, 0, TIMES)
     states = LINKS.joint_states(phi, w)
     states["energy"] = np.array([motion.energy(x, v) for x, v in zip(phi, w, strict=True)])
     return states
-
-
-TRUTH = {name: reference(gravity) for name, gravity in GRAVITIES.items()}
 
 
 @pytest.fixture(scope="module", params=[(g, i) for g in GRAVITIES for i in INTEGRATORS], ids="-".join)
@@ -45,7 +47,7 @@ def case(request: pytest.FixtureRequest) -> tuple[Recording, dict[str, np.ndarra
         E={"type": "energy"},
     )
     found = run(scene, TIMES, tolerance=1e-10, integrator=integrator, inputs={"drive.tau": 3.0})
-    return found, TRUTH[name]
+    return found, truth_of(name)
 
 
 def test_reference_satisfies_energy_balance() -> None:
@@ -53,7 +55,7 @@ def test_reference_satisfies_energy_balance() -> None:
     energy, dE/dt = (3 - 0.1 w) w.
     """
     for name, gravity in GRAVITIES.items():
-        truth = TRUTH[name]
+        truth = truth_of(name)
         w = truth["A.w"]
         power = 3 * w - 0.1 * w**2
         # Simpson's rule on 501 points of a smooth curve: error h^4 w'''' dt, about 1e-5 J of 300 J
@@ -115,7 +117,7 @@ def test_error_follows_the_tolerance(integrator: str) -> None:
     from 1e-6 to 1e-9 it decreases by at least a factor of 30.
     """
     times = TIMES[::50]
-    truth = TRUTH["hanging"]["A.phi"][::50]
+    truth = truth_of("hanging")["A.phi"][::50]
     errors = []
     for tolerance in (1e-6, 1e-9):
         found = run(

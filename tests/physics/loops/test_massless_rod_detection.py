@@ -8,6 +8,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+import warned
 from mechanisms import body, reaction, with_sensors
 from models.rods import hung_plank, hung_platform, planar_four_bar, sizes, spatial_four_bar
 
@@ -26,6 +27,7 @@ def test_spatial_four_bar_has_two_coordinates_and_one_constraint_equation(first:
     assert sizes(spatial_four_bar(first)) == (2, 1, 1)
 
 
+@warned.GUESSES
 def test_one_of_the_rods_that_hold_a_body_remains_in_the_tree() -> None:
     """The first of three rods is in the tree: its joints add fewer states than a free body.
     The other two are constraints.
@@ -87,6 +89,7 @@ def test_spinning_rod_is_refused_without_the_reduction() -> None:
 # --- reports ---
 
 
+@warned.GUESSES
 def test_inspection_names_the_rods_and_their_joints() -> None:
     report = gelenk.inspect(spatial_four_bar()).reductions["massless"]
     assert report.changed

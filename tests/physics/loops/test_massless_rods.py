@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import warned
 from mechanisms import (
     GRAVITY,
     Array,
@@ -96,6 +97,7 @@ def test_angles_of_a_hinged_rod_count_full_turns() -> None:
     assert_close("C.phi", found["C.phi"], np.unwrap(psi) - np.unwrap(theta), 1e-8, "100 rtol")
 
 
+@warned.GUESSES
 def test_initial_guesses_at_the_ends_of_a_rod_select_the_branch() -> None:
     """Only the initial guess of the coupler angle is given: below the diagonal instead of above it."""
     source = planar_four_bar()

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import warned
 from mechanisms import Scene, four_bar, matrix
 from models import reducible
 from models.running import assert_close, record
@@ -156,6 +157,7 @@ STARTS = {
 }
 
 
+@warned.SINGULAR
 @pytest.mark.parametrize(
     ("n", "start"),
     # Among 41 branches from rest in line the search for one that is nowhere singular takes 10 s.

@@ -10,12 +10,15 @@ import math
 
 import numpy as np
 import pytest
+import warned
 from mechanisms import GRAVITY, Scene, body, frame, frame_sensor, joint, scene, with_sensors
 from models.running import INTEGRATORS, assert_close, run
 from scipy.integrate import solve_ivp
 from scipy.special import ellipj
 
 from gelenk.chart import mechanisms
+
+pytestmark = warned.TIGHT
 
 ABOUT_Z = {"axis": [0, 0, 1]}
 

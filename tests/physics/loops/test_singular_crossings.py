@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import warned
 from mechanisms import GRAVITY
 from models import reducible
 from models.running import assert_close, run
@@ -105,6 +106,7 @@ def test_torque_may_jump_near_change_points(n: int, step: float, tolerance: floa
     assert a_error < 5e-3, "1e-3 rad/s2 with ten four-bars, of some 20"
 
 
+@warned.TIGHT
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-8, 1e-10])
 @pytest.mark.parametrize("integrator", ["erk", "dirk", "cvode", "ida"])
 @pytest.mark.parametrize("step", [1e-2, 1e-3, 1e-4])
@@ -162,6 +164,7 @@ def test_parallelogram_stays_on_its_branch_through_twenty_crossings() -> None:
     )
 
 
+@warned.STILL
 @pytest.mark.parametrize("name", ["four_bar", "slider_crank", "five_bar", "andrews"])
 def test_regular_motion_reports_no_singular_configurations(name: str) -> None:
     assert gelenk.simulate(ROOT / "scenes" / f"{name}.yaml").singular_positions == ()

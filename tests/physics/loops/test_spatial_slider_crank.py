@@ -12,11 +12,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import warned
 from mechanisms import GRAVITY, Scene, body, frame, frame_sensor, joint, matrix, scene
 from models.one_dof import Jet, OneDofMechanism
 from models.running import INTEGRATORS, Recording, assert_close, run
 from models.spatial_loops import SliderCrank
 from scipy.spatial.transform import Rotation
+
+pytestmark = warned.TIGHT
 
 # Published by Gonzalez (nine digits); an independent integration of this model agrees to 4e-5 m.
 PUBLISHED = {

@@ -8,11 +8,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+import warned
 from models.running import Array, assert_close
 
 import gelenk
 from physics.loops.test_bricard import bricard
 from physics.loops.test_parallelograms import four_bar_chain
+
+pytestmark = warned.TIGHT
 
 ROOT = Path(__file__).parents[3]
 FORMS = ("index3", "stabilized-index2")

@@ -15,10 +15,13 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 import pytest
+import warned
 from mechanisms import GRAVITY, Scene, body, four_bar, frame, joint, scene
 from models.running import Recording, assert_close, run
 
 from gelenk.chart.mechanisms import governor
+
+pytestmark = warned.TIGHT
 
 ADAPTIVE = ("ida", "cvode", "cvode-adams", "dirk", "erk")
 FIXED = {"rk4": 4, "euler": 1}

@@ -14,6 +14,7 @@ import warnings
 
 import numpy as np
 import pytest
+import warned
 from mechanisms import Scene, body, frame, joint, scene
 from models.running import Recording, run
 
@@ -94,6 +95,7 @@ def test_heavy_top_errors_are_proportional_to_the_tolerance(integrator: str) -> 
         assert error < 100 * tolerance, f"{error / tolerance:.3g} times {tolerance}"
 
 
+@warned.TIGHT
 @pytest.mark.parametrize("integrator", BDF)
 def test_closing_six_loops_adds_no_noise(integrator: str) -> None:
     """A fifth of a second at 1e-10, three turns: about 3000 steps. With the noise of projection, a closure
@@ -120,6 +122,7 @@ def test_slider_crank_crosses_its_change_points(integrator: str, tolerance: floa
     assert found["solver.steps"][-1] < 20_000
 
 
+@warned.TIGHT
 @pytest.mark.parametrize("tolerance", [1e-8, 1e-9, 1e-10])
 @pytest.mark.parametrize("integrator", BDF)
 def test_andrews_mechanism_terminates(integrator: str, tolerance: float) -> None:

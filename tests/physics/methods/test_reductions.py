@@ -14,6 +14,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 import scene_files
+import warned
 from looped import looped
 from mechanisms import GRAVITY, Array, Scene, body, frame, joint, reaction, rod, scene, with_sensors
 from models import reducible, rods
@@ -23,6 +24,8 @@ import gelenk
 from gelenk.model.inspection import REDUCTIONS, evaluation_cost
 from physics.loops.test_bricard import bricard
 from physics.loops.test_parallelograms import four_bar_chain
+
+pytestmark = warned.GUESSES
 
 # Scenes to which reductions apply, and the time [s] to simulate.
 BUILT: dict[str, tuple[Callable[[], Scene], float]] = {

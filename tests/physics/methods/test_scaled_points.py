@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import warned
 from mechanisms import GRAVITY, Scene, body, four_bar, frame, joint, scene
 from models.scaled import scaled, size
 
@@ -20,6 +21,8 @@ import gelenk
 from gelenk.chart import mechanisms
 from gelenk.linear import LinearModel, linear_model
 from physics.analysis.test_steady_motion import conical
+
+pytestmark = warned.GRAVITY
 
 SIZES = [(1e-6, 1.0), (1e-6, 1e-12), (1e-3, 1e6), (1e3, 1e-6), (1e6, 1e6)]  # scales of lengths and masses
 # Newton's method converges to round-off, 1e-15 divided by a derivative at worst a thousandth of the largest.
@@ -190,6 +193,7 @@ def test_rest_is_judged_by_gravity_over_length(length: float, tmp_path: Path) ->
         assert "H.w changes" in beside.residual_rates
 
 
+@warned.GUESSES
 @pytest.mark.parametrize("weights", [{}, {"main": 3.0, "cylinder": 2.0}, {"main": 1.0, "cylinder": 1.0}])
 @pytest.mark.parametrize("length", [2.0**-20, 2.0**20])
 def test_weights_are_relative_to_the_size_of_the_mechanism(weights: dict[str, float], length: float) -> None:

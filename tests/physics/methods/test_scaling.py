@@ -9,10 +9,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import warned
 from mechanisms import Array, Scene
 from models.scaled import scaled, size
 
 import gelenk
+
+pytestmark = warned.GRAVITY
 
 SCENES = sorted(path.stem for path in (Path(__file__).parents[3] / "scenes").glob("*.yaml"))
 TOLERANCE = 1e-8

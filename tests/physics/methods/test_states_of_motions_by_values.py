@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 import pytest
+import warned
 from models.driven_mass import driven_mass, follow, start_of, swing, swing_rate
 
 import gelenk
@@ -30,6 +31,7 @@ def random_calls(rng: np.random.Generator, plant: gelenk.Simulation) -> Iterator
         yield [*plant.values(), plant.input("pos.s_ref")]
 
 
+@warned.TIGHT
 @pytest.mark.parametrize("integrator", ["auto", "erk", "cvode", "ida", "rk4", "dirk"])
 def test_a_run_goes_on_from_a_saved_state_to_the_bit(integrator: str) -> None:
     for before in (0, 1, 2, 3, 17):
@@ -47,6 +49,7 @@ def test_a_run_goes_on_from_a_saved_state_to_the_bit(integrator: str) -> None:
         assert runs[0] == runs[1] == runs[2], before
 
 
+@warned.TIGHT
 def test_saving_changes_nothing() -> None:
     runs = []
     for saves in (False, True):

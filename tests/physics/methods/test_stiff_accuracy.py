@@ -13,10 +13,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+import warned
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 import gelenk
+
+pytestmark = warned.TURNS
 
 MOMENT = 0.02  # kg m2
 INTEGRATOR = "dirk"

@@ -11,11 +11,14 @@ from functools import cache
 
 import numpy as np
 import pytest
+import warned
 from mechanisms import GRAVITY, Array, Scene, body, frame, joint, reaction, scene, with_sensors
 from models.bearing_friction import four_bar_truth, four_bar_with_bearings, slider_crank_with_guide
 from models.running import assert_close
 
 import gelenk
+
+pytestmark = warned.GUESSES
 
 INTEGRATORS = ("erk", "cvode", "cvode-adams", "ida", "dirk")
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import warned
 from mechanisms import GRAVITY, Scene, body, frame, joint, scene
 from models.drive_line import ENGAGEMENT, ENGINE, LOAD, SLIDING, STATIC, drive_line
 from models.running import assert_close
@@ -53,6 +54,7 @@ def engage(simulation: gelenk.Simulation, stop: float) -> None:
     simulation.step_to(stop)
 
 
+@warned.TIGHT
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-8, 1e-10])
 @pytest.mark.parametrize("integrator", INTEGRATORS)
 def test_two_shafts_come_to_the_same_speed(integrator: str, tolerance: float) -> None:

@@ -14,11 +14,14 @@ from functools import cache
 
 import numpy as np
 import pytest
+import warned
 from mechanisms import Array, Scene, body, frame, joint, scene
 from models.running import assert_close
 from scipy.integrate import solve_ivp
 
 import gelenk
+
+pytestmark = warned.TIGHT
 
 INERTIAS = np.array([1.0, 1.2, 0.8, 1.5])  # kg m2
 SLIDING, STATIC = 10.0, 11.0  # N m, of each clutch fully engaged

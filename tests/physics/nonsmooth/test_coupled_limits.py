@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import warned
 from models.coupled_limits import bouncing_slider, hand, stopped_carriage, with_unreachable_floor
 from models.running import assert_close
 
@@ -81,6 +82,7 @@ def course(source: dict[str, Any], **solver: Any) -> tuple[gelenk.Simulation, np
     return simulation, np.array(energy)
 
 
+@warned.TURNS
 def test_hand_with_many_limits_falls() -> None:
     """Each impact of a finger would let six joints with friction slip for some nanoseconds, whose stop
     throws off other fingers.

@@ -13,12 +13,15 @@ from typing import Any
 
 import numpy as np
 import pytest
+import warned
 from mechanisms import GRAVITY
 from scipy.optimize import brentq
 
 import gelenk
 from gelenk.chart.mechanisms import stopped_four_bar
 from physics.nonsmooth.test_stops import MASS, ball
+
+pytestmark = warned.TIGHT
 
 HEIGHT, DAMPING = 0.5, 20.0  # m, N s/m
 STIFFNESS = 1e5  # N/m: contacts of 12 ms

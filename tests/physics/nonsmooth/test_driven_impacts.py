@@ -5,12 +5,15 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import warned
 from models.driven import Array
 from models.hybrid import Chain
 from models.running import assert_close
 
 import gelenk
 from physics.constraints.test_given_motions import TOLERANCE, rest
+
+pytestmark = warned.TIGHT
 
 
 def impact(chain: Chain, q: Array, change: float) -> Array:

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import warned
 from mechanisms import GRAVITY, Scene, body, frame, joint, rod, scene
 from models.running import assert_close
 
@@ -68,6 +69,7 @@ def test_wheel_sticks_breaks_away_and_stops() -> None:
     assert simulation.diagnostic("solver.events") == 2
 
 
+@warned.TIGHT
 @pytest.mark.parametrize("integrator", INTEGRATORS)
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-8, 1e-10])
 def test_clutch_locks_and_breaks_away(integrator: str, tolerance: float) -> None:
@@ -154,6 +156,7 @@ FOUR_BAR_W = (
 FOUR_BAR_REVERSALS = 32  # of single joints, four of them at one instant, when the whole four-bar stops
 
 
+@warned.TIGHT
 @pytest.mark.parametrize("integrator", INTEGRATORS)
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-8, 1e-10])
 def test_four_bar_with_friction_in_all_joints(integrator: str, tolerance: float) -> None:

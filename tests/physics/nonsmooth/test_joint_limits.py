@@ -10,12 +10,15 @@ from typing import Any
 
 import numpy as np
 import pytest
+import warned
 from mechanisms import GRAVITY, Scene, body, frame, joint, rod, scene
 from models.running import assert_close
 
 import gelenk
 
 from .test_joint_friction import plant, read
+
+pytestmark = warned.GUESSES
 
 INTEGRATORS = ("auto", "erk", "cvode", "cvode-adams", "ida", "dirk", "rk4")
 
@@ -52,6 +55,7 @@ def bounces(restitution: float, height: float, time: float) -> tuple[float, floa
     return 0.0, 0.0
 
 
+@warned.TIGHT
 @pytest.mark.parametrize("integrator", INTEGRATORS)
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-8, 1e-10])
 def test_bouncing_ball_comes_to_rest(integrator: str, tolerance: float) -> None:
@@ -153,6 +157,7 @@ PENDULUM_IMPACTS = (
 )
 
 
+@warned.TIGHT
 @pytest.mark.parametrize("integrator", INTEGRATORS)
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-8, 1e-10])
 def test_pendulum_against_a_limit(integrator: str, tolerance: float) -> None:

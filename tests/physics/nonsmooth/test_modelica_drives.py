@@ -12,6 +12,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+import warned
 from mechanisms import Array
 from models import modelica_drives as drives
 from models import modelica_vehicles as vehicles
@@ -20,6 +21,8 @@ from models.drive_trains import DriveTrain
 from models.running import assert_close
 
 import gelenk
+
+pytestmark = warned.PRESSED
 
 CASES: dict[str, Callable[[], Case]] = {
     "Rotational.Backlash": drives.backlash,

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import warned
 from mechanisms import Scene, body, frame, joint, scene
 from models.running import assert_close
 
@@ -144,6 +145,7 @@ def test_a_rack_raises_and_lowers_its_load(integrator: str, tolerance: float) ->
     assert plant.diagnostic("solver.events") == 1
 
 
+@warned.TIGHT
 @pytest.mark.parametrize("integrator", ["erk", "ida"])
 def test_a_rack_is_a_gear_on_a_wheel(integrator: str) -> None:
     """Both have the same equations, so that runs agree but for the units of their coordinates."""

@@ -9,12 +9,15 @@ from __future__ import annotations
 import math
 
 import pytest
+import warned
 from mechanisms import Scene, body, frame, joint, scene
 from models.running import assert_close
 
 from .test_joint_friction import plant, read, wheel
 from .test_joint_limits import INTEGRATORS, ball, bounces, elbow, four_bar
 from .test_joint_limits import wheel as limited_wheel
+
+pytestmark = warned.GUESSES
 
 
 def test_friction_of_zero_does_not_hold() -> None:

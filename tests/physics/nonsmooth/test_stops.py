@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import warned
 from mechanisms import GRAVITY, Scene, body, four_bar, frame, joint, reaction, scene, with_sensors
 from models.one_dof import Jet, OneDofMechanism
 from models.planar_loops import FourBar, uniform
@@ -19,6 +20,8 @@ from models.running import assert_close, run
 
 import gelenk
 from physics.methods.test_formulations import directional_derivative
+
+pytestmark = warned.PRESSED
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -68,6 +71,7 @@ def bouncing(times: Array) -> tuple[Array, Array]:
 BOUNCES = 100
 
 
+@warned.TIGHT
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-8, 1e-10])
 @pytest.mark.parametrize("integrator", ["erk", "dirk", "ida", "cvode", "cvode-adams"])
 def test_bouncing_ball_matches_closed_form(integrator: str, tolerance: float) -> None:
@@ -224,6 +228,7 @@ class Stopped:
         return self.motion.energy(phi, w) + self.stop["stiffness"] / 2 * self.depth(self.angle(phi).x) ** 2
 
 
+@warned.TIGHT
 @pytest.mark.parametrize("integrator", ["erk", "ida", "dirk"])
 @pytest.mark.parametrize("cut", ["C", "B"])
 def test_stop_on_a_joint_of_a_loop(cut: str, integrator: str) -> None:
@@ -246,6 +251,7 @@ def test_stop_on_a_joint_of_a_loop(cut: str, integrator: str) -> None:
     assert_close("energy", found["E.total"], energy, 10 * bound, "of 50 J, as above")
 
 
+@warned.TURNS
 @pytest.mark.parametrize("cut", ["B", "C"])
 def test_stop_angle_counts_full_turns(cut: str) -> None:
     """The crank makes full turns until B, after two turns in the opposite direction, reaches its limit."""
@@ -277,6 +283,7 @@ def test_jacobian_is_exact_inside_a_stop(cut: str, push: float) -> None:
     assert_close("df/dy", exact, found, 1e-6 * np.abs(exact).max(), "finite differences: round-off / h, h^4")
 
 
+@warned.GUESSES
 @pytest.mark.parametrize("off", [(), ("static",)], ids=["dropped", "computed"])
 def test_stop_of_an_immobile_joint_contributes_to_the_energy(off: tuple[str, ...]) -> None:
     """A triangle of rods; the joint at the left foot is 0.1 rad beyond its limit."""

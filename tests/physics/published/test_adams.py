@@ -8,11 +8,14 @@ import functools
 
 import numpy as np
 import pytest
+import warned
 from mechanisms import Array, Scene, rotation
 from models import adams
 from models.adams import G_N, SCENES, published, shown
 from models.running import assert_close, run
 from scipy.spatial.transform import Rotation
+
+pytestmark = warned.COINCIDING
 
 # One row of each table at 2.5 s, so that the tests can run without the files; missing values are zero, and
 # values that are zero up to ADAMS' round-off (1e-14) are 0.

@@ -22,9 +22,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+import warned
 from mechanisms import Scene, body, frame, frame_sensor, joint, reaction, scene
 from models.andrews import END, END_RATES
 from models.running import INTEGRATORS, Recording, assert_close, run
+
+pytestmark = warned.TIGHT
 
 START = {
     "beta": -0.06171389001427645,

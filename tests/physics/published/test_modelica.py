@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import warned
 from mechanisms import Scene, box
 from models import modelica
 from models.modelica import G_N
@@ -15,6 +16,8 @@ from models.planar_loops import FourBar, Link
 from models.running import INTEGRATORS, Recording, assert_close, run
 from models.spatial_loops import ModelicaFourbar1
 from scipy.integrate import solve_ivp
+
+pytestmark = warned.TIGHT
 
 # Bounds against Dymola's curves are the accuracy of those curves: their distance from independent
 # integrations at 1e-12 (below, and as collected with the curves), rounded up. The last row of each curve at 5

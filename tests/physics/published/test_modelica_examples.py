@@ -12,10 +12,13 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
+import warned
 from mechanisms import Array, Scene
 from models import modelica, modelica_truths
 from models.running import Recording, assert_close, run
 from scipy.spatial.transform import Rotation
+
+pytestmark = warned.TIGHT
 
 
 def vector(theirs: str, ours: str) -> dict[str, str]:

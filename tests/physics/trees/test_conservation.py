@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import warned
 from mechanisms import (
     Scene,
     body,
@@ -24,6 +25,8 @@ from mechanisms import (
 )
 from models.running import INTEGRATORS, Recording, assert_close, run
 from scipy.spatial.transform import Rotation
+
+pytestmark = warned.TIGHT
 
 
 def with_center_sensors(source: Scene) -> Scene:

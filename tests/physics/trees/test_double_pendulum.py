@@ -7,10 +7,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import warned
 from mechanisms import GRAVITY, Scene, body, frame, joint, scene
 from models.double_pendulum import DoublePendulum
 from models.running import INTEGRATORS, assert_close, run
 from scipy.integrate import solve_ivp
+
+pytestmark = warned.TIGHT
 
 M1, C1, J1, L1 = 1.3, 0.41, 0.052, 0.83  # upper body: mass, its center of mass, moment of inertia, distance
 # to the second pin

@@ -7,10 +7,13 @@ import math
 
 import numpy as np
 import pytest
+import warned
 from mechanisms import body, frame, frame_sensor, joint, scene, with_sensors
 from models.running import INTEGRATORS, Recording, assert_close, run
 from scipy.spatial.transform import Rotation
 from scipy.special import ellipj
+
+pytestmark = warned.TIGHT
 
 INERTIA = np.array([1.0, 2.0, 3.0])  # kg m2
 MASS = 1.7  # kg

@@ -14,10 +14,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+import warned
 from mechanisms import GRAVITY, Scene, body, frame, frame_sensor, joint, scene
 from models.heavy_top import PRINTED, RECOMPUTED
 from models.running import INTEGRATORS, Recording, assert_close, run
 from scipy.integrate import solve_ivp
+
+pytestmark = warned.TIGHT
 
 MASS = 15.0
 COM = np.array([0.0, 1, 0])

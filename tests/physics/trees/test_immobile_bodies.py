@@ -10,11 +10,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import warned
 from mechanisms import GRAVITY, Scene, body, frame, joint, reaction, rod, scene, with_sensors
 from models.reducible import ABOUT_Z, APEX, DOWN_Y, FEET, joined, pendulum_on, triangle, tripod, without
 from models.running import assert_close
 
 import gelenk
+
+pytestmark = warned.GUESSES
 
 BASE, LEFT, RIGHT = 1.2, 1.0, 0.8
 # By the law of cosines: angles of the rods from x, and the apex.
@@ -236,6 +239,7 @@ def test_bodies_welded_to_the_ground_contribute_to_the_energy(off: tuple[str, ..
 # --- scenes without moving bodies ---
 
 
+@warned.STILL
 @pytest.mark.parametrize("off", [(), ("static",), ("all",)], ids=["dropped", "computed", "all computed"])
 def test_immobile_scene_can_be_simulated_and_exported(off: tuple[str, ...], tmp_path: Path) -> None:
     """Steps, energy and outputs are correct, also in the FMU."""

@@ -7,9 +7,12 @@ import math
 
 import numpy as np
 import pytest
+import warned
 from mechanisms import GRAVITY, HINGE_AXES, Scene, body, frame, joint, matrix, rotation, scene
 from models.running import INTEGRATORS, assert_close, run
 from scipy.special import ellipj, ellipk
+
+pytestmark = warned.TIGHT
 
 # A compound pendulum: omega0^2 = m g c / (J + m c^2)
 MASS, COM, MOMENT = 1.3, 0.37, 0.21  # kg, m, kg m2

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import warned
 from mechanisms import Array
 from models.running import assert_restored_run_continues
 from models.tires import LAT, LOAD, LONG, RADIUS, SingleTrack, magic, rig, two_wheels
@@ -139,6 +140,7 @@ def test_at_standstill_slip_is_relative_to_a_mean_speed(V: float) -> None:
     assert found["slip"] == pytest.approx((spin * RADIUS - V) / of, rel=1e-10)
 
 
+@warned.GYRATION
 def test_a_parked_wheel_creeps_as_documented() -> None:
     """Pushed by F, a locked wheel slides at the root of v = F (v0 + v^2/v0)/(2 K N)."""
     force, K, v0 = LOAD / 10, 20.0, 0.1
