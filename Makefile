@@ -88,7 +88,10 @@ pytest: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 	$(BIN)/python -m pytest -n $(JOBS) $(if $(filter tests,$(TESTS)),--ignore=tests/native) $(TESTS)
 
 thorough: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
-	$(BIN)/python -m pytest -n $(JOBS) -m "thorough and not study" $(if $(filter tests,$(TESTS)),--ignore=tests/native) $(TESTS)
+	$(BIN)/python -m pytest -n $(JOBS) -m "thorough and not study" $(call marked,thorough)
+
+# The test files in which a mark occurs: to collect all others would take longer than some marked tests.
+marked = $(if $(filter tests,$(TESTS)),$(shell grep -rlE --include='test_*.py' '$(1)' tests),$(TESTS))
 
 # Checks that do not change files.
 style: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
@@ -154,11 +157,11 @@ costs: needs-costs $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 
 # Ten minutes.
 clocks: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
-	$(BIN)/python -m pytest -m clock $(TESTS)
+	$(BIN)/python -m pytest -m clock $(call marked,mark\.clock)
 
 # Half an hour.
 studies: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
-	$(BIN)/python -m pytest -n $(JOBS) -o faulthandler_timeout=3600 -m study $(TESTS)
+	$(BIN)/python -m pytest -n $(JOBS) -o faulthandler_timeout=3600 -m study $(call marked,mark\.study|sampled)
 
 # Half an hour; findings are written to build/special.txt. ARGS="--only 'random 87'" repeats one comparison.
 ARGS ?=

@@ -93,6 +93,7 @@ def test_a_crash_and_a_hang_end_their_own_run_only() -> None:
     assert hung == Failure("timed out after 0.5 s")
 
 
+@pytest.mark.thorough
 def test_runs_after_a_timeout_are_skipped_at_smaller_steps(
     four_bar_case: Case, monkeypatch: pytest.MonkeyPatch
 ) -> None:

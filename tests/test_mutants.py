@@ -3,6 +3,7 @@
 
 from pathlib import Path
 
+import pytest
 from mutants.places import ROOT, drawn, of_native, of_python
 
 
@@ -46,6 +47,7 @@ def f(x):
     ]
 
 
+@pytest.mark.thorough
 def test_the_same_seed_draws_the_same_mutants_of_all_kinds() -> None:
     mutants = drawn(40, 3)
     assert [str(m) for m in mutants] == [str(m) for m in drawn(40, 3)]

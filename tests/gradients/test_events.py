@@ -223,11 +223,18 @@ OPTIONS: dict[str, Any] = {"stop": 1.0, "step": 0.02, "inputs": {"drive.tau": 6.
     ("joint", "fields", "by"),
     [
         ("D", {"limit": {"upper": 2.2, "restitution": 0.6}}, ["D.limit.upper", "D.limit.restitution"]),
-        ("A", {"limit": {"upper": 4.5, "restitution": 0.3}}, ["A.limit.upper"]),
-        ("A", {"friction": {"coulomb": 3.0, "static": 5.0}, "start": {"phi": 2.2, "w": -2, "fixed": True}},
-         ["A.friction.coulomb", "A.w_start"]),
-        ("C", {"stop": {"upper": 1.6, "stiffness": 500.0, "damping": 2.0}},
-         ["C.stop.stiffness", "C.stop.damping"]),
+        pytest.param(
+            "A", {"limit": {"upper": 4.5, "restitution": 0.3}}, ["A.limit.upper"],
+            marks=pytest.mark.thorough,
+        ),
+        pytest.param(
+            "A", {"friction": {"coulomb": 3.0, "static": 5.0}, "start": {"phi": 2.2, "w": -2, "fixed": True}},
+            ["A.friction.coulomb", "A.w_start"], marks=pytest.mark.thorough,
+        ),
+        pytest.param(
+            "C", {"stop": {"upper": 1.6, "stiffness": 500.0, "damping": 2.0}},
+            ["C.stop.stiffness", "C.stop.damping"], marks=pytest.mark.thorough,
+        ),
     ],
 )  # fmt: skip
 def test_events_in_loops_agree_with_central_differences(

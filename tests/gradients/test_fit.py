@@ -147,6 +147,7 @@ def test_the_crank_that_brings_a_coupler_curve_nearest_to_a_given_one(four_bar: 
     assert with_listed(gelenk.load(data), [length])[1]
 
 
+@pytest.mark.thorough
 def test_designs_that_cannot_be_assembled_are_avoided(four_bar: gelenk.Scene) -> None:
     """The shorter the ground link's opposite, the better: until the loop cannot be closed."""
 

@@ -85,6 +85,7 @@ BARS = [
 ]  # fmt: skip
 
 
+@pytest.mark.thorough
 def test_through_loops_they_agree_with_central_differences(four_bar: gelenk.Scene) -> None:
     # Steps of 0.25 ms, so that rk4 is exact to 1e-10. Differences of order 4 with relative steps of 2e-4:
     # their error is below 1e-8 (from half of the step) except by the length of the crank, with 4e-8.

@@ -41,6 +41,7 @@ def compare(found: Any, first: Any, total: Any) -> None:
         assert (apart <= 1.53 * width + 1e-12).all(), (index, apart, width)
 
 
+@pytest.mark.thorough
 def test_a_pushed_mass_has_the_indices_of_a_product() -> None:
     """Of a product of independent factors x and y: V = E[x^2] E[y^2] - E[x]^2 E[y]^2, of first order
     Var(x) E[y]^2 / V, total Var(x) E[y^2] / V.

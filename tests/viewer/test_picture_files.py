@@ -44,6 +44,7 @@ def test_a_film_shows_the_frames_of_the_run(page: gelenk.View, tmp_path: Path) -
     assert film.info["loop"] == 0
 
 
+@pytest.mark.thorough
 def test_films_are_small(page: gelenk.View, tmp_path: Path) -> None:
     """5 s with the default choices; every body moves."""
     file = page.save(tmp_path / "film.gif")

@@ -173,6 +173,7 @@ def without_mass(times: Array) -> dict[str, Array]:
     return {name: 2 * light[name] - heavy[name] for name in THREE.values()}
 
 
+@pytest.mark.thorough
 def test_three_springs_match_modelica() -> None:
     """Elementary.ThreeSprings: the error of Dymola's curve is 1.1e-5 m, 5.3e-5 m/s, 1.1e-4 rad/s."""
     bounds = {"free.r": 1.2e-5, "free.v": 6e-5, "free.w": 1.1e-4}
