@@ -35,9 +35,9 @@ BELOW["touch"] = {"contact", "modes", *BELOW["contact"], *BELOW["modes"]}
 BELOW["formulation"] = {"touch", *BELOW["touch"]}
 BELOW["integrator"] = {"formulation", *BELOW["formulation"]}
 BELOW["assembly"] = {"dynamics", *BELOW["dynamics"]}
-BELOW["analysis"] = {"assembly", *BELOW["assembly"]}
-BELOW["preparation"] = {"analysis", "formulation", *BELOW["analysis"], *BELOW["formulation"]}
 BELOW["outputs"] = {"dynamics", *BELOW["dynamics"]}
+BELOW["analysis"] = {"assembly", "outputs", *BELOW["assembly"]}
+BELOW["preparation"] = {"analysis", "formulation", *BELOW["analysis"], *BELOW["formulation"]}
 BELOW["simulation"] = {"integrator", "outputs", "preparation", *BELOW["integrator"], *BELOW["preparation"]}
 BELOW["runs"] = BELOW["inspection"] = {"simulation", *BELOW["simulation"]}
 BELOW["modelDescription"] = {"scene_file", "simulation", *BELOW["scene_file"], *BELOW["simulation"]}

@@ -4,7 +4,9 @@
 
 #include <nanobind/nanobind.h>
 
+#include <cstddef>
 #include <mutex>
+#include <string>
 
 #include "simulation/simulation.h"
 
@@ -31,9 +33,19 @@ class SharedSimulation {
   std::mutex mutex_;
 };
 
+// Throws IndexError.
+inline void check_index(int index, std::size_t size) {
+  if (index < 0 || static_cast<std::size_t>(index) >= size) {
+    throw nanobind::index_error(
+        ("index: found " + std::to_string(index) + ", expected less than " + std::to_string(size)).c_str());
+  }
+}
+
 // Runs over many communication points: a method of Simulation, and the class Batch (runs.cpp).
 void bind_runs(nanobind::module_& m, nanobind::class_<SharedSimulation>& simulation);
 
+// Equilibria: methods of Simulation, and their tolerances (equilibria.cpp).
+void bind_equilibria(nanobind::module_& m, nanobind::class_<SharedSimulation>& simulation);
 // Simulations at given states: methods of Simulation, and follow_all() (placement.cpp).
 void bind_placement(nanobind::module_& m, nanobind::class_<SharedSimulation>& simulation);
 // Many instances that are stepped together: the class Fleet (fleet.cpp).

@@ -12,9 +12,9 @@
 
 #include "bindings.h"
 #include "check/warnings.h"
+#include "element/locking.h"
 #include "joint/kinds.h"
 #include "mechanism/wanted_part.h"
-#include "scene/locking_elements.h"
 #include "scene/natural_time.h"
 #include "scene/signals.h"
 #include "scene/wanted_outputs.h"
@@ -77,12 +77,14 @@ void bind_outputs(nb::module_& m) {
 
 void bind_friction(nb::module_& m) {
   m.def(
-      "without_friction_and_limits",
+      "without_friction",
       [](Scene scene) {
-        gelenk::erase_locking_elements(scene);
+        for (gelenk::Joint& joint : scene.joints) {
+          for (gelenk::Stored<gelenk::JointForces>& forces : joint.along) gelenk::erase_friction(*forces);
+        }
         return scene;
       },
-      nb::arg("scene"), "The scene without dry friction and hard limits.");
+      nb::arg("scene"), "The scene without dry friction.");
   m.def(
       "has_friction_or_limits",
       [](const Scene& scene) {

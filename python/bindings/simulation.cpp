@@ -3,7 +3,6 @@
 
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/string.h>
-#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
@@ -11,15 +10,12 @@
 #include <cstring>
 #include <string>
 #include <string_view>
-#include <tuple>
 #include <utility>
 #include <vector>
 
-#include "analysis/equilibrium.h"
 #include "bindings.h"
 #include "inspection/inspection.h"
 #include "plant.h"
-#include "preparation/rest_forces.h"
 #include "scene/wanted_outputs.h"
 #include "simulation/probe.h"
 #include "simulation/start_report.h"
@@ -27,19 +23,13 @@
 #include "simulation/stepping_report.h"
 
 namespace nb = nanobind;
+using gelenk::check_index;
 using gelenk::SharedSimulation;
 using gelenk::Simulation;
 
 namespace {
 
 using Vector = nb::ndarray<nb::numpy, double, nb::ndim<1>>;
-
-void check_index(int index, std::size_t size) {
-  if (index < 0 || static_cast<std::size_t>(index) >= size) {
-    throw nb::index_error(
-        ("index: found " + std::to_string(index) + ", expected less than " + std::to_string(size)).c_str());
-  }
-}
 
 Vector to_numpy(std::vector<double>&& values) {
   auto* kept = new std::vector<double>(std::move(values));
@@ -185,19 +175,6 @@ Vector output_derivatives(SharedSimulation& plant, const std::vector<double>& ud
       plant.with([&](Simulation& s) { return gelenk::StateDerivatives(s).output_derivatives(udot, uddot); }));
 }
 
-// Of each coordinate with friction or a limit: its name, the unit of its forces, the force that keeps it at rest, the
-// limit of its friction, and the side of the bound that it touches; then whether these forces balance the load, and
-// whether friction and contact can exert them.
-using RestForce = std::tuple<std::string, std::string, double, double, int>;
-std::tuple<std::vector<RestForce>, bool, bool> rest_forces(SharedSimulation& plant) {
-  const gelenk::RestForces found = plant.with([](Simulation& s) { return s.rest_forces(); });
-  std::vector<RestForce> out;
-  for (const gelenk::RestForces::Of& of : found.coordinates) {
-    out.emplace_back(of.coordinate, of.unit, of.force, of.limit, of.side);
-  }
-  return {out, found.is_balanced, found.is_held};
-}
-
 void bind_inputs(nb::class_<SharedSimulation>& simulation) {
   simulation
       .def(
@@ -265,9 +242,6 @@ void bind_derivatives(nb::class_<SharedSimulation>& simulation) {
           "_linearize", linearize, nb::arg("friction") = "present",
           "The matrices A, B, C, D column by column, xdot, and the indices of the outputs that are coordinates at rest "
           "by friction or a limit.")
-      .def("_rest_forces", rest_forces,
-           "What friction and limits have to do to keep the present position at rest, whether that balances the load, "
-           "and whether they can.")
       .def("_directional_derivative", directional_derivative, nb::arg("dx"), nb::arg("du"),
            "Derivatives of the outputs and of the state derivatives in the direction (dx, du).")
       .def("_output_derivatives", output_derivatives, nb::arg("udot"), nb::arg("uddot"),
@@ -350,8 +324,6 @@ void bind_reports(nb::class_<SharedSimulation>& simulation) {
 }  // namespace
 
 void gelenk::bind_simulation(nb::module_& m) {
-  m.attr("equilibrium_rate_tolerance") = gelenk::equilibrium_rate_tolerance;
-  m.attr("equilibrium_rounding_tolerance") = gelenk::equilibrium_rounding_tolerance;
   bind_signals(m);
   nb::class_<SharedSimulation> simulation(m, "Simulation", "A running instance of a scene.");
   bind_inputs(simulation);
@@ -361,6 +333,7 @@ void gelenk::bind_simulation(nb::module_& m) {
   bind_reports(simulation);
   bind_runs(m, simulation);
   bind_placement(m, simulation);
+  bind_equilibria(m, simulation);
   bind_fleet(m);
   simulation.def(nb::init<const gelenk::Scene&>(), nb::arg("scene"))
       .def(

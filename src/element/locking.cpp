@@ -47,8 +47,10 @@ int lossy_joint(const AnyConstraint& constraint) {
       constraint);
 }
 
+void erase_friction(JointForces& forces) { std::get<std::optional<JointFriction>>(forces).reset(); }
+
 void erase_locking_elements(JointForces& forces) {
-  std::get<std::optional<JointFriction>>(forces).reset();
+  erase_friction(forces);
   std::get<std::optional<JointLimit>>(forces).reset();
   std::get<std::optional<JointOneWay>>(forces).reset();
 }

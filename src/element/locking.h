@@ -20,7 +20,8 @@ bool has_two_bounds(const JointForces& forces);
 // Which of its joints has the friction by which a constraint loses power; -1: it loses none.
 int lossy_joint(const AnyConstraint& constraint);
 
-// Removes these elements.
+void erase_friction(JointForces& forces);
+// Removes the elements that can keep the coordinate at rest.
 void erase_locking_elements(JointForces& forces);
 
 }  // namespace gelenk

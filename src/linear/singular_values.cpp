@@ -10,6 +10,11 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 SingularValues::SingularValues(const MatrixXd& J) {
+  if (J.size() == 0) {
+    U.setIdentity(J.rows(), J.rows());
+    V.setIdentity(J.cols(), J.cols());
+    return;
+  }
   const Eigen::BDCSVD<MatrixXd> svd(J, Eigen::ComputeFullU | Eigen::ComputeFullV);
   U = svd.matrixU();
   V = svd.matrixV();

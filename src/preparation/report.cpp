@@ -237,23 +237,11 @@ std::string describe_singular_start(const Scene& scene, const ReducedScene& redu
          text::rounded(open, 1);
 }
 
-std::string describe_no_equilibrium(const Scene& scene, const ReducedScene& reduced, int island,
-                                    const std::vector<int>& speeds, const Eigen::VectorXd& left) {
-  const int speed = *std::ranges::max_element(speeds, {}, [&](int k) { return std::abs(left[k]); });
-  std::string what = "a joint";
-  std::string unit;
-  for (const int j : reduced.islands[island].joints) {
-    const JointPlace& place = reduced.joints[j];
-    const JointKind& kind = *find_joint_kind(scene.joints[j].type);
-    if (place.role != JointPlace::Role::tree || speed < place.iv || speed >= place.iv + kind.nv) continue;
-    const Quantity& a = kind.a[speed - place.iv];
-    what = scene.joints[j].name + "." + std::string(a.name);
-    unit = a.unit;
-  }
+std::string describe_no_equilibrium(const Scene& scene, const Signal& acceleration, double left) {
   return prefix(scene) +
          "solver.start: found no equilibrium from the start values under the inputs at the start: the largest residual "
          "acceleration is " +
-         what + " = " + text::rounded(in_si(scene, std::abs(left[speed]), unit)) + " " + unit +
+         acceleration.name + " = " + text::rounded(std::abs(left)) + " " + acceleration.unit +
          "; expected start values closer to an equilibrium, or as_given";
 }
 

@@ -11,6 +11,7 @@
 #include "event/event_log.h"
 #include "mechanism/mechanism.h"
 #include "scene/scene.h"
+#include "scene/signals.h"
 
 namespace gelenk {
 
@@ -37,10 +38,8 @@ std::vector<std::string> describe_violated_limits(const Scene& scene, const Load
 // Returns the joints of the scene in the loop that a cut closes, in ascending order.
 std::vector<int> joints_of_loop(const Mechanism& mechanism, int cut);
 
-// Describes that no equilibrium was found; left: smallest residual accelerations found, of which those of the
-// independent velocities `speeds` count.
-std::string describe_no_equilibrium(const Scene& scene, const ReducedScene& reduced, int island,
-                                    const std::vector<int>& speeds, const Eigen::VectorXd& left);
+// Describes that no equilibrium was found; left [SI]: the largest of the smallest residual accelerations found.
+std::string describe_no_equilibrium(const Scene& scene, const Signal& acceleration, double left);
 // Describes that an equilibrium is requested while a prescribed motion has a velocity.
 std::string describe_moving_drive(const Scene& scene, int constraint);
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "preparation/rest_forces.h"
 
-#include "analysis/rest_pose.h"
+#include "analysis/trial_state.h"
 #include "dynamics/distributed_forces.h"
 #include "kinematics/branching_forces.h"
 #include "linear/descent.h"
@@ -15,7 +15,7 @@ using Eigen::VectorXd;
 
 // Whether nothing accelerates at a pose that has been evaluated. The rounding of stiff springs is known where
 // derivatives exist.
-bool is_balanced(RestPoses& poses, RestPose& at) {
+bool is_balanced(TrialStates& poses, TrialState& at) {
   if (largest(at.vdot) <= equilibrium_rate_tolerance) return true;
   try {
     poses.differentiate(at);
@@ -29,8 +29,8 @@ bool is_balanced(RestPoses& poses, RestPose& at) {
 
 void RestForces::add(const Scene& scene, const EquilibriumProblem& of, const std::vector<double>& q,
                      const std::vector<double>& cut_q) {
-  RestPoses poses(of);
-  RestPose at{.q = q, .cut_q = cut_q};
+  TrialStates poses(of);
+  TrialState at{.q = q, .cut_q = cut_q, .v = std::vector<double>(of.mechanism.nv, 0.0), .u = of.u};
   poses.evaluate(at);
   poses.touch(at);
   poses.hold_friction();

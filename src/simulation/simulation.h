@@ -17,8 +17,10 @@
 namespace gelenk {
 
 class Archive;
+struct EquilibriumRequest;
 struct ReducedScene;
 struct RestForces;
+struct Trim;
 
 // A step failed. The simulation is at its last good time and can continue from there.
 class StepError : public std::runtime_error {
@@ -116,6 +118,12 @@ class Simulation {
   // X_WB of a body of the scene, by its number: the pose of its frame in the world [m].
   Pose3 body_pose(int body);
 
+  // Searches for an equilibrium or a steady motion from the present state, with limits, each island on its own: they
+  // are not coupled. If all is found, the simulation is there afterwards, with the inputs found, as after assemble();
+  // otherwise it remains where it was. At rest friction has no effect, and velocities that prescribed motions cause are
+  // permitted. request: outputs and inputs of the simulation, in SI units; joints are known from outputs. Throws
+  // NotDifferentiable.
+  Trim trim(const EquilibriumRequest& request);
   // What friction and limits have to do to keep the present position at rest, under the present inputs.
   RestForces rest_forces();
 

@@ -9,12 +9,12 @@
 #include <utility>
 #include <vector>
 
-#include "analysis/equilibrium.h"
 #include "preparation/adjustment.h"
 #include "preparation/loads.h"
 #include "simulation/island.h"
 #include "simulation/sensitivity.h"
 #include "simulation/simulation.h"
+#include "simulation/trim.h"
 
 namespace gelenk {
 
@@ -90,6 +90,9 @@ struct Simulation::Impl {
   void make_islands();
   void find_independent();
   void start_at_equilibrium();  // moves the start to an equilibrium (start_at_equilibrium.cpp)
+  Trim trim(const EquilibriumRequest& request);
+  EquilibriumRequest part_of(const EquilibriumRequest& request, int island) const;
+  std::vector<int> independent_accelerations(int island, EquilibriumRequest* request) const;
   EquilibriumProblem at_rest(const Island& island, const std::vector<MotionLaw::Derivatives>& targets) const;
   int checked_input(int index) const;  // throws std::out_of_range
   void check_inputs(double end) const;

@@ -1,47 +1,151 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Start at an equilibrium instead of at the start values, and what keeps a position at rest.
+// Start at an equilibrium instead of at the start values, trim, and what keeps a position at rest.
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
-#include "analysis/equilibrium.h"
 #include "preparation/report.h"
 #include "preparation/rest_forces.h"
 #include "scene/natural_time.h"
 #include "simulation/simulation_impl.h"
+#include "simulation/trim.h"
 
 namespace gelenk {
+namespace {
+
+bool moves(const MotionLaw::Derivatives& target) { return target[1] != 0; }
+
+// Whether a coordinate that is immobile has another value.
+constexpr double immobile_tolerance = 1e-9;  // rad, or natural units of length
+
+}  // namespace
 
 EquilibriumProblem Simulation::Impl::at_rest(const Island& island,
                                              const std::vector<MotionLaw::Derivatives>& targets) const {
   const PreparedIsland& of = island.prepared();
-  return {of.mechanism, island.loads(), of.mobility, u.now(), targets, natural_time(given, scene.units)};
+  return {.mechanism = of.mechanism,
+          .loads = island.loads(),
+          .mobility = of.mobility,
+          .outputs = *readings,
+          .u = u.now(),
+          .targets = targets,
+          .time = natural_time(given, scene.units)};
 }
 
-// Islands are treated one by one: they are not coupled.
-void Simulation::Impl::start_at_equilibrium() {
-  for (std::size_t i = 0; i < islands.size(); ++i) {
-    const Island& island = *islands[i];
+// The part of a request that concerns an island, in natural units.
+EquilibriumRequest Simulation::Impl::part_of(const EquilibriumRequest& request, int island) const {
+  EquilibriumRequest out{.steady = request.steady, .only_approach = request.only_approach};
+  for (EquilibriumRequest::Held held : request.held) {
+    if (readings->island(held.output) != island) continue;
+    const Signal& signal = outputs[static_cast<std::size_t>(held.output)];
+    held.value /= output_size[static_cast<std::size_t>(held.output)];
+    out.held.push_back({held.output, held.value, signal.joint, signal.component, signal.level});
+  }
+  for (const auto& [input, size] : request.solve_for) {
+    if (island_of_input[static_cast<std::size_t>(input)] == island)
+      out.solve_for.push_back({input, size / input_size[static_cast<std::size_t>(input)]});
+  }
+  for (const int output : request.accelerations) {
+    if (readings->island(output) == island) out.accelerations.push_back(output);
+  }
+  return out;
+}
+
+// The outputs of the accelerations that an island's independent velocities have; request: to be held at 0, too.
+std::vector<int> Simulation::Impl::independent_accelerations(int island, EquilibriumRequest* request) const {
+  std::vector<int> out;
+  for (const StateVariable& state : states) {
+    const Signal& signal = outputs[static_cast<std::size_t>(state.output)];
+    if (signal.level != 1 || readings->island(state.output) != island) continue;
+    out.push_back(state.derivative);
+    if (request == nullptr) continue;
+    request->held.push_back({state.output, 0, signal.joint, signal.component, 1});
+  }
+  return out;
+}
+
+Trim Simulation::Impl::trim(const EquilibriumRequest& request) {
+  Trim out;
+  for (const EquilibriumRequest::Held& held : request.held) {
+    const double natural = held.value / output_size[static_cast<std::size_t>(held.output)];
+    if (readings->island(held.output) == Outputs::none &&
+        std::abs(readings->constant(held.output) - natural) > immobile_tolerance)
+      out.end = Equilibrium::End::unreachable;
+  }
+  std::vector<Equilibrium> found;
+  for (int i = 0; i < static_cast<int>(islands.size()); ++i) {
+    const Island& island = *islands[static_cast<std::size_t>(i)];
     const Mechanism& mechanism = island.prepared().mechanism;
     const std::vector<MotionLaw::Derivatives> targets = island.targets();
-    for (std::size_t row = 0; row < targets.size(); ++row) {
-      if (targets[row][1] == 0) continue;
-      throw AssemblyError(describe_moving_drive(scene, mechanism.coordinate_rows[row].constraint));
+    EquilibriumProblem of = at_rest(island, targets);
+    of.request = part_of(request, i);
+    if (!request.steady && std::ranges::any_of(targets, moves)) {
+      of.request.steady = true;
+      of.request.accelerations = independent_accelerations(i, &of.request);
     }
-    Assembled& start = prepared.islands[i].start;
+    out.is_driven = out.is_driven || mechanism.driven();
+    const double* q = island.reading().q;
+    const double* v = island.reading().v;
     try {
-      Equilibrium rest =
-          find_equilibrium(at_rest(island, targets), start.q, island.formulation().revolutions().coordinates());
-      start.q = std::move(rest.q);
-      prepared.islands[i].cut_start = std::move(rest.cut_q);
-    } catch (const NoEquilibrium& fault) {
-      throw AssemblyError(describe_no_equilibrium(scene, prepared.reduced, static_cast<int>(i),
-                                                  independent_by_island[i].speeds, fault.left));
+      found.push_back(find_equilibrium(of, {q, q + mechanism.nq}, island.formulation().revolutions().coordinates(),
+                                       {v, v + mechanism.nv}));
     } catch (const NotDifferentiablePoint& fault) {
-      throw AssemblyError(describe_undetermined(scene, fault, time, names_of_coordinates(static_cast<int>(i))));
+      throw NotDifferentiable(describe_undetermined(scene, fault, time, names_of_coordinates(i)));
     }
-    start.v.assign(start.v.size(), 0.0);
+    const Equilibrium& here = found.back();
+    out.end = std::max(out.end, here.end);
+    out.steps += here.steps;
+    const std::vector<int> accelerations =
+        of.request.steady ? of.request.accelerations : independent_accelerations(i, nullptr);
+    for (std::size_t k = 0; k < accelerations.size(); ++k) {
+      const Outputs::Entry entry = readings->entry(accelerations[k]);
+      const double value = of.request.steady ? here.accelerations[static_cast<Eigen::Index>(k)]
+                                             : entry.sign * here.vdot[entry.index - mechanism.nq - mechanism.nv];
+      out.residual.emplace_back(accelerations[k], output_size[static_cast<std::size_t>(accelerations[k])] * value);
+    }
+  }
+  if (out.end != Equilibrium::End::found) return out;
+  for (std::size_t i = 0; i < islands.size(); ++i) {
+    for (const auto& [input, size] : request.solve_for) {
+      if (island_of_input[static_cast<std::size_t>(input)] == static_cast<int>(i))
+        u.set(input, found[i].u[static_cast<std::size_t>(input)]);
+    }
+    prepared.islands[i].start.q = std::move(found[i].q);
+    prepared.islands[i].start.v = std::move(found[i].v);
+    prepared.islands[i].cut_start = std::move(found[i].cut_q);
   }
   make_islands();
   find_independent();
+  return out;
+}
+
+Trim Simulation::trim(const EquilibriumRequest& request) {
+  if (!impl_->initialized) throw UsageError("an equilibrium before initialize()");
+  impl_->u.go_to(impl_->time);
+  Trim out = impl_->trim(request);
+  impl_->runs = impl_->runs && out.end != Equilibrium::End::found;
+  return out;
+}
+
+void Simulation::Impl::start_at_equilibrium() {
+  for (const auto& island : islands) {
+    const std::vector<MotionLaw::Derivatives> targets = island->targets();
+    const auto moving = std::ranges::find_if(targets, moves);
+    if (moving == targets.end()) continue;
+    const auto row = static_cast<std::size_t>(moving - targets.begin());
+    throw AssemblyError(describe_moving_drive(scene, island->prepared().mechanism.coordinate_rows[row].constraint));
+  }
+  try {
+    const Trim found = trim({});
+    if (found.end == Equilibrium::End::found) return;
+    const auto size = [&](const auto& of) {
+      return std::abs(of.second / output_size[static_cast<std::size_t>(of.first)]);
+    };
+    const auto [output, value] = *std::ranges::max_element(found.residual, {}, size);
+    throw AssemblyError(describe_no_equilibrium(scene, outputs[static_cast<std::size_t>(output)], value));
+  } catch (const NotDifferentiable& fault) {
+    throw AssemblyError(fault.what());
+  }
 }
 
 RestForces Simulation::rest_forces() {

@@ -7,10 +7,9 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from gelenk.errors import EquilibriumError, SceneError
+from gelenk.errors import EquilibriumError, SceneError, UsageError
 from gelenk.linear.operating_point import START, OperatingPoint
-from gelenk.model.scene import Scene
-from gelenk.model.values import Value, start_parameter
+from gelenk.model.values import Value, start_parameter, unknown
 from gelenk.simulation.scene_plant import ScenePlant
 
 # Largest speed at rest, in the mechanism's own units: assembly leaves rounding.
@@ -64,8 +63,8 @@ def _spelled(unit: str) -> str:
     return unit.replace(".", " ")
 
 
-class RestingScene:
-    """A scene with dry friction or hard limits, in poses at rest; all values are in SI units.
+class PosedScene:
+    """A scene in poses or steady motions, and the search for them; values are in SI units unless noted.
 
     Attributes:
         plant: the scene as a plant.
@@ -73,59 +72,70 @@ class RestingScene:
         inputs: values of the inputs.
     """
 
-    def __init__(self, scene: Scene, point: OperatingPoint) -> None:
-        """Bring the scene to the initial pose.
+    def __init__(self, plant: ScenePlant, point: OperatingPoint) -> None:
+        """Bring a scene to the initial state.
 
         Args:
-            scene: the scene.
-            point: the operating point with the initial pose.
+            plant: the scene as a plant, not yet started.
+            point: the operating point with the initial state.
         """
-        self._scene = scene
-        self._one_way = {name for name, joint in scene.to_dict()["joints"].items() if ONE_WAY in joint}
-        self.plant = plant = ScenePlant(scene)
+        self.plant = plant
+        self._joints = plant.scene.to_dict()["joints"]
+        self._holds = plant.scene.has_friction_or_limits
         settings = point.reach(plant).settings
-        self._forces, self._balanced, self._held = plant.rest_forces()
-        starts = self.starts()
-        flags = {name: False for name in plant.parameters if name.endswith(".fixed")}
-        kept = {name: value for name, value in settings.items() if name not in starts and name != START}
-        self.settings: dict[str, Value] = {**kept, **flags}
+        known, rates = set(plant.parameters), plant.rates
+        starts = [name for name in plant.readings if start_parameter(name) in known]
+        parameters = {START, *map(start_parameter, starts)}
+        kept = {name: value for name, value in settings.items() if name not in parameters}
+        flags = {f"{name.rpartition('.')[0]}.fixed" for name in starts} & known
+        self.settings: dict[str, Value] = {**kept, **dict.fromkeys(sorted(flags), False)}
         self.inputs = plant.input_values
+        self._coordinates = [name for name in starts if ".Q[" in name or rates.get(name) in rates]
+        self._velocities = [name for name in starts if name not in self._coordinates]
+        self._forces = plant.rest_forces()[0] if self._holds else []
 
-    def starts(self) -> dict[str, Value]:
-        """Return the present pose as start values, with zero velocities."""
-        known, rates, values = set(self.plant.parameters), self.plant.rates, self.plant.values
-        out: dict[str, Value] = {}
-        for name in self.plant.readings:
-            if start_parameter(name) in known:
-                is_coordinate = ".Q[" in name or rates.get(name) in rates
-                out[start_parameter(name)] = values[name] if is_coordinate else 0.0
-        return out
+    def starts(self, steady: bool = False) -> dict[str, Value]:
+        """Return the present pose as start values, with its velocities in steady motion, else zero."""
+        values = self.plant.values
+        out: dict[str, Value] = {start_parameter(name): values[name] for name in self._coordinates}
+        return out | {start_parameter(name): values[name] if steady else 0.0 for name in self._velocities}
 
-    def smooth_plant(self) -> ScenePlant:
-        """Return the plant in the same pose, without friction and limits."""
-        smooth = ScenePlant(self._scene.without_friction_and_limits())
-        known = set(smooth.parameters)
-        settings = {**self.settings, **self.starts(), START: "as_given"}
-        smooth.set_parameters({name: value for name, value in settings.items() if name in known})
-        smooth.start(None, self.inputs)
-        return smooth
+    def hold(self, hold: Mapping[str, float]) -> None:
+        """Check the names to be held, and let assembly keep the coordinates of joints with a single one.
 
-    def put(
-        self, starts: Mapping[str, Value], inputs: Mapping[str, float], start: str = "as_given"
-    ) -> dict[str, Holding]:
-        """Bring the plant to a pose, and return what has to hold its coordinates.
+        Raises:
+            UsageError: a name is not a coordinate that can be held.
+        """
+        holdable = [name for name in self._coordinates if ".Q[" not in name]
+        faults = []
+        for name in [name for name in hold if name not in holdable]:
+            if name in self._velocities or name in self._coordinates:
+                faults.append(
+                    f"{name}: found a velocity or part of a quaternion, expected a coordinate of a joint"
+                )
+            else:
+                faults.append(unknown(name, "coordinate", holdable))
+        if faults:
+            raise UsageError("\n".join(faults))
+        for name in hold:  # a single coordinate of a joint can be attained exactly
+            joint = name.rpartition(".")[0]
+            own = [n for n in holdable if n.startswith(f"{joint}.")]
+            if own == [name] and f"{joint}.fixed" in self.settings:
+                self.settings[f"{joint}.fixed"] = True
+
+    def put(self, starts: Mapping[str, Value], inputs: Mapping[str, float]) -> None:
+        """Bring the plant to a state.
 
         Args:
             starts: start values.
             inputs: values of the inputs.
-            start: "equilibrium": to the equilibrium near these values.
 
         Raises:
-            AssemblyError: the loops cannot be closed, or there is no equilibrium.
-            EquilibriumError: the pose is beyond a limit, or a prescribed motion moves it.
+            AssemblyError: the loops cannot be closed.
+            EquilibriumError: the pose is beyond a limit.
         """
         self.plant.reset()
-        self.plant.set_parameters({**self.settings, **starts, START: start})
+        self.plant.set_parameters({**self.settings, **starts, START: "as_given"})
         try:
             self.plant.start(None, inputs)
         except SceneError:
@@ -135,11 +145,19 @@ class RestingScene:
             raise EquilibriumError(
                 f"no equilibrium within the hard limits: the one found has {' and '.join(beyond)}"
             ) from None
+
+    def holding(self) -> dict[str, Holding]:
+        """Return what has to hold the coordinates of the present pose at rest.
+
+        Raises:
+            EquilibriumError: a prescribed motion moves it.
+        """
+        if not self._holds:
+            return {}
         self._check_speeds()
-        self._forces, self._balanced, self._held = self.plant.rest_forces()
         return {
             name: Holding(friction=force - contact, limit=limit, contact=contact, bound=bound, unit=unit)
-            for name, unit, force, limit, side in self._forces
+            for name, unit, force, limit, side in self.plant.rest_forces()[0]
             # Friction does what contact, which only pushes, cannot.
             for contact, bound in [self._contact(name, force, side)]
         }
@@ -149,15 +167,14 @@ class RestingScene:
         if side == 0:
             return 0.0, ""
         contact = min(force, 0.0) if side > 0 else max(force, 0.0)
-        if name.rpartition(".")[0] in self._one_way:
+        if ONE_WAY in self._joints[name.rpartition(".")[0]]:
             return contact, ONE_WAY
         return contact, "upper" if side > 0 else "lower"
 
     def _beyond_limits(self, starts: Mapping[str, Value]) -> list[str]:
-        joints = self._scene.to_dict()["joints"]
         out = []
         for name, *_ in self._forces:
-            limit = joints[name.rpartition(".")[0]].get("limit", {})
+            limit = self._joints[name.rpartition(".")[0]].get("limit", {})
             value = float(starts[start_parameter(name)])
             for bound, sign in (("lower", -1), ("upper", 1)):
                 if bound in limit and sign * (value - limit[bound]) > 0:
@@ -169,40 +186,41 @@ class RestingScene:
 
     def _check_speeds(self) -> None:
         values = self.plant.values
-        for name in self._of_order(1):
+        for name in self._velocities:
             if abs(values[name]) > SPEED_TOLERANCE * self.plant.size(name):
-                unit = _spelled(self.plant.unit(name))
                 raise EquilibriumError(
-                    f"no pose at rest: a prescribed motion moves {name} = {values[name]:.6g} {unit}"
+                    f"no pose at rest: a prescribed motion moves {name} = {self.spelled(name, values[name])}"
                 )
 
-    def _of_order(self, order: int) -> list[str]:
-        """Return the readings that are time derivatives of coordinates of this order."""
-        rates = self.plant.rates
-        names = [name for name in rates if rates[name] in rates and name not in rates.values()]
-        names = [rates[name] for name in names]
-        return names if order == 1 else [rates[name] for name in names]
+    def spelled(self, name: str, value: float) -> str:
+        """Return the value of a reading with its unit."""
+        return f"{value:.6g} {_spelled(self.plant.unit(name))}"
 
-    def largest_acceleration(self) -> tuple[str, float]:
-        """Return the name and the value of the largest acceleration in the present pose."""
-        values = self.plant.values
-        names = self._of_order(2)
-        worst = max(names, key=lambda name: abs(values[name] / self.plant.size(name)), default="")
-        return worst, values.get(worst, 0.0)
+    def largest(self, accelerations: Mapping[str, float]) -> tuple[str, float]:
+        """Return the name and the value of the largest of these accelerations in own units; "", 0: none."""
+        sizes = {name: abs(value / self.plant.size(name)) for name, value in accelerations.items()}
+        worst = max(sizes, key=lambda name: sizes[name], default="")
+        return worst, accelerations.get(worst, 0.0)
+
+    def accelerations(self) -> dict[str, float]:
+        """Return the present accelerations of the independent velocities."""
+        values, rates = self.plant.values, self.plant.rates
+        return {rates[name]: values[rates[name]] for name in self.plant.states if name in self._velocities}
 
     def check_held(self, holding: Mapping[str, Holding]) -> None:
-        """Raise EquilibriumError if friction and contact cannot hold the pose of the last `put`.
+        """Raise EquilibriumError if friction and contact cannot hold the present pose.
 
         Args:
-            holding: what it returned.
+            holding: what has to hold it.
         """
-        if self._balanced and self._held:
+        _, balanced, held = self.plant.rest_forces()
+        if balanced and held:
             return
-        name, value = self.largest_acceleration()
-        moves = f"; {name} = {value:.6g} {_spelled(self.plant.unit(name))}" if name else ""
+        name, value = self.largest(self.accelerations())
+        moves = f"; {name} = {self.spelled(name, value)}" if name else ""
         worst = max(holding, key=lambda name: holding[name].fraction, default="")
         needed = holding.get(worst)
-        if not self._balanced or needed is None or needed.fraction <= 1:
+        if not balanced or needed is None or needed.fraction <= 1:
             raise EquilibriumError(f"friction and limits do not hold this pose{moves}")
         if not needed.limit:
             leaves = (

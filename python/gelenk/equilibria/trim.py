@@ -3,35 +3,30 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from dataclasses import asdict, dataclass, field
+from os import PathLike
 from typing import Any
 
-from gelenk.equilibria.holding import Holding, RestingScene
-from gelenk.equilibria.newton import Search
-from gelenk.equilibria.pose import LinearizedPose, PosedPlant, linearized_pose
+from gelenk.equilibria.holding import Holding, PosedScene
 from gelenk.equilibria.steady import (
-    acceleration_drift,
     advancing,
+    check_prescribed_motions,
+    check_steady,
     constant_speeds,
-    driven_rates,
-    steady_given,
+    realization,
 )
-from gelenk.errors import AssemblyError, EquilibriumError, UsageError
-from gelenk.linear.minimal_realization import MinimalRealization
+from gelenk.errors import EquilibriumError, SceneError, UsageError
 from gelenk.linear.operating_point import At, Mechanism, OperatingPoint
-from gelenk.model.scene import Scene
-from gelenk.model.values import Value, check_names, number
+from gelenk.model.scene import load
+from gelenk.model.values import Value, check_names, number, start_parameter
+from gelenk.simulation.fmu_file import SCENE, text_in
 from gelenk.simulation.inputs import Inputs
-from gelenk.simulation.plant import Plant
 from gelenk.simulation.run import open_plant
 from gelenk.simulation.scene_plant import ScenePlant
 
-# Largest driven velocity or acceleration after a communication step, in own units; rounding leaves less than
-# 1e-9.
-STEADY_TOLERANCE = 1e-6
 TREATMENTS = ("off", "present")  # of friction, see equilibrium()
 
 
@@ -44,7 +39,7 @@ class Equilibrium:
         values: values of all outputs, by name.
         inputs: values of all inputs, including those that were solved for.
         residual: the largest residual acceleration, in SI units.
-        iterations: number of Newton steps, without those of the plant's own search.
+        iterations: number of steps of the search.
         at: the operating point for `gelenk.linearize(source, at=...)`: start values, parameters and inputs.
         units: units of outputs and inputs.
         advancing: coordinates that advance in a steady motion, with their velocities; empty at rest.
@@ -123,14 +118,15 @@ def equilibrium(
     Newton's method with exact Jacobians is applied to the independent coordinates, starting at an initial
     pose and remaining on its assembly branch. The equilibrium may be unstable. Without `hold`, `solve_for`
     and `steady`, it is the one at which a simulation with `solver.start: equilibrium` begins. It is within
-    the hard limits of joints: what meets a limit rests against it.
+    the hard limits of joints: what meets a limit rests against it, but a coordinate in `hold` is held by the
+    inputs in `solve_for`, if there are any.
 
     With `friction="present"` nothing is searched: the initial pose is returned, with what holds it and the
     margin until a joint slips, if dry friction and contact with limits can hold it.
 
     Args:
-        source: a .fmu file, anything `gelenk.load` accepts, or an operating point, which already contains the
-            arguments `at`, `input_values` and `parameters`.
+        source: an FMU that Gelenk has exported (.fmu), anything `gelenk.load` accepts, or an operating point,
+            which already contains the arguments `at`, `input_values` and `parameters`.
         at: the initial pose, as for `gelenk.linearize`; its velocities are the initial guesses of `steady`.
         hold: coordinates of joints that keep these values exactly [rad, m].
         steady: velocities of joints that remain constant, with their values [rad/s, m/s], or None to
@@ -161,194 +157,144 @@ def equilibrium(
     if friction not in (None, *TREATMENTS):
         raise UsageError(f"friction: found {friction!r}, expected one of {', '.join(TREATMENTS)}")
     point = OperatingPoint.given(source, at, input_values, parameters)
-    plant = open_plant(point.source, ())
-    try:
-        check_names(solve_for, plant.inputs, "input")
-        wanted = {name: number(name, value, "real") for name, value in (hold or {}).items()}
-        scene = plant.scene
-        if scene is not None and scene.to_dict().get("contacts"):
-            raise UsageError(
-                "found a scene with contacts, expected one without: they are not part of equilibria yet"
-            )
-        if steady is None and friction == "present":
-            if scene is None:
-                raise UsageError("friction: found 'present' with an FMU of another tool, expected 'off'")
-            return _held_pose(point, scene, wanted, solve_for)
-        if scene is not None and scene.has_friction_or_limits:
-            if steady is None:
-                return _within_limits(point, scene, wanted, solve_for)
-            if friction == "off":
-                plant.close()
-                plant = ScenePlant(scene.without_friction_and_limits())
-        settings = point.reach(plant).settings
-        first, posed = _initial_pose(plant, settings, wanted, steady)
-        posed.check_hold(first)
-        values = {name: first.found.values[name] for name in first.found.inputs}
-        if not solve_for:
-            first = posed.native_equilibrium(first, None if point.time else settings, values)
-        search = _searched(plant, Search(posed, first, values, solve_for), solve_for)
-    finally:
-        plant.close()
-    return _result(plant.name, search)
-
-
-def _searched(plant: Plant, search: Search, solve_for: Sequence[str]) -> Search:
-    search.run()
-    if not search.pose.is_equilibrium or not search.holds():
-        raise EquilibriumError(_failure(search, solve_for))
-    _check_steady(search.pose)
-    if driven_rates(search.pose):
-        _check_prescribed_motions(plant, search)
-    return search
-
-
-def _held_pose(
-    point: OperatingPoint, scene: Scene, hold: Mapping[str, float], solve_for: Sequence[str]
-) -> Equilibrium:
-    """Return the initial pose, with held coordinates, if friction and contact keep it at rest."""
-    if solve_for:
+    plant = _plant_of(point.source)
+    check_names(solve_for, plant.inputs, "input")
+    wanted = {name: number(name, value, "real") for name, value in (hold or {}).items()}
+    if plant.scene.to_dict().get("contacts"):
+        raise UsageError(
+            "found a scene with contacts, expected one without: they are not part of equilibria yet"
+        )
+    if steady is not None and friction == "off":
+        plant = ScenePlant(plant.scene.without_friction())
+    elif steady is None and friction == "present" and solve_for:
         raise UsageError(
             f"solve_for: found {', '.join(solve_for)} with friction='present', under which a range of inputs "
             "holds a pose; expected given inputs"
         )
-    resting = RestingScene(scene, point)
-    starts, steps = resting.starts(), 0
-    if hold:
-        search = _smooth_search(resting, hold, ())
-        search.approach()
-        starts, steps = search.plant.settings(search.starts), search.steps
-    holding = resting.put(starts, resting.inputs)
-    resting.check_held(holding)
-    return _rest_result(resting, holding, steps)
-
-
-def _within_limits(
-    point: OperatingPoint, scene: Scene, hold: Mapping[str, float], solve_for: Sequence[str]
-) -> Equilibrium:
-    """Return an equilibrium without dry friction, within the hard limits."""
-    resting = RestingScene(scene, point)
-    starts = resting.starts()
-    if hold or solve_for:
-        search = _smooth_search(resting, hold, solve_for)
-        search.approach()
-        starts = search.plant.settings(search.starts)
-    if not solve_for:
-        # The scene's own search has limits, but holds nothing: it may have remained where it should.
-        with suppress(AssemblyError):
-            found = _rest_result(resting, _contacts(resting.put(starts, resting.inputs, "equilibrium")), 0)
-            if all(math.isclose(found.values[name], hold[name], rel_tol=1e-12) for name in hold):
-                return found
-        if not hold:
-            resting.put(starts, resting.inputs)
-            search = _smooth_search(resting, hold, solve_for)
-    _searched(search.plant.plant, search, solve_for)
-    end = search.plant.settings(search.starts), search.plant.in_si(search.inputs)
-    return _rest_result(resting, _contacts(resting.put(*end)), search.steps)
-
-
-def _smooth_search(resting: RestingScene, hold: Mapping[str, float], solve_for: Sequence[str]) -> Search:
-    smooth = resting.smooth_plant()
-    known = set(smooth.parameters)
-    settings = {name: value for name, value in resting.settings.items() if name in known}
-    first, posed = _initial_pose(smooth, settings, hold, None)
-    posed.check_hold(first)
-    return Search(posed, first, {n: first.found.values[n] for n in first.found.inputs}, solve_for)
-
-
-def _contacts(holding: Mapping[str, Holding]) -> dict[str, Holding]:
-    return {name: of for name, of in holding.items() if of.bound}
-
-
-def _rest_result(resting: RestingScene, holding: Mapping[str, Holding], steps: int) -> Equilibrium:
-    plant = resting.plant
-    values, inputs = plant.values, plant.input_values
-    _, acceleration = resting.largest_acceleration()
-    return Equilibrium(
-        plant.name, {name: values[name] for name in plant.outputs}, inputs, abs(acceleration), steps,
-        {**resting.settings, **resting.starts(), **inputs},
-        {name: plant.unit(name) for name in (*plant.outputs, *inputs)},
-        held=holding,
-    )  # fmt: skip
-
-
-def _initial_pose(
-    plant: Plant,
-    settings: Mapping[str, Value],
-    hold: Mapping[str, float],
-    steady: Mapping[str, float | None] | Sequence[str] | str | None,
-) -> tuple[LinearizedPose, PosedPlant]:
-    found = plant.derivatives(())
-    wanted = {name: value / found.size(name) for name, value in hold.items()}
+    posed = PosedScene(plant, point)
+    posed.hold(wanted)
     if steady is None:
-        return linearized_pose(found), PosedPlant(plant, found.size, settings, wanted)
-    given = {
-        name: None if value is None else value / found.size(name)
-        for name, value in steady_given(steady).items()
-    }
-    conditions = constant_speeds(MinimalRealization(found.in_own_units()), given)
-    speeds = {name: given.get(name, 0.0) for name in conditions}
-    kept = {name: value for name, value in speeds.items() if value is not None}
-    return linearized_pose(found, conditions), PosedPlant(
-        plant, found.size, settings, wanted, kept, conditions
-    )
+        return _at_rest(posed, wanted, solve_for, held_by_friction=friction == "present")
+    speeds = constant_speeds(realization(plant, "off"), steady)  # which joints move is not known yet
+    kept = wanted | {name: value for name, value in speeds.items() if value is not None}
+    steps, _ = _search(posed, kept, solve_for, list(speeds))
+    minimal = realization(plant)
+    check_steady(minimal, list(speeds))
+    found = _result(posed, steps, advancing(minimal), [plant.rates[name] for name in speeds])
+    check_prescribed_motions(plant, minimal, list(speeds))
+    return found
 
 
-def _check_prescribed_motions(plant: Plant, search: Search) -> None:
-    """Check that prescribed motions cause no accelerations, now and one communication step later."""
-    _check_driven_rates(search.pose, "")
-    search.plant.put(search.starts, search.inputs)
-    plant.advance(0.0, plant.step)
-    _check_driven_rates(
-        linearized_pose(plant.derivatives(()), search.pose.conditions), f", {plant.step:g} s later"
-    )
+def _plant_of(source: Mechanism) -> ScenePlant:
+    """Return a scene, or that of an FMU, as a plant."""
+    if isinstance(source, str | PathLike) and str(source).lower().endswith(".fmu"):
+        try:
+            text = text_in(source, SCENE)
+        except KeyError:
+            raise UsageError(
+                f"{source}: found an FMU without a scene, expected one that Gelenk has exported"
+            ) from None
+        source = load(json.loads(text))
+    plant = open_plant(source, ())
+    assert isinstance(plant, ScenePlant)
+    return plant
 
 
-def _check_driven_rates(pose: LinearizedPose, when: str) -> None:
-    accelerations = {name: a for name, a in driven_rates(pose).items() if name not in pose.found.rates}
-    largest, value, _ = pose.largest()
-    for name, found in (accelerations | {largest: value}).items():
-        if abs(found) > STEADY_TOLERANCE:
-            unit = pose.found.units.get(name, "1")
-            value = pose.in_si(name, found)
-            raise EquilibriumError(
-                f"no steady motion: a prescribed motion causes {name} = {value:.6g} {unit}{when}"
-            )
+def _at_rest(
+    posed: PosedScene, hold: Mapping[str, float], solve_for: Sequence[str], held_by_friction: bool
+) -> Equilibrium:
+    """Return an equilibrium without dry friction, or the initial pose if friction and contact hold it."""
+    plant = posed.plant
+    if not held_by_friction:
+        steps, is_driven = _search(posed, hold, solve_for, None)
+        holding = {name: of for name, of in posed.holding().items() if of.bound}
+        if not is_driven:
+            return _result(posed, steps, {}, None, holding)
+        minimal = realization(plant)
+        free = [name for name in minimal.names if not minimal.is_coordinate(name)]
+        check_steady(minimal, free)
+        found = _result(posed, steps, advancing(minimal), None, holding)
+        check_prescribed_motions(plant, minimal, free)
+        return found
+    steps = 0
+    if hold:
+        steps, _ = _search(posed, hold, (), None, only_approach=True)
+    else:
+        posed.put(posed.starts(), posed.inputs)
+    holding = posed.holding()
+    posed.check_held(holding)
+    return _result(posed, steps, {}, None, holding)
 
 
-def _check_steady(pose: LinearizedPose) -> None:
-    name, found, bound = acceleration_drift(pose)
-    if advancing(pose) and abs(found) > bound:
-        rate = pose.in_si(name, found) / pose.found.scales.time
-        coordinates = list(advancing(pose))
-        raise EquilibriumError(
-            f"the motion does not remain steady: {name} changes at {rate:.6g} "
-            f"{pose.found.units.get(name, '1')} per second as {', '.join(coordinates)} "
-            f"advance{'s' if len(coordinates) == 1 else ''}"
-        )
+def _search(
+    posed: PosedScene,
+    hold: Mapping[str, float],
+    solve_for: Sequence[str],
+    speeds: Sequence[str] | None,
+    *,
+    only_approach: bool = False,
+) -> tuple[int, bool]:
+    """Bring a plant to an equilibrium or, if velocities are given that are constant, to a steady motion.
+
+    Args:
+        posed: the plant in the initial state.
+        hold: coordinates and velocities to hold, and their values.
+        solve_for: inputs to determine.
+        speeds: the velocities that are constant; None: at rest.
+        only_approach: whether the values to hold suffice.
+
+    Returns:
+        The number of steps, and whether prescribed motions may act.
+
+    Raises:
+        EquilibriumError, AssemblyError: see `equilibrium`.
+    """
+    is_steady = speeds is not None
+    accelerations = [posed.plant.rates[name] for name in speeds or ()]
+    ask = hold, solve_for, is_steady, accelerations, only_approach
+    end, steps, is_driven, residual = posed.plant.trim(*ask)
+    held = {start_parameter(name): value for name, value in hold.items()}
+    if end == "unreachable":
+        message = f"{', '.join(hold)}: the mechanism cannot be brought to "
+        message += "this motion" if is_steady else "the pose to hold"
+        try:
+            posed.put(posed.starts(is_steady) | held, posed.inputs)  # which may explain why
+        except SceneError as e:
+            raise EquilibriumError(f"{message}: {e}") from None
+        raise EquilibriumError(message)
+    if end != "found":
+        name, value = posed.largest(residual)
+        left = f"the largest residual acceleration is {name} = {value:.6g} {posed.plant.unit(name)}"
+        what = "steady motion" if is_steady else "equilibrium"
+        if end == "not_converged":
+            raise EquilibriumError(f"no {what} found in {steps} steps; {left}")
+        if hold and (solve_for or not is_steady):
+            who = f"{', '.join(solve_for)} cannot" if solve_for else "the given inputs do not"
+            raise EquilibriumError(f"{who} hold this {'motion' if is_steady else 'pose'}; {left}")
+        raise EquilibriumError(f"no {what} near this {'point' if is_steady else 'pose'}; {left}")
+    posed.inputs, starts = posed.plant.input_values, posed.starts(is_steady) | held
+    posed.put(starts, posed.inputs)
+    # Where assembly has rounded otherwise, or to the exact values held: once more from there.
+    if posed.starts(is_steady) != starts and posed.plant.trim(*ask)[0] == "found":
+        posed.inputs = posed.plant.input_values
+        posed.put(posed.starts(is_steady) | held, posed.inputs)
+    return steps, is_driven
 
 
-def _result(name: str, search: Search) -> Equilibrium:
-    found, posed = search.pose.found, search.plant
-    inputs = posed.in_si(search.inputs)
+def _result(
+    posed: PosedScene,
+    steps: int,
+    moving: Mapping[str, float],
+    conditions: Sequence[str] | None,
+    holding: Mapping[str, Holding] | None = None,
+) -> Equilibrium:
+    """Return the present state; conditions: the accelerations that vanish in a steady motion."""
+    plant = posed.plant
+    values, inputs = plant.values, plant.input_values
+    residual = posed.accelerations() if conditions is None else {name: values[name] for name in conditions}
     return Equilibrium(
-        name, posed.in_si({n: found.values[n] for n in found.outputs}), inputs, search.pose.residual,
-        search.steps, {**posed.settings(search.starts), **inputs},
-        {n: found.units.get(n, "1") for n in (*found.outputs, *search.inputs)},
-        advancing(search.pose),
+        plant.name, {name: values[name] for name in plant.outputs}, inputs,
+        max((abs(value) for value in residual.values()), default=0.0), steps,
+        {**posed.settings, **posed.starts(conditions is not None), **inputs},
+        {name: plant.unit(name) for name in (*plant.outputs, *inputs)}, moving, holding or {},
     )  # fmt: skip
-
-
-def _failure(search: Search, solve_for: Sequence[str]) -> str:
-    if not search.holds():
-        return search.unreachable
-    name, own, unit = search.pose.largest()
-    value = search.pose.in_si(name, own) if name else own
-    residual = f"the largest residual acceleration is {name} = {value:.6g} {unit}"
-    motion = search.plant.conditions is not None
-    what = "steady motion" if motion else "equilibrium"
-    if not search.converged:
-        return f"no {what} found in {search.steps} steps; {residual}"
-    if search.plant.hold and (solve_for or not motion):
-        who = f"{', '.join(solve_for)} cannot" if solve_for else "the given inputs do not"
-        return f"{who} hold this {'motion' if motion else 'pose'}; {residual}"
-    return f"no {what} near this {'point' if motion else 'pose'}; {residual}"

@@ -155,9 +155,9 @@ class Scene:
         """Whether any joint has dry friction or a hard limit."""
         return _core.has_friction_or_limits(self._core)
 
-    def without_friction_and_limits(self) -> Scene:
-        """Return a copy without dry friction and hard limits."""
-        return self._with_core(_core.without_friction_and_limits(self._core))
+    def without_friction(self) -> Scene:
+        """Return a copy without dry friction."""
+        return self._with_core(_core.without_friction(self._core))
 
     def without(self, reductions: Iterable[str]) -> Scene:
         """Return a copy in which reductions are switched off.

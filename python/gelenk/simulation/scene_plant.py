@@ -188,6 +188,44 @@ class ScenePlant(Plant):
         """Return the value of 1 of the mechanism's own units of a reading, in SI units."""
         return self._scales.size(self.unit(name))
 
+    @property
+    def states(self) -> list[str]:
+        """Names of the readings that are the states."""
+        return [self.readings[i] for i in self._simulation._core._states()[0]]
+
+    def trim(
+        self,
+        hold: Mapping[str, float],
+        solve_for: Sequence[str],
+        steady: bool,
+        accelerations: Sequence[str],
+        only_approach: bool,
+    ) -> tuple[str, int, bool, dict[str, float]]:
+        """Search for an equilibrium or a steady motion from the present state, after `start`.
+
+        Args:
+            hold: readings of coordinates and, in steady motion, velocities, and their values.
+            solve_for: inputs to determine.
+            steady: whether only these accelerations have to vanish, and velocities are unknowns.
+            accelerations: their readings.
+            only_approach: whether to hold the values without regard to accelerations.
+
+        Returns:
+            How it ended: "found", with the plant in the state and under the inputs found, or
+            "not_converged", "none_near", "unreachable" (the values to hold); the number of steps; whether
+            prescribed motions may act; and the accelerations that remain, by reading.
+
+        Raises:
+            UsageError: derivatives do not exist.
+        """
+        place = {name: i for i, name in enumerate(self.readings)}
+        end, steps, is_driven, residual = self._simulation._core._trim(
+            [(place[name], value) for name, value in hold.items()],
+            [(self.inputs.index(name), self.size(name)) for name in solve_for],
+            steady, [place[name] for name in accelerations], only_approach,
+        )  # fmt: skip
+        return end, steps, is_driven, {self.readings[i]: value for i, value in residual}
+
     def rest_forces(self) -> tuple[list[tuple[str, str, float, float, int]], bool, bool]:
         """Return what dry friction and hard limits have to do to keep the present pose at rest.
 

@@ -79,6 +79,39 @@ def test_conical_pendulum(spin: float, first: float, tmp_path: Path) -> None:
     assert (drift.kind, drift.names) == ("drifting", ["S.phi"])
 
 
+@pytest.mark.parametrize("excess", [1e-6, -1e-6, -0.3])
+@pytest.mark.parametrize("treatment", [None, "off"])
+def test_conical_pendulum_at_a_limit(excess: float, treatment: str | None) -> None:
+    """It swings out freely up to the tilt of equilibrium, and rests against a limit below it."""
+    spin = 5.0
+    free = math.acos(GRAVITY / (LENGTH * spin**2))
+    source = conical()
+    source["joints"]["H"]["limit"] = {"upper": free + excess}
+    found = gelenk.equilibrium(source, steady={"S.w": spin}, friction=treatment)
+    assert found.values["H.phi"] == pytest.approx(min(free, free + excess), abs=1e-11)
+    assert found.residual < 1e-9
+    run = gelenk.simulate(source, stop=0.5, tolerance=1e-10, parameters=start(found))
+    assert run["H.phi"][-1] == pytest.approx(found.values["H.phi"], abs=1e-8)
+
+
+@pytest.mark.parametrize(("friction", "moves"), [(3.0, False), (1e-3, True)])
+def test_friction_of_a_joint_at_rest_in_steady_motion(friction: float, moves: bool) -> None:
+    """At a tilt of 0.9 the hinge needs 0.6 N m at this speed; the shaft slips, and its motor carries it."""
+    source = conical()
+    source["joints"]["H"] |= {"start": {"phi": 0.9}, "friction": {"coulomb": friction}}
+    source["joints"]["S"]["friction"] = {"coulomb": 0.7}
+    arguments: dict[str, Any] = {"steady": {"S.w": 5.0}, "solve_for": "drive.tau"}
+    if moves:  # to the tilt where friction just suffices, at which no derivatives exist
+        with pytest.raises(gelenk.UsageError, match=r"joints\.H\.friction is between two modes"):
+            gelenk.equilibrium(source, **arguments)
+        return
+    found = gelenk.equilibrium(source, **arguments)
+    assert found.values["H.phi"] == 0.9
+    assert found.inputs["drive.tau"] == pytest.approx(0.7, rel=CLOSE)
+    run = gelenk.simulate(source, stop=0.5, inputs=found.inputs, parameters=start(found))
+    assert [run[name][-1] for name in ("H.phi", "S.w")] == pytest.approx([0.9, 5.0], rel=1e-9)
+
+
 def test_below_the_critical_spin_the_pendulum_hangs_down() -> None:
     """Below sqrt(g / l) only tilt 0 is steady."""
     found = steady(conical(), steady={"S.w": 3.0})

@@ -193,6 +193,71 @@ def test_trim_beyond_a_limit_is_refused() -> None:
     assert "do not hold this pose" in refusal(source, hold={"A.phi": 0.3})
 
 
+def arm_with_hand(limit: dict[str, float]) -> Scene:
+    """The drive turns the first of two pendulums; the second, with this limit, hangs from it."""
+    source = pendulum(0.5)
+    source["bodies"]["other"] = body(1.0, (0, -1, 0))
+    source["joints"]["B"] = joint(
+        "revolute", frame("bob", (0, -1, 0)), frame("other"), axis=[0, 0, 1], start={"phi": 0.8}, limit=limit
+    )
+    return source
+
+
+@pytest.mark.parametrize("excess", [-1e-6, 0.0, 1e-6, 0.7])
+def test_what_a_held_joint_carries_may_rest_against_its_limit(excess: float) -> None:
+    """The hand hangs vertically at -0.5, unless its limit holds it, whose moment the motor carries, too."""
+    source, bound = arm_with_hand({"lower": -0.5 + excess}), max(-0.5, -0.5 + excess)
+    found = gelenk.equilibrium(source, hold={"A.phi": 0.5}, solve_for="drive.tau")
+    contact = GRAVITY * math.sin(0.5 + bound)
+    assert found.values["A.phi"] == 0.5
+    assert found.values["B.phi"] == pytest.approx(bound, abs=POSITION)
+    assert found.inputs["drive.tau"] == pytest.approx(2 * GRAVITY * math.sin(0.5) + contact, rel=1e-9)
+    assert [*found.held] == (["B.phi"] if excess >= 0 else [])
+    if excess > 0:
+        assert found.held["B.phi"].contact == pytest.approx(contact, rel=1e-6)  # bounds within BOUND
+        alone = gelenk.equilibrium(source, hold={"A.phi": 0.5}, input_values=found.inputs)
+        assert alone.values["B.phi"] == pytest.approx(bound, abs=BOUND)
+        assert "do not hold this pose" in refusal(
+            source, hold={"A.phi": 0.5}, input_values={"drive.tau": found.inputs["drive.tau"] - 1e-6}
+        )
+
+
+@pytest.mark.parametrize("excess", [1e-6, 0.0, -1e-6])
+def test_values_to_hold_end_at_a_limit(excess: float) -> None:
+    """At the bound contact carries what pushes, unless an input is asked for; beyond it nothing is found."""
+    source = pendulum(0.5, limit={"lower": 0.3 + excess})
+    for solve_for in ((), ("drive.tau",)):
+        if excess > 0:
+            assert refusal(source, hold={"A.phi": 0.3}, solve_for=solve_for) == (
+                "no equilibrium within the hard limits: the one found has A.phi = 0.3 rad, beyond its lower "
+                "limit of 0.300001 rad"
+            )
+        elif solve_for or excess == 0:
+            found = gelenk.equilibrium(source, hold={"A.phi": 0.3}, solve_for=solve_for)
+            carried = found.inputs["drive.tau"] if solve_for else found.held["A.phi"].contact
+            assert carried == pytest.approx(GRAVITY * math.sin(0.3), rel=1e-12)
+        else:
+            assert "the given inputs do not hold this pose" in refusal(source, hold={"A.phi": 0.3})
+
+
+def test_a_pose_that_a_limit_in_the_loop_prevents_cannot_be_held() -> None:
+    """The crank reaches the angle at which its rocker meets the bound, but none beyond it."""
+    free = gelenk.equilibrium(four_bar(-1.0), hold={"A.phi": -0.8}, solve_for="drive.tau")
+    rocker = free.values["D.phi"]
+    before = gelenk.equilibrium(four_bar(-1.0), hold={"A.phi": -0.9}, solve_for="drive.tau").values["D.phi"]
+    side = "upper" if rocker > before else "lower"
+    source = four_bar(-1.0)
+    for bound, reached in ((rocker + 1e-6, True), (rocker - 1e-6, False)):
+        source["joints"]["D"]["limit"] = {side: bound if side == "upper" else 2 * rocker - bound}
+        if reached:
+            found = gelenk.equilibrium(source, hold={"A.phi": -0.8}, solve_for="drive.tau")
+            assert found.inputs == pytest.approx(free.inputs, rel=1e-9)
+        else:
+            assert refusal(source, hold={"A.phi": -0.8}, solve_for="drive.tau").startswith(
+                f"A.phi: the mechanism cannot be brought to the pose to hold: joints.D.limit.{side}: "
+            )
+
+
 @pytest.mark.parametrize("start", [0.1, 0.2, 0.3])
 def test_a_run_never_starts_outside(start: float, tmp_path: Path) -> None:
     """Start values beyond a limit are a guess like any other; an FMU starts there, too."""
