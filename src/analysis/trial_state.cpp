@@ -240,12 +240,12 @@ void TrialStates::differentiate(TrialState& at) {
   at.a = accelerations(at, at);
   at.velocity_jacobian = moved.block(mechanism_.nq, n, nv, m);
   at.coordinate_rates = at.velocity_jacobian(by.coordinates, Eigen::all);
-  const auto of_unknowns = [&, x = request.steady ? n + m : n](const MatrixXd& from) {
+  const Index x = request.steady ? n + m : n;
+  const auto of_unknowns = [&](const MatrixXd& from) {
     MatrixXd out(from.rows(), x + inputs);
     out << from.leftCols(x), from.rightCols(inputs);
     return out;
   };
-  const Index x = request.steady ? n + m : n;
   const auto outputs_moved = [&](const std::vector<int>& outputs) {
     return of_unknowns(derivatives_of(outputs, of_.outputs, sensitivity, along, moved));
   };
@@ -269,11 +269,15 @@ void TrialStates::differentiate(TrialState& at) {
   for (std::size_t i = 0; i < request.held.size(); ++i) {
     if (request.held[i].order == 1) at.hold_rows.row(static_cast<Index>(i)) *= time_;
   }
+  find_contact_rows(at);
+}
+
+void TrialStates::find_contact_rows(TrialState& at) {
   std::vector<int> held;
   for (int i = 0; i < locks(); ++i) {
     if (at.contacts[i] != 0 || sticks(i, at)) held.push_back(i);
   }
-  at.contact_rows.resize(static_cast<Index>(held.size()), x + inputs);
+  at.contact_rows.resize(static_cast<Index>(held.size()), at.sizes.size());
   at.contact_gaps.setZero(at.contact_rows.rows());
   for (Index row = 0; row < at.contact_gaps.size(); ++row) {
     const int lock = held[static_cast<std::size_t>(row)];

@@ -82,6 +82,7 @@ class TrialStates {
   void hold(const TrialState& at);
   void move_consistently(TrialState& at);
   void read(TrialState& at);
+  void find_contact_rows(TrialState& at);
   bool rests(int lock, const TrialState& at);
   std::vector<MotionLaw::Derivatives> targets(const TrialState& at) const;
   void unwrap_angles(int cut, std::vector<double>& cut_q) const;

@@ -89,8 +89,10 @@ struct Simulation::Impl {
   void report_moves();
   void make_islands();
   void find_independent();
-  void start_at_equilibrium();  // moves the start to an equilibrium (start_at_equilibrium.cpp)
+  void start_at_equilibrium();  // moves the start to an equilibrium
   Trim trim(const EquilibriumRequest& request);
+  Equilibrium found_from(const Island& island, const EquilibriumProblem& of,
+                         const std::vector<std::string>& coordinates) const;
   EquilibriumRequest part_of(const EquilibriumRequest& request, int island) const;
   std::vector<int> independent_accelerations(int island, EquilibriumRequest* request) const;
   EquilibriumProblem at_rest(const Island& island, const std::vector<MotionLaw::Derivatives>& targets) const;

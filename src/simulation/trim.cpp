@@ -64,6 +64,20 @@ std::vector<int> Simulation::Impl::independent_accelerations(int island, Equilib
   return out;
 }
 
+Equilibrium Simulation::Impl::found_from(const Island& island, const EquilibriumProblem& of,
+                                         const std::vector<std::string>& coordinates) const {
+  const double* q = island.reading().q;
+  const double* v = island.reading().v;
+  try {
+    return find_equilibrium(of, {q, q + of.mechanism.nq}, island.formulation().revolutions().coordinates(),
+                            {v, v + of.mechanism.nv});
+  } catch (const NotDifferentiablePoint& fault) {
+    throw NotDifferentiable(describe_undetermined(scene, fault, time, coordinates));
+  } catch (const SingularMass& fault) {
+    throw NotDifferentiable(describe_lost_inertia(time, fault.what()));
+  }
+}
+
 Trim Simulation::Impl::trim(const EquilibriumRequest& request) {
   Trim out;
   for (const EquilibriumRequest::Held& held : request.held) {
@@ -84,15 +98,7 @@ Trim Simulation::Impl::trim(const EquilibriumRequest& request) {
       of.request.accelerations = independent_accelerations(i, &of.request);
     }
     out.is_driven = out.is_driven || mechanism.driven();
-    const double* q = island.reading().q;
-    const double* v = island.reading().v;
-    try {
-      found.push_back(find_equilibrium(of, {q, q + mechanism.nq}, island.formulation().revolutions().coordinates(),
-                                       {v, v + mechanism.nv}));
-    } catch (const NotDifferentiablePoint& fault) {
-      throw NotDifferentiable(describe_undetermined(scene, fault, time, names_of_coordinates(i)));
-    }
-    const Equilibrium& here = found.back();
+    const Equilibrium& here = found.emplace_back(found_from(island, of, names_of_coordinates(i)));
     out.end = std::max(out.end, here.end);
     out.steps += here.steps;
     const std::vector<int> accelerations =
