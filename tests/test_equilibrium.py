@@ -109,17 +109,23 @@ def test_wrong_names_are_told(four_bar_by: Any) -> None:
         assert str(told_to_user.value) == sentence
 
 
-def test_an_fmu_without_a_scene_is_refused(four_bar_fmu: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize("content", [None, b"", b"\xff\xfe{", b'{"gelenk": 1, "bodies": ['])
+def test_an_fmu_without_a_readable_scene_is_refused(
+    content: bytes | None, four_bar_fmu: Path, tmp_path: Path
+) -> None:
     other = tmp_path / "other.fmu"
     with zipfile.ZipFile(four_bar_fmu) as old, zipfile.ZipFile(other, "w") as new:
         for name in old.namelist():
             if name != "resources/scene.json":
                 new.writestr(name, old.read(name))
-    with pytest.raises(gelenk.UsageError) as told_to_user:
+            elif content is not None:
+                new.writestr(name, content)
+    with pytest.raises(gelenk.SceneError if content is not None else gelenk.UsageError) as told_to_user:
         gelenk.equilibrium(other)
-    assert str(told_to_user.value) == (
-        f"{other}: found an FMU without a scene, expected one that Gelenk has exported"
-    )
+    if content is None:
+        assert str(told_to_user.value) == (
+            f"{other}: found an FMU without a scene, expected one that Gelenk has exported"
+        )
 
 
 def test_a_quaternion_is_not_held_by_its_numbers() -> None:

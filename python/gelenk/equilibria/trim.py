@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
@@ -189,12 +188,12 @@ def _plant_of(source: Mechanism) -> ScenePlant:
     """Return a scene, or that of an FMU, as a plant."""
     if isinstance(source, str | PathLike) and str(source).lower().endswith(".fmu"):
         try:
-            text = text_in(source, SCENE)
+            text = text_in(source, SCENE).decode("utf-8", "replace")
         except KeyError:
             raise UsageError(
                 f"{source}: found an FMU without a scene, expected one that Gelenk has exported"
             ) from None
-        source = load(json.loads(text))
+        source = load(f"{text}\n")  # a line break marks it as text
     plant = open_plant(source, ())
     assert isinstance(plant, ScenePlant)
     return plant
