@@ -83,6 +83,7 @@ def test_runs_of_shipped_scenes_start_at_the_equilibrium_found(path: Path) -> No
     assert_same({case.name: at_rest(case.source) for case in cases}, 0)
 
 
+@pytest.mark.thorough
 @warned.SINGULAR
 def test_runs_of_random_linkages_start_at_the_equilibrium_found() -> None:
     """Planar and spatial, at special positions, far from equilibrium; many have several equilibria."""

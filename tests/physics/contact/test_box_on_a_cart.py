@@ -12,6 +12,7 @@ from math import exp, inf
 import numpy as np
 import pytest
 from models.touching import SceneData, box_on_a_cart
+from samples import thorough_beyond
 from scipy.optimize import brentq
 
 import gelenk
@@ -110,7 +111,7 @@ def simulated(scene: SceneData, size: float, integrator: str, tolerance: float) 
     return np.array(courses), events
 
 
-@pytest.mark.parametrize("size", [3.0, 5.0, 20.0])
+@pytest.mark.parametrize("size", thorough_beyond([3.0, 5.0, 20.0], [5.0]))
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-8])
 @pytest.mark.parametrize("integrator", ["auto", "erk", "dirk", "cvode", "cvode-adams"])
 def test_to_the_tolerance(integrator: str, tolerance: float, size: float) -> None:

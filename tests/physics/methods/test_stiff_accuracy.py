@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 import warned
 from numpy.typing import NDArray
+from samples import thorough_beyond
 from scipy.integrate import solve_ivp
 
 import gelenk
@@ -96,7 +97,7 @@ CASES: dict[str, tuple[Callable[[], tuple[dict[str, Any], NDArray[np.float64]]],
 }
 
 
-@pytest.mark.parametrize("steps", [1, 10, 100, 1000])
+@pytest.mark.parametrize("steps", thorough_beyond([1, 10, 100, 1000], [10, 1000]))
 @pytest.mark.parametrize("case", CASES)
 def test_dirk_meets_its_tolerance_for_any_communication_step(case: str, steps: int) -> None:
     """An earlier version of the method had errors of up to 1e6 times the tolerance here,

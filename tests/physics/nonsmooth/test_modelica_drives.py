@@ -19,6 +19,7 @@ from models import modelica_vehicles as vehicles
 from models.drive_cases import INTEGRATORS, Case, different, run, truth_of
 from models.drive_trains import DriveTrain
 from models.running import assert_close
+from samples import thorough_beyond
 
 import gelenk
 
@@ -43,7 +44,7 @@ def truth(name: str) -> tuple[Array, DriveTrain]:
 
 
 @pytest.mark.filterwarnings("ignore:solver.tolerance")
-@pytest.mark.parametrize("tolerance", [1e-6, 1e-8, 1e-10])
+@pytest.mark.parametrize("tolerance", thorough_beyond([1e-6, 1e-8, 1e-10], [1e-8]))
 @pytest.mark.parametrize("integrator", INTEGRATORS)
 @pytest.mark.parametrize("name", CASES)
 def test_motions_agree_with_a_search_through_all_modes(name: str, integrator: str, tolerance: float) -> None:
