@@ -15,6 +15,8 @@ from pages import blocks, create_files, executed
 
 import gelenk
 
+pytestmark = pytest.mark.thorough
+
 
 @pytest.mark.usefixtures("empty_folder")
 @pytest.mark.filterwarnings("error::gelenk.OperatingPointWarning")

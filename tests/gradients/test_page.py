@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 from pages import executed
 
+pytestmark = pytest.mark.thorough
+
 
 @pytest.fixture(scope="module")
 def names(root: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:

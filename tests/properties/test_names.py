@@ -93,6 +93,7 @@ def test_name_is_preserved_or_refused_with_its_line(place: str, name: str, tmp_p
     assert _core.input_names(loaded._core) == [f"{name}.tau" if place == "motors" else "drive.tau"]
 
 
+@pytest.mark.thorough
 @examples(60)
 @given(name=TEXT | SHORT)
 @example(name="]]>")

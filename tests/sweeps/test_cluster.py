@@ -83,6 +83,7 @@ def test_a_killed_worker_loses_nothing(four_bar: gelenk.Scene, client: Any, shor
     assert killed
 
 
+@pytest.mark.thorough
 def test_a_local_cluster_is_made_for_the_sweep(four_bar: gelenk.Scene) -> None:
     found = gelenk.sweep(
         four_bar, {"crank.m": [0.9, 1.0]}, outputs={"A.w": "last"}, stop=0.01, cluster="local", workers=1

@@ -11,6 +11,8 @@ import numpy as np
 import pytest
 from pages import commands, create_files, executed, printed
 
+pytestmark = pytest.mark.thorough
+
 LENGTHS = np.array([0.5, 1.75, 1.5, 2.0])  # m: crank, coupler, rocker, frame
 DEVIATION = 0.0002  # m
 

@@ -79,6 +79,7 @@ def test_a_complete_store_is_read_without_a_run(
     assert same(made(four_bar, tmp_path), first)
 
 
+@pytest.mark.thorough
 def test_a_process_that_is_killed_leaves_whole_parts(four_bar_file: Path, tmp_path: Path) -> None:
     store = tmp_path / "store"
     code = f"""

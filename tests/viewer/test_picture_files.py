@@ -25,45 +25,52 @@ def page(root: Path) -> gelenk.View:
     return gelenk.view(root / "scenes" / "four_bar.yaml", stop=5.0, inputs={"drive.tau": 3.0})
 
 
+def opened(file: Path) -> tuple[str | None, tuple[int, int]]:
+    """The format and the size of a picture."""
+    with Image.open(file) as picture:
+        return picture.format, picture.size
+
+
 def command(*arguments: object) -> Any:
     return CliRunner().invoke(app, ["view", *map(str, arguments)])
 
 
 def test_a_film_shows_the_frames_of_the_run(page: gelenk.View, tmp_path: Path) -> None:
     """Decoded frames have the colors painted but for the palette, whose steps are about 16 of 255."""
-    film = Image.open(page.save(tmp_path / "film.gif", size=SIZE, span=(1.0, 3.0), frame_rate=10))
     painter = Painter(page._data, PictureOptions(size=SIZE))
     durations = []
-    for k, shown in enumerate(ImageSequence.Iterator(film)):
-        durations.append(shown.info["duration"])
-        expected = np.asarray(painter.frame(1.0 + 0.1 * k), float)
-        assert np.abs(np.asarray(shown.convert("RGB"), float) - expected).max() < 40
-        other = np.asarray(painter.frame(1.0 + 0.1 * k + 0.05), float)
-        assert np.abs(np.asarray(shown.convert("RGB"), float) - other).max() > 60
+    file = page.save(tmp_path / "film.gif", size=SIZE, span=(1.0, 3.0), frame_rate=10)
+    with Image.open(file) as film:
+        for k, shown in enumerate(ImageSequence.Iterator(film)):
+            durations.append(shown.info["duration"])
+            expected = np.asarray(painter.frame(1.0 + 0.1 * k), float)
+            assert np.abs(np.asarray(shown.convert("RGB"), float) - expected).max() < 40
+            other = np.asarray(painter.frame(1.0 + 0.1 * k + 0.05), float)
+            assert np.abs(np.asarray(shown.convert("RGB"), float) - other).max() > 60
+        assert film.info["loop"] == 0
     assert durations == [100] * 20 + [700]  # 2 s, and a pause
-    assert film.info["loop"] == 0
 
 
 @pytest.mark.thorough
 def test_films_are_small(page: gelenk.View, tmp_path: Path) -> None:
     """5 s with the default choices; every body moves."""
     file = page.save(tmp_path / "film.gif")
-    film = Image.open(file)
-    assert film.size == FILM_SIZE
-    assert film.n_frames == 101  # type: ignore[attr-defined]
+    with Image.open(file) as film:
+        assert film.size == FILM_SIZE
+        assert film.n_frames == 101  # type: ignore[attr-defined]
     assert file.stat().st_size < 450e3
 
 
 def test_a_mechanism_at_rest_is_a_film_that_can_be_shown(four_bar: gelenk.Scene, tmp_path: Path) -> None:
-    film = Image.open(gelenk.view(four_bar, stop=0.0).save(tmp_path / "film.gif", size=SIZE))
-    assert film.size == SIZE
+    file = gelenk.view(four_bar, stop=0.0).save(tmp_path / "film.gif", size=SIZE)
+    assert opened(file) == ("GIF", SIZE)
 
 
 def test_a_still_picture_shows_the_first_time(page: gelenk.View, tmp_path: Path) -> None:
     painter = Painter(page._data, PictureOptions(size=SIZE))
     found = Image.open(page.save(tmp_path / "x.png", size=SIZE, span=(2.5, 2.5)))
     assert (np.asarray(found) == np.asarray(painter.frame(2.5))).all()
-    assert Image.open(page.save(tmp_path / "y.png")).size == STILL_SIZE
+    assert opened(page.save(tmp_path / "y.png")) == ("PNG", STILL_SIZE)
 
 
 @pytest.mark.parametrize("duration", [1e-4, 0.03, 1.0, 2.0, 5.0, 10.0, 10.1, 60.0, 1e5])
@@ -113,10 +120,11 @@ def test_command(four_bar_file: Path, tmp_path: Path) -> None:
     )  # fmt: skip
     assert done.exit_code == 0, done.output
     assert [line.split(":")[0] for line in done.output.splitlines()] == [str(html), str(png), str(gif)]
-    assert Image.open(png).size == Image.open(gif).size == SIZE
+    assert opened(png) == ("PNG", SIZE)
+    assert opened(gif) == ("GIF", SIZE)
     assert html.read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
     assert command(four_bar_file, "--stop", "0.2", "-o", tmp_path / "y.PNG").exit_code == 0
-    assert Image.open(tmp_path / "y.PNG").format == "PNG"
+    assert opened(tmp_path / "y.PNG") == ("PNG", STILL_SIZE)
 
 
 @pytest.mark.parametrize(
