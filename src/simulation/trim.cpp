@@ -54,12 +54,12 @@ EquilibriumRequest Simulation::Impl::part_of(const EquilibriumRequest& request, 
 // The outputs of the accelerations that an island's independent velocities have; request: to be held at 0, too.
 std::vector<int> Simulation::Impl::independent_accelerations(int island, EquilibriumRequest* request) const {
   std::vector<int> out;
-  for (const StateVariable& state : states) {
-    const Signal& signal = outputs[static_cast<std::size_t>(state.output)];
-    if (signal.level != 1 || readings->island(state.output) != island) continue;
-    out.push_back(state.derivative);
+  for (const int state : states) {
+    const Signal& signal = outputs[static_cast<std::size_t>(state)];
+    if (signal.level != 1 || readings->island(state) != island) continue;
+    out.push_back(signal.derivative);
     if (request == nullptr) continue;
-    request->held.push_back({state.output, 0, signal.joint, signal.component, 1});
+    request->held.push_back({state, 0, signal.joint, signal.component, 1});
   }
   return out;
 }
