@@ -129,4 +129,5 @@ def test_what_depends_on_the_kinds_of_forces_is_compiled_apart() -> None:
         "element/registry.cpp",
         "outputs/outputs.cpp",
         "outputs/outputs_dual.cpp",
+        "outputs/wrenches.cpp",
     }

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""CONTRIBUTING.md's recipes, followed: one header and one name make a joint, a force, a sensor.
+"""CONTRIBUTING.md's recipes, followed: one header and one name make a joint, a force, a sensor, a shape.
 
 The headers of tests/recipes are put into a copy of the sources. All that reads, writes and describes scenes
 is built and run with them; of the equations of motion, the files that see every kind are compiled without
@@ -22,6 +22,7 @@ from pathlib import Path
 from typing import Any
 
 import jsonschema
+import numpy as np
 import pytest
 
 pytestmark = pytest.mark.study
@@ -31,14 +32,27 @@ RECIPES = Path(__file__).parent / "recipes"
 ADDED = {
     "dial": ("Dial", "AnyJoint"),
     "servo": ("Servo", "AnyMotor"),
-    "pull": ("Pull", "AnyForce"),
+    "magnet": ("Magnet", "AnyForce"),
     "belt": ("Belt", "AnyConstraint"),
     "sleeve": ("Sleeve", "AnyConstraint"),
     "height": ("Height", "AnySensor"),
     "preload": ("std::optional<Preload>", "JointForces"),
+    "ellipsoid": ("Ellipsoid", "AnyShape"),
 }
-BUILT = ("util", "field", "math", "shape", "joint", "element", "scene", "check", "scene_file", "scene_schema")
-NOT_BUILT = ("yaml.cpp", "rod.cpp")  # of no use to JSON and to scenes
+ROOMS = {
+    "AnyJoint": "joint", "AnyMotor": "element/motors", "AnyForce": "element/forces",
+    "AnyConstraint": "element/constraints", "AnySensor": "element/sensors", "JointForces": "element/joint_forces",
+    "AnyShape": "shape",
+}  # fmt: skip
+BUILT = (
+    "util", "field", "math", "shape", "joint", "element", "scene", "check", "scene_file", "scene_schema",
+    "mechanism",
+)  # fmt: skip
+NOT_BUILT = ("yaml.cpp",)  # of no use to JSON
+# Of the rooms above, what says which forces act on bodies.
+SAYING_FORCES = (
+    "kinematics/forces_by_kind.cpp", "kinematics/loads.cpp", "preparation/loads.cpp", "outputs/port_readings.cpp", "outputs/wrenches.cpp",
+)  # fmt: skip
 LAYOUT = ("test_sizes.py", "test_layout.py", "test_folders.py")
 # These see every joint, force, constraint, sensor and motor there is.
 KERNELS = (
@@ -51,7 +65,10 @@ KERNELS = (
 )
 SCENE: dict[str, Any] = {
     "gelenk": 1,
-    "bodies": {name: {"mass": 1, "inertia": [1, 1, 1]} for name in ("hand", "wheel", "bead")},
+    "bodies": {
+        **{name: {"mass": 1, "inertia": [1, 1, 1]} for name in ("hand", "wheel")},
+        "bead": {"mass": {"density": 1}, "shapes": {"egg": {"ellipsoid": [1, 2, 3]}}},
+    },
     "joints": {
         "A": {"type": "dial", "parent": "ground", "child": "hand", "ratio": 2, "preload": {"size": 3},
               "stop": {"upper": 1, "stiffness": 100}},
@@ -60,7 +77,9 @@ SCENE: dict[str, Any] = {
     },
     "motors": {"turn": {"type": "servo", "joint": "A", "gain": 5}},
     "forces": {
-        "rope": {"type": "pull", "from": {"body": "ground", "position": [0, 0, 1]}, "to": "bead", "size": 7}
+        "rope": {
+            "type": "magnet", "from": {"body": "ground", "position": [0, 0, 2]}, "to": "bead", "strength": 28,
+        }
     },
     "constraints": {
         "band": {"type": "belt", "joint": "A", "with": "B", "radius": 0.1, "other_radius": 0.2},
@@ -91,7 +110,7 @@ class Tree:
     command: list[str]
 
     def add(self, header: Path, kind: str, lists: str) -> None:
-        room = header.parent.relative_to(RECIPES)
+        room = ROOMS[lists]
         shutil.copy(header, self.folder / "src" / room)
         registry = self.folder / "src" / room / "registry.h"
         text = extended(registry.read_text("utf-8"), kind, lists, f"{room}/{header.name}")
@@ -111,6 +130,9 @@ class Tree:
             ]
             sources.append(self.folder / f"{room}.cpp")
             sources[-1].write_text("".join(f'#include "{path}"\n' for path in files))
+        for name in SAYING_FORCES:
+            sources.append(self.folder / name.replace("/", "_"))
+            sources[-1].write_text(f'#include "{name}"\n')
         objects = [f"{p.stem}.o" for p in sources]
         calls = [("-c", str(p), "-o", o) for p, o in zip(sources, objects, strict=True)]
         with ThreadPoolExecutor(min(2, os.cpu_count() or 1)) as pool:
@@ -197,7 +219,7 @@ def test_new_kinds_have_signals_with_units(told: dict[str, Any]) -> None:
 def test_numbers_of_new_kinds_are_parameters_with_units(told: dict[str, Any]) -> None:
     units = {name: unit for name, (unit, _) in told["settable"].items()}
     expected = {
-        "A.ratio": "1", "A.preload.size": "N.m", "turn.gain": "N.m/rad", "rope.size": "N",
+        "A.ratio": "1", "A.preload.size": "N.m", "turn.gain": "N.m/rad", "rope.strength": "N.m2",
         "band.radius": "m", "band.other_radius": "m",
     }  # fmt: skip
     assert {name: units.get(name) for name in expected} == expected
@@ -221,7 +243,7 @@ def test_schema_knows_new_kinds(told: dict[str, Any]) -> None:
         ("joints", "A", {"ratio": 0}, "joints.A.ratio: found 0"),
         ("joints", "C", {"preload": {"size": 1}}, "has more than one degree of freedom"),
         ("motors", "turn", {"gain": -5}, "motors.turn.gain: found -5 N m/rad"),
-        ("forces", "rope", {"size": "strong"}, "forces.rope.size: found 'strong', expected a number in N"),
+        ("forces", "rope", {"strength": "2"}, "forces.rope.strength: found '2', expected a number in N m2"),
         ("constraints", "band", {"with": "C"}, "constraints.band.with"),
         ("sensors", "level", {"pose": 1}, "sensors.level.pose"),
     ],
@@ -232,6 +254,26 @@ def test_faults_of_new_kinds_are_told(
     wrong = json.loads(json.dumps(SCENE))
     wrong[section][name].update(fields)
     assert says in built.told(wrong).replace('"', "'")
+
+
+def test_new_forces_have_arrows(told: dict[str, Any]) -> None:
+    """28 / 2^2 N towards the pole above; on a dial of the ratio 2 half of the effort."""
+    found = {name: rest for name, *rest in told["wrenches"]}
+    assert found["rope"] == ["bead", [0, 0, 7], [0, 0, 0]]
+    assert found["A.preload"] == ["hand", [0, 0, 0], [0, 0, 1.5]]
+    assert found["turn"] == ["hand", [0, 0, 0], [0, 0, 0]]  # at the angle that is wanted
+
+
+def test_new_shapes_are_drawn_and_have_mass(told: dict[str, Any]) -> None:
+    """By points on the surface, the outermost among them, whose hull has nearly the volume 4/3 pi 1 2 3."""
+    egg = told["drawings"]["egg"]
+    points, triangles = np.array(egg["points"]), np.array(egg["triangles"])
+    assert np.sum((points / [1, 2, 3]) ** 2, axis=1) == pytest.approx(1, rel=1e-12)
+    assert np.abs(points).max(axis=0) == pytest.approx([1, 2, 3])
+    a, b, c = (points[triangles[:, k]] for k in range(3))
+    volume = np.einsum("ij,ij->", a, np.cross(b, c)) / 6
+    assert 0.85 * 8 * np.pi < volume < 8 * np.pi
+    assert told["scene"]["bodies"]["bead"]["mass"] == pytest.approx(8 * np.pi)
 
 
 @pytest.mark.parametrize("source", KERNELS)
@@ -250,9 +292,8 @@ def test_the_layout_permits_new_kinds(tree: Tree) -> None:
 def test_the_check_sees_a_kind_that_the_equations_cannot_take(root: Path, tmp_path: Path) -> None:
     """A force that acts by a number it has not: a template, which only its use looks at."""
     lacking = copied(root, tmp_path)
-    (tmp_path / "element").mkdir()
-    header = tmp_path / "element" / "pull.h"
-    text = (RECIPES / "element" / "pull.h").read_text("utf-8")
+    header = tmp_path / "magnet.h"
+    text = (RECIPES / "element" / "forces" / "magnet.h").read_text("utf-8")
     header.write_text(text.replace("at[0].push(f)", "at[0].pushed(f)"), "utf-8")
-    lacking.add(header, *ADDED["pull"])
-    assert "pushed" in lacking.compile("-fsyntax-only", "src/kinematics/load_kernels.cpp")
+    lacking.add(header, *ADDED["magnet"])
+    assert "pushed" in lacking.compile("-fsyntax-only", "src/kinematics/forces_by_kind.cpp")

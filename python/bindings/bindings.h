@@ -12,6 +12,7 @@ void bind_scene(nanobind::module_& m);
 void bind_parameters(nanobind::module_& m);
 void bind_signals(nanobind::module_& m);
 void bind_simulation(nanobind::module_& m);
+void bind_pictures(nanobind::module_& m);
 void bind_inspection(nanobind::module_& m);
 void bind_assemblies(nanobind::module_& m);
 void bind_fmu(nanobind::module_& m);

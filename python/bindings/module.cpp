@@ -7,6 +7,7 @@ NB_MODULE(_core, m) {
   gelenk::bind_scene(m);
   gelenk::bind_parameters(m);
   gelenk::bind_simulation(m);
+  gelenk::bind_pictures(m);
   gelenk::bind_inspection(m);
   gelenk::bind_assemblies(m);
   gelenk::bind_fmu(m);

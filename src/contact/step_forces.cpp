@@ -18,6 +18,8 @@ constexpr double missed_tolerances = 10;
 // five digits of how the light one does, so that no later step finds its impulses either. Below it, what solvers miss
 // is shown by their residual.
 constexpr double hiding_ratio = 1e11;
+// Gap up to which the force of the last step is still said to act at a point, relative to the smallest shape.
+constexpr double near_fraction = 0.1;
 
 }  // namespace
 
@@ -83,6 +85,17 @@ void TimeStepper::remember(double h) {
 void TimeStepper::forget() {
   state_.contacts.clear();
   std::ranges::fill(state_.locks, LockForces{});
+}
+
+std::vector<ContactForce> TimeStepper::forces() {
+  double reach = std::numeric_limits<double>::infinity();
+  for (const LinkShape& shape : mechanism_.shapes) reach = std::min(reach, near_fraction * size_of(*shape.is));
+  std::vector<ContactForce> out;
+  for (const TouchPoint& point : finder_.find(dynamics_.readings(), 0, 0, reach)) {
+    if (const RememberedContact* const of = state_.find(point))
+      out.push_back({point.contact, point.a, point.b, point.p, of->force, of->moment, point.normal.dot(of->force)});
+  }
+  return out;
 }
 
 double TimeStepper::gap(int contact) {

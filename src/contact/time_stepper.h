@@ -57,6 +57,8 @@ class TimeStepper final : public ContactReadings {
   Eigen::Vector3d force(int contact) const override { return state_.sums[static_cast<std::size_t>(contact)].force; }
   int mode(int contact) const override { return state_.sums[static_cast<std::size_t>(contact)].mode; }
   double gap(int contact) override;
+  // Of the points of the last step that are still near each other.
+  std::vector<ContactForce> forces() override;
 
   // How the cone problems of the communication step have been solved.
   struct Solved {

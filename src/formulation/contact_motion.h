@@ -75,6 +75,7 @@ class ContactMotion final : public ImpulseEquations {
     Eigen::Vector3d force(int contact) const override { return present().force(contact); }
     int mode(int contact) const override { return present().mode(contact); }
     double gap(int contact) override { return present().gap(contact); }
+    std::vector<ContactForce> forces() override { return present().forces(); }
 
    private:
     ContactReadings& present() const;

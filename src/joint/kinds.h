@@ -40,6 +40,8 @@ const void* data_of(const AnyJoint& joint);
 // Pose of the joint's frame M in F, and the rates of its coordinates at the velocities v; in the joint's canonical
 // frames.
 Pose3 pose_across(const AnyJoint& joint, const double* q);
+// A force on M at its origin, in the axes of M, with the generalized forces tau on the coordinates q.
+Spatial::Force force_along(const AnyJoint& joint, const double* q, const double* tau);
 void coordinate_rates(const AnyJoint& joint, const double* q, const double* v, double* qdot);
 
 // Returns the joint as a joint of the spanning tree; reversed: F is on the outer body. Joints that are reversed by

@@ -98,6 +98,10 @@ Pose3 pose_across(const AnyJoint& joint, const double* q) {
   return std::visit([&](const auto& j) { return j.template X_FM<Spatial>(q); }, joint);
 }
 
+Spatial::Force force_along(const AnyJoint& joint, const double* q, const double* tau) {
+  return std::visit([&](const auto& j) { return j.template wrench_from_tau<Spatial>(q, tau); }, joint);
+}
+
 void coordinate_rates(const AnyJoint& joint, const double* q, const double* v, double* qdot) {
   std::visit([&](const auto& j) { j.qdot_from_v(q, v, qdot); }, joint);
 }

@@ -46,27 +46,7 @@ struct PortAt {
 };
 
 // A port with derivatives.
-struct DualPort {
-  using Vector = Vector3<Dual>;
-  Vector at{Vector::Zero()}, rate{Vector::Zero()}, angular_rate{Vector::Zero()};
-  Matrix3<Dual> R{Matrix3<Dual>::Zero()};
-  Matrix3<Dual> R_0W{Matrix3<Dual>::Zero()};
-  Vector f{Vector::Zero()}, n{Vector::Zero()};
-
-  const Vector& p() const { return at; }
-  const Vector& v() const { return rate; }
-  const Vector& w() const { return angular_rate; }
-  Vector turned(const Vector& x) const { return R * x; }
-  Vector own(const Vector& x) const { return R.transpose() * x; }
-  Vector from_world(const Vector& x) const { return R_0W * x; }
-
-  void push(const Vector& force) { f += force; }
-  void push(const Vector& force, const Vector& torque) {
-    f += force;
-    n += torque;
-  }
-  void push_along(const Vector& force, const Vector& torque) { push(R * force, R * torque); }
-};
+using DualPort = RecordingPort<Dual>;
 
 // The port at rest, with zero derivatives.
 template <class A>

@@ -7,22 +7,6 @@
 #include "util/stored_impl.h"
 
 namespace gelenk {
-namespace {
-
-// Ports at which only some of what element/forces/force.h lists is known.
-struct PortPlace {
-  Eigen::Vector3d at = Eigen::Vector3d::Zero();
-  const Eigen::Vector3d& p() const { return at; }
-};
-struct ImmobilePort {
-  Pose3 X_WP;
-  const Eigen::Vector3d& p() const { return X_WP.p; }
-  Eigen::Vector3d turned(const Eigen::Vector3d& x) const { return X_WP.R * x; }
-  Eigen::Vector3d own(const Eigen::Vector3d& x) const { return X_WP.R.transpose() * x; }
-  Eigen::Vector3d from_world(const Eigen::Vector3d& x) const { return x; }
-};
-
-}  // namespace
 
 template class Stored<PlacedForces>;
 
@@ -67,7 +51,7 @@ int undefined_force(const PlacedForces& forces, const Readings<double>& at) {
   int found = -1;
   each_list(forces.lists, [&](const auto& list) {
     for (const auto& force : list) {
-      std::array<PortPlace, std::decay_t<decltype(force)>::ports> ports;
+      std::array<RecordingPort<double>, std::decay_t<decltype(force)>::ports> ports;
       for (std::size_t k = 0; k < ports.size(); ++k) {
         ports[k].at = at.link_pose(force.at[k].link).point(force.at[k].p);
       }
@@ -80,8 +64,8 @@ int undefined_force(const PlacedForces& forces, const Readings<double>& at) {
 }
 
 double energy_at(const AnyForce& force, std::span<const Pose3> X_WP) {
-  std::vector<ImmobilePort> at;
-  for (const Pose3& X : X_WP) at.push_back({X});
+  std::vector<RecordingPort<double>> at;
+  for (const Pose3& X : X_WP) at.push_back({.at = X.p, .R = X.R, .R_0W = Eigen::Matrix3d::Identity()});
   return std::visit(
       [&](const auto& element) -> double {
         if constexpr (requires { element.template energy<double>(at.data()); }) {

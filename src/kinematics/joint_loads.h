@@ -24,6 +24,7 @@ struct AlongCoordinate {
   double sign = 1;
   int input = 0;                  // index of its first input in the scene
   int joint = -1, component = 0;  // joint of the scene, and which of its coordinates
+  int motor = -1;                 // of the scene; -1: the element is one of the joint
 
   // Generalized force [N m, N], in the mechanism's sign. u: all inputs of the scene.
   template <class T>

@@ -82,8 +82,8 @@ T Outputs::force_value(const Source& source, const Readings<T>* dynamics) const 
         using F = std::decay_t<decltype(force)>;
         if constexpr (requires { F::outputs; }) {
           const SeenPorts<T> seen(force_ports_[i], reduced_, dynamics);
-          std::array<SeenPort<T>, std::size(F::ports)> at;
-          for (std::size_t k = 0; k < at.size(); ++k) at[k] = {seen.frame(static_cast<int>(k))};
+          std::array<RecordingPort<T>, std::size(F::ports)> at;
+          for (std::size_t k = 0; k < at.size(); ++k) at[k] = seen.port(static_cast<int>(k));
           return force.template output<T>(at.data(), source.group);
         }
         return T(0);

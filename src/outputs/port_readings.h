@@ -8,6 +8,7 @@
 
 #include "dynamics/dynamics.h"
 #include "element/constraints/constraint.h"
+#include "element/forces/force.h"
 #include "element/sensors/sensor.h"
 #include "math/pose_in.h"
 #include "mechanism/mechanism.h"
@@ -65,6 +66,11 @@ class SeenPorts {
     const auto V = at.rod >= 0 ? dynamics_->rod_velocity(at.rod) : dynamics_->link_velocity(at.link);
     return {X_0L * X_LP, X_0L.R * (V.v + V.w.cross(X_LP.p)), X_0L.R * V.w};
   }
+  // As a port of a force (element/force.h).
+  RecordingPort<T> port(int k) const {
+    const SeenFrame<T> seen = frame(k);
+    return {seen.X_0P.p, seen.v, seen.w, seen.X_0P.R, X_W0().R.transpose()};
+  }
   Pose X_W0() const {
     if (dynamics_ == nullptr) return {};
     return pose_in<SpatialAlgebra<T>>(reduced_.islands[static_cast<std::size_t>(places_.island)].X_W0);
@@ -87,18 +93,6 @@ class SeenPorts {
   const PortPlaces& places_;
   const ReducedScene& reduced_;
   const Readings<T>* dynamics_;
-};
-
-// A port of a force (element/forces/force.h), for its outputs.
-template <class T>
-struct SeenPort {
-  SeenFrame<T> frame;
-
-  const Vector3<T>& p() const { return frame.X_0P.p; }
-  const Vector3<T>& v() const { return frame.v; }
-  const Vector3<T>& w() const { return frame.w; }
-  Vector3<T> turned(const Vector3<T>& x) const { return frame.X_0P.R * x; }
-  Vector3<T> own(const Vector3<T>& x) const { return frame.X_0P.R.transpose() * x; }
 };
 
 // Energy of the mechanism, or of a part of it.

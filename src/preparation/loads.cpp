@@ -78,7 +78,8 @@ struct LoadCollector {
     return place.role == JointPlace::Role::cut ? &loads.cuts[place.index] : &loads.tree;
   }
 
-  void motor(const Motor& motor, int input) {
+  void motor(int m, int input) {
+    const Motor& motor = scene.motors[m];
     const JointPlace& place = reduced.joints[joint_number.at(motor.joints.front())];
     JointLoads* const to = along(place);
     if (to == nullptr) return;
@@ -86,7 +87,10 @@ struct LoadCollector {
     for (int i = 0; i < input_count(*motor.is); ++i) loads.inputs.push_back(input + i);
     const bool cut = place.role == JointPlace::Role::cut;
     std::visit(
-        [&](const auto& element) { add(*to, element, place, cut, 0, input, joint_number.at(motor.joints.front())); },
+        [&]<class E>(const E& element) {
+          add(*to, element, place, cut, 0, input, joint_number.at(motor.joints.front()));
+          std::get<std::vector<AlongCoordinate<E>>>(to->lists).back().motor = m;
+        },
         *motor.is);
     if (!cut) loads.added_inertia[place.iv] += inertia_of(*motor.is);
   }
@@ -183,7 +187,7 @@ void LoadAssembler::fill(std::vector<Loads>& loads) const {
   LoadCollector collector{scene_, reduced_, body_number_, joint_number_, loads};
   collector.prepare();
   for (std::size_t m = 0; m < scene_.motors.size(); ++m)
-    collector.motor(scene_.motors[m], inputs_[sections::motors][m]);
+    collector.motor(static_cast<int>(m), inputs_[sections::motors][m]);
   for (int j = 0; j < static_cast<int>(scene_.joints.size()); ++j)
     collector.joint(j, inputs_.back()[static_cast<std::size_t>(j)]);
   for (std::size_t f = 0; f < scene_.forces.size(); ++f) {

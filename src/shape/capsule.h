@@ -43,6 +43,10 @@ struct Capsule {
     const Eigen::Vector3d end(0, 0, d.z() < 0 ? -length / 2 : length / 2);
     return n > 0 ? Eigen::Vector3d(end + radius / n * d) : Eigen::Vector3d(0, 0, length / 2 + radius);
   }
+  Drawing drawn(double) const {
+    const Eigen::Vector3d end(0, 0, length / 2);
+    return {.balls = {{-end, radius}, {end, radius}}, .tubes = {{-end, end, radius}}};
+  }
   double size() const { return length + 2 * radius; }
   Aabb bounds(const Pose3& X_WS) const {
     const Eigen::Vector3d reach = (length / 2 * X_WS.R.col(2)).cwiseAbs().array() + radius;

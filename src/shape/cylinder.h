@@ -38,6 +38,10 @@ struct Cylinder {
     return across > 0 ? Eigen::Vector3d(radius * (d.x() / across), radius * (d.y() / across), z)
                       : Eigen::Vector3d(radius, 0, z);
   }
+  Drawing drawn(double) const {
+    const Eigen::Vector3d end(0, 0, length / 2);
+    return {.tubes = {{-end, end, radius}}};
+  }
   double size() const { return std::hypot(2 * radius, length); }
   Aabb bounds(const Pose3& X_WS) const {
     // A disk with the axis a reaches r sqrt(1 - a_i^2) along axis i, which is the length of the other two components of

@@ -11,6 +11,8 @@ std::vector<Eigen::Vector3d> tetrahedron() {
   return {Eigen::Vector3d::Zero(), Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY(), Eigen::Vector3d::UnitZ()};
 }
 
+}  // namespace
+
 std::vector<Triangle> triangles_of(const Polyhedron& solid) {
   std::vector<Triangle> out;
   for (std::size_t f = 0; f < solid.faces.size(); ++f) {
@@ -19,8 +21,6 @@ std::vector<Triangle> triangles_of(const Polyhedron& solid) {
   }
   return out;
 }
-
-}  // namespace
 
 Hull::Hull() : Hull(tetrahedron()) {}
 

@@ -27,6 +27,7 @@ struct Hull {
   Eigen::Vector3d support(const Eigen::Vector3d& d) const {
     return polyhedron().vertices[static_cast<std::size_t>(polyhedron().farthest(d))];
   }
+  Drawing drawn(double) const { return {.points = polyhedron().vertices}; }
   double size() const { return data_->size; }
   Aabb bounds(const Pose3& X_WS) const;
 

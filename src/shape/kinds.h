@@ -53,6 +53,8 @@ std::optional<MassProperties> mass_properties(const AnyShape& shape);
 std::optional<Eigen::Vector3d> support(const AnyShape& shape, const Eigen::Vector3d& d);
 // Diameter of a sphere that contains the shape [m]; infinite for an unbounded shape.
 double size_of(const AnyShape& shape);
+// What is drawn of the shape, with triangles; extent [m]: of a piece of an unbounded shape.
+Drawing drawing_of(const AnyShape& shape, double extent);
 // Smallest axis-aligned box in W that contains the shape.
 Aabb bounds(const AnyShape& shape, const Pose3& X_WS);
 

@@ -28,6 +28,7 @@ struct Mesh {
 
   const MassProperties& mass_properties() const { return data_->mass; }
   Eigen::Vector3d support(const Eigen::Vector3d& d) const { return hull().support(d); }
+  Drawing drawn(double) const { return {.points = points(), .triangles = triangles()}; }
   double size() const { return hull().size(); }
   Aabb bounds(const Pose3& X_WS) const { return hull().bounds(X_WS); }
 

@@ -13,6 +13,17 @@ struct Plane {
 
   static std::span<const Field> fields() { return {}; }
 
+  // A square slab below the surface.
+  static Drawing drawn(double extent) {
+    Drawing out;
+    for (const double x : {-0.5, 0.5}) {
+      for (const double y : {-0.5, 0.5}) {
+        for (const double z : {-0.01, 0.0}) out.points.emplace_back(extent * Eigen::Vector3d(x, y, z));
+      }
+    }
+    return out;
+  }
+
   // Bounded only by its surface, if that is normal to an axis of W.
   static Aabb bounds(const Pose3& X_WS) {
     Aabb out;

@@ -48,6 +48,9 @@ struct Polyhedron {
 // finite.
 Polyhedron convex_hull(std::span<const Eigen::Vector3d> points);
 
+// Triangles of its faces between its vertices.
+std::vector<Triangle> triangles_of(const Polyhedron& solid);
+
 // Returns the mass properties of the solid within a closed surface of triangles, exact to within rounding errors
 // (integration over tetrahedra). Throws std::invalid_argument with a sentence if the surface is not closed or its
 // triangles are not all counterclockwise as seen from outside.

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
+#include <numbers>
 #include <utility>
 
 #include "util/stored_impl.h"
@@ -39,6 +41,22 @@ AnyShape make_nth(std::size_t n, const std::variant<S...>*) {
   using Make = AnyShape (*)();
   static constexpr std::array<Make, sizeof...(S)> makers = {[] { return AnyShape(S{}); }...};
   return makers.at(n)();
+}
+
+// Points farthest in directions all around, every 7.5 degrees about z and 30 degrees towards it.
+std::vector<Eigen::Vector3d> outermost_points(const AnyShape& shape) {
+  constexpr int around = 48, across = 6;
+  constexpr double pi = std::numbers::pi;
+  std::vector<Eigen::Vector3d> out;
+  for (int j = 0; j <= across; ++j) {
+    const double height = pi * (static_cast<double>(j) / across - 0.5);
+    for (int i = 0; i < around; ++i) {
+      const double turn = 2 * pi * i / around;
+      out.push_back(
+          *support(shape, {std::cos(turn) * std::cos(height), std::sin(turn) * std::cos(height), std::sin(height)}));
+    }
+  }
+  return out;
 }
 
 }  // namespace
@@ -126,6 +144,22 @@ double size_of(const AnyShape& shape) {
         return std::numeric_limits<double>::infinity();
       },
       shape);
+}
+
+Drawing drawing_of(const AnyShape& shape, double extent) {
+  Drawing out = std::visit(
+      [&](const auto& s) -> Drawing {
+        if constexpr (requires { s.drawn(extent); }) return s.drawn(extent);
+        return {};
+      },
+      shape);
+  const bool is_empty = out.balls.empty() && out.tubes.empty() && out.points.empty();
+  if (is_empty && kind_of(shape).bounded) out.points = outermost_points(shape);
+  if (!out.triangles.empty() || out.points.empty()) return out;
+  Polyhedron hull = convex_hull(out.points);
+  out.triangles = triangles_of(hull);
+  out.points = std::move(hull.vertices);
+  return out;
 }
 
 Aabb bounds(const AnyShape& shape, const Pose3& X_WS) {

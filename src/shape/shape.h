@@ -9,6 +9,8 @@
 //   size()               diameter of a sphere about the middle of the shape that contains it [m]; the length to which
 //                        tolerances refer
 //   fault()              error in dimensions that are each permitted; optional
+//   drawn(extent)        what is drawn of it, extent [m]: of a piece of an unbounded solid; optional for bounded ones:
+//                        without it, or if it is empty, the hull of points of support() is drawn
 //   bounds(X_WS)         the smallest axis-aligned box in W that contains the solid at the pose X_WS
 #pragma once
 
@@ -17,6 +19,7 @@
 #include <limits>
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include "field/field.h"
 #include "math/spatial.h"
@@ -30,6 +33,23 @@ struct MassProperties {
   double volume = 0;                                  // m3
   Eigen::Vector3d center = Eigen::Vector3d::Zero();   // m
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  // m5, about the center of mass
+};
+
+// What is drawn of a shape [m, in S]: balls, tubes with flat ends, and triangles between points, counterclockwise as
+// seen from outside; without triangles the hull of the points.
+struct Drawing {
+  struct Ball {
+    Eigen::Vector3d center;
+    double radius;
+  };
+  struct Tube {
+    Eigen::Vector3d from, to;
+    double radius;
+  };
+  std::vector<Ball> balls{};
+  std::vector<Tube> tubes{};
+  std::vector<Eigen::Vector3d> points{};
+  std::vector<Triangle> triangles{};
 };
 
 // Axis-aligned box. Sides at infinity belong to unbounded shapes.

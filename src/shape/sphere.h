@@ -29,6 +29,7 @@ struct Sphere {
     const double length = d.norm();
     return length > 0 ? Eigen::Vector3d(radius / length * d) : Eigen::Vector3d(0, 0, radius);
   }
+  Drawing drawn(double) const { return {.balls = {{Eigen::Vector3d::Zero(), radius}}}; }
   double size() const { return 2 * radius; }
   Aabb bounds(const Pose3& X_WS) const { return {X_WS.p.array() - radius, X_WS.p.array() + radius}; }
 };

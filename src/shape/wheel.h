@@ -61,6 +61,11 @@ struct Wheel {
     if (length > 0) out += crown / length * d;
     return out;
   }
+  // A thin disk gets some thickness.
+  Drawing drawn(double) const {
+    const Eigen::Vector3d end(0, 0, 0.02 * radius);
+    return crown < end.z() ? Drawing{.tubes = {{-end, end, radius}}} : Drawing{};
+  }
   double size() const { return 2 * radius; }
   Aabb bounds(const Pose3& X_WS) const {
     const Eigen::Vector3d a = X_WS.R.col(2);

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "integrator/integrator.h"
+#include "outputs/wrenches.h"
 #include "preparation/report.h"
 #include "simulation/parameters.h"
 #include "util/text.h"
@@ -205,17 +206,21 @@ double Simulation::input_derivative(int index, int order) const {
   return impl_->input_size[known] * impl_->u.derivative(known, order);
 }
 
+void Simulation::Impl::realize(Island& island, Stage stage) const {
+  try {
+    island.realize(stage);
+  } catch (const SingularMass& fault) {
+    throw StepError(describe_lost_inertia(time, fault.what()));
+  }
+}
+
 double Simulation::output(int index) {
   Impl& s = *impl_;
   if (!s.initialized) throw UsageError("outputs are not available before initialize()");
   if (s.readings->is_of_whole(index)) return s.output_size[index] * s.readings->of_energy(index, s.energy());
   if (s.readings->island(index) < 0) return s.output_size[index] * s.readings->constant(index);
   Island& island = *s.islands[s.readings->island(index)];
-  try {
-    island.realize(s.readings->stage(index));
-  } catch (const SingularMass& fault) {
-    throw StepError(describe_lost_inertia(s.time, fault.what()));
-  }
+  s.realize(island, s.readings->stage(index));
   return s.output_size[index] * s.readings->value(index, island.reading());
 }
 
@@ -233,6 +238,23 @@ Pose3 Simulation::body_pose(int body) {
   }
   X_WB.p *= s.scene.units.size_of("m");
   return X_WB;
+}
+
+std::vector<BodyWrench> Simulation::wrenches() {
+  Impl& s = *impl_;
+  if (!s.initialized) throw UsageError("forces are not available before initialize()");
+  BodyWrenches found(s.scene, s.prepared.reduced, s.u.now());
+  for (std::size_t i = 0; i < s.islands.size(); ++i) {
+    s.realize(*s.islands[i], Stage::acceleration);
+    found.add(static_cast<int>(i), s.islands[i]->reading(), s.islands[i]->loads());
+  }
+  found.add_immobile();
+  for (BodyWrench& wrench : found.all) {
+    wrench.p *= s.scene.units.size_of("m");
+    wrench.f *= s.scene.units.size_of("N");
+    wrench.n *= s.scene.units.size_of("N.m");
+  }
+  return std::move(found.all);
 }
 
 double Simulation::diagnostic(int index) {

@@ -17,6 +17,7 @@
 namespace gelenk {
 
 class Archive;
+struct BodyWrench;
 struct EquilibriumRequest;
 struct ReducedScene;
 struct RestForces;
@@ -124,6 +125,9 @@ class Simulation {
   // permitted. request: outputs and inputs of the simulation, in SI units; joints are known from outputs. Throws
   // NotDifferentiable.
   Trim trim(const EquilibriumRequest& request);
+  // What elements exert on bodies at the present state, in SI units.
+  std::vector<BodyWrench> wrenches();
+
   // What friction and limits have to do to keep the present position at rest, under the present inputs.
   RestForces rest_forces();
 

@@ -17,11 +17,14 @@ TouchOutputs::TouchOutputs(const Mechanism& mechanism, Dynamics& dynamics, Touch
       sums_(contacts),
       wrenches_(mechanism.links.size()),
       kept_(touch.modes()),
-      open_(kept_.size()) {}
+      open_(kept_.size()) {
+  forces_.reserve(kept_.size());
+}
 
 void TouchOutputs::record(const Eigen::VectorXd* distributed) {
   std::ranges::fill(sums_, ContactSum{});
   std::ranges::fill(wrenches_, Spatial::Force{});
+  forces_.clear();
   const auto& forces = distributed == nullptr ? touch_.forces() : touch_.forces_of(*distributed);
   audit_ = {};
   double slack = least_audited_force;
@@ -30,6 +33,8 @@ void TouchOutputs::record(const Eigen::VectorXd* distributed) {
     const TouchEquations::Entry& entry = touch_.rows().entries[i];
     add_to_audit(entry, forces[i], slack);
     const Spot& spot = touch_.spots()[entry.spot];
+    forces_.push_back(
+        {spot.contact, spot.core, spot.tip, entry.at.p, forces[i].force, forces[i].moment, forces[i].normal});
     const Spatial::Force on_tip{forces[i].moment + entry.at.p.cross(forces[i].force), forces[i].force};
     wrenches_[static_cast<std::size_t>(spot.tip_link)] += on_tip;
     wrenches_[static_cast<std::size_t>(spot.core_link)] -= on_tip;

@@ -40,6 +40,7 @@ class TouchOutputs final : public ContactReadings {
   Eigen::Vector3d force(int contact) const override { return sums_[static_cast<std::size_t>(contact)].force; }
   int mode(int contact) const override { return sums_[static_cast<std::size_t>(contact)].mode; }
   double gap(int contact) override;
+  std::vector<ContactForce> forces() override { return forces_; }
   // Whether shapes overlap at q by more than located contacts do.
   bool any_overlap(const double* q);
 
@@ -54,7 +55,8 @@ class TouchOutputs final : public ContactReadings {
   Dynamics& dynamics_;
   TouchEquations& touch_;
   ContactFinder finder_;
-  std::vector<ContactSum> sums_;          // by contact of the scene
+  std::vector<ContactSum> sums_;  // by contact of the scene
+  std::vector<ContactForce> forces_;
   std::vector<Spatial::Force> wrenches_;  // by link
   std::vector<SpotMode> kept_, open_;
   LawAudit audit_;  // of the recorded forces

@@ -45,7 +45,7 @@ def test_the_start_alone(four_bar: gelenk.Scene) -> None:
 
 def test_requested_outputs_are_those_that_are_plotted(four_bar: gelenk.Scene) -> None:
     recording = record(four_bar.with_outputs(["A.phi"]), stop=0.1)
-    assert recording.signals == ["A.phi"]
+    assert [*recording.result.names] == ["A.phi"]
     assert recording.poses.shape[1] == 3
 
 
@@ -61,7 +61,7 @@ def test_parameters_of_the_run_change_what_is_drawn(four_bar: gelenk.Scene) -> N
 
 
 def test_one_output_by_its_name(four_bar: gelenk.Scene) -> None:
-    assert record(four_bar, stop=0.1, outputs="A.phi").signals == ["A.phi"]
+    assert record(four_bar, stop=0.1, outputs="A.phi").result.names == ("A.phi",)
 
 
 def test_an_fmu_contains_its_scene(four_bar: gelenk.Scene, four_bar_fmu: Path, tmp_path: Path) -> None:

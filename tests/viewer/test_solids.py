@@ -17,9 +17,12 @@ CUBE = {"points": CORNERS, "triangles": [[a, *pair] for a, b, c, d in SIDES for 
 
 
 def extent(shapes: Shapes) -> tuple[np.ndarray, np.ndarray]:
-    """Lower and upper corner of the box around all parts; of tubes without their radius."""
+    """Lower and upper corner of the box around all parts."""
     points = [np.array(ball["p"]) + sign * ball["r"] for ball in shapes.balls for sign in (-1, 1)]
-    points += [np.array(tube[end]) for tube in shapes.tubes for end in "ab"]
+    for tube in shapes.tubes:
+        a, b = (np.array(tube[end]) for end in "ab")
+        around = tube["r"] * np.sqrt(1 - ((b - a) / np.linalg.norm(b - a)) ** 2)  # the reach of a disk
+        points += [end + sign * around for end in (a, b) for sign in (-1, 1)]
     points += [p for vertices, _ in shapes.meshes for p in vertices]
     return np.min(points, axis=0), np.max(points, axis=0)
 
@@ -30,7 +33,7 @@ def extent(shapes: Shapes) -> tuple[np.ndarray, np.ndarray]:
         ({"sphere": 0.2}, [0.2, 0.2, 0.2]),
         ({"box": [0.1, 0.2, 0.3]}, [0.05, 0.1, 0.15]),
         ({"capsule": {"radius": 0.1, "length": 0.4}}, [0.1, 0.1, 0.3]),
-        ({"cylinder": {"radius": 0.1, "length": 0.4}}, [0, 0, 0.2]),
+        ({"cylinder": {"radius": 0.1, "length": 0.4}}, [0.1, 0.1, 0.2]),
         ({"wheel": {"radius": 0.3, "crown": 0.1}}, [0.3, 0.3, 0.1]),
         ({"wheel": {"radius": 0.3}}, [0.3, 0.3, 0.006]),
         ({"hull": [[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, 1]]}, [1, 1, 1]),

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gelenk.errors import UsageError
-from gelenk.simulation.recording import Recording
+from gelenk.simulation.recording import Recording, poses_of
 from gelenk.simulation.result import Result
 from gelenk.simulation.simulation import Simulation
 from gelenk.viewer.data import page_data
@@ -29,7 +29,6 @@ class LiveView:
     def __init__(self, simulation: Simulation, rate: float, speed: float | None, *, browser: bool) -> None:
         """Start to serve the page; see `live_view`."""
         self._simulation = simulation
-        self._bodies = [*simulation.scene.to_dict()["bodies"]]
         positions = sorted(simulation.outputs, key=lambda signal: signal.unit not in ("rad", "m"))
         self._signals = [signal.name for signal in positions[:MAX_SIGNALS]]
         self._period = 1 / rate
@@ -43,7 +42,7 @@ class LiveView:
             {signal.name: signal.unit for signal in simulation.outputs},
         )
         recording = Recording(
-            simulation.scene.to_dict(), start.time, self._poses()[None], start, np.arange(1)
+            simulation.scene.to_dict(), start.time, poses_of(simulation)[None], start, np.arange(1)
         )
         data = self._data = page_data(recording)
         # The page plots signals in its own order.
@@ -87,17 +86,10 @@ class LiveView:
 
     def _send(self) -> None:
         if self._server is not None:
-            numbers = np.concatenate([self._poses().ravel(), self._simulation.values(self._signals)])
+            numbers = np.concatenate(
+                [poses_of(self._simulation).ravel(), self._simulation.values(self._signals)]
+            )
             self._server.add(self._simulation.time, numbers.astype(np.float32))
-
-    def _poses(self) -> Array:
-        from scipy.spatial.transform import Rotation
-
-        poses = [self._simulation.pose(body) for body in self._bodies]
-        if not poses:
-            return np.empty((0, 7))
-        turns = Rotation.from_matrix(np.array([R for R, _ in poses])).as_quat()
-        return np.column_stack([[p for _, p in poses], turns])
 
     def __enter__(self) -> Self:
         return self

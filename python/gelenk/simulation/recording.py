@@ -3,34 +3,36 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import pairwise
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import Any, override
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gelenk.errors import StepError, UsageError
+from gelenk import _core
+from gelenk.errors import GelenkError, StepError, UsageError
 from gelenk.model.scene import Scene, known_parameters, load
 from gelenk.model.skeleton import constraining_joints
 from gelenk.simulation.fmu_file import SCENE, text_in
-from gelenk.simulation.inputs import functions_and_constants
-from gelenk.simulation.loads import Motion, arrows_of
+from gelenk.simulation.inputs import SampledInputs
 from gelenk.simulation.result import Result
-from gelenk.simulation.run import open_plant, simulate
-from gelenk.simulation.touching import contact_events
-from gelenk.viewer.arrows import Arrow
+from gelenk.simulation.run import grid, simulate
+from gelenk.simulation.scene_plant import ScenePlant
+from gelenk.simulation.simulation import Simulation
+from gelenk.viewer.arrows import Arrow, Wrench, arrows_of
 from gelenk.viewer.pages import view_of
 
 type Array = NDArray[np.float64]
 
-SENSOR = "recorded__"  # begins the names of the sensors that are added for each body
-POSE = (*(f"r[{k}]" for k in (1, 2, 3)), *(f"Q[{k}]" for k in (1, 2, 3, 4)))  # outputs of a sensor
-VELOCITY = (*(f"v[{k}]" for k in (1, 2, 3)), *(f"w[{k}]" for k in (1, 2, 3)))
+SENSOR = "recorded__"  # begins the names of the sensors by which the reactions of joints are known
 MAX_FRAMES = 1000
+MOST_CHANGES = 100  # of a contact; more marks would cover the time slider
 
 
 @dataclass(frozen=True)
@@ -38,8 +40,7 @@ class Recording:
     """A mechanism in motion.
 
     Attributes:
-        scene: the scene as plain data, with the parameters of the run, without the sensors that have
-            recorded it.
+        scene: the scene as plain data, with the parameters of the run.
         time: times of the frames [s], shape (frames,).
         poses: of the bodies' frames in the world: position [m] and quaternion (x, y, z, w), shape (frames,
             bodies, 7), bodies in the order of the scene.
@@ -54,11 +55,6 @@ class Recording:
     result: Result
     rows: NDArray[np.intp]
     arrows: Sequence[Arrow] = ()
-
-    @property
-    def signals(self) -> list[str]:
-        """Names of the outputs, without those that record poses."""
-        return [name for name in self.result.names if not name.startswith(SENSOR)]
 
     @property
     def events(self) -> list[tuple[float, str]]:
@@ -100,28 +96,100 @@ def record(scene: Scene, *, reactions: bool = False, **run: Any) -> Recording:
         SceneError, AssemblyError, UsageError: see `gelenk.simulate`.
         StepError: a step failed; its `view` shows the motion up to this step.
     """
-    plain = scene.to_dict()
-    outputs = run.get("outputs")
-    if outputs is not None:
-        run["outputs"] = [*([outputs] if isinstance(outputs, str) else outputs), f"{SENSOR}*"]
-    data = {**plain, "sensors": dict(plain.get("sensors", {}))}
-    for number, body in enumerate(plain["bodies"]):
-        data["sensors"][f"{SENSOR}{number}"] = {"type": "frame", "body": body}
+    data = scene.to_dict()
     if reactions:
-        for number, joint in enumerate(constraining_joints(plain)):
-            data["sensors"][f"{SENSOR}joint{number}"] = {"type": "reaction", "joint": joint}
-    if "outputs" in data:
-        data["outputs"] = [*data["outputs"], f"{SENSOR}*"]
+        sensors = {
+            f"{SENSOR}{name}": {"type": "reaction", "joint": name} for name in constraining_joints(data)
+        }
+        data["sensors"] = {**data.get("sensors", {}), **sensors}
     # Positions of joints may be parameters.
     drawn = scene.with_parameters(known_parameters(scene, run.get("parameters") or {})).to_dict()
-    recorded = load(data)
+    stop, step = run.get("stop"), run.get("step")
+    times = grid(scene.stop if stop is None else stop, scene.step if step is None else step)
+    recorded = load(data) if reactions else scene
+    plant = RecordedPlant(recorded.without(run.get("without", ())), frame_rows(len(times)), scene.outputs)
     try:
-        return _recording_of(drawn, recorded, simulate(recorded, **run), run)
+        return plant.recording(drawn, simulate(plant, **run))  # type: ignore[arg-type]
     except StepError as e:
         if e.result is not None:
             e.result.events += ((float(e.result.time[-1]), f"the run ended: {e}"),)
-            e.view = view_of(_recording_of(drawn, recorded, e.result, run))
+            e.view = view_of(plant.recording(drawn, e.result))
         raise
+
+
+class RecordedPlant(ScenePlant):
+    """A scene that keeps, at some rows of a run, where its bodies are and what acts on them."""
+
+    def __init__(self, scene: Scene, frames: NDArray[np.intp], outputs: Sequence[str]) -> None:
+        """Make it of a scene with all its bodies.
+
+        Args:
+            scene: the scene.
+            frames: numbers of rows at which the state is kept, ascending from 0.
+            outputs: names and patterns of the outputs to record unless others are requested; empty: all.
+        """
+        super().__init__(scene.with_outputs(None))
+        patterns = outputs or ("*",)
+        self.outputs = [
+            name
+            for name in self.outputs
+            if not name.startswith(SENSOR) and any(_core.meets(pattern, name) for pattern in patterns)
+        ]
+        self._frames = frames
+        self._rows: list[int] = []
+        self._poses: list[Array] = []
+        self._wrenches: list[list[Wrench]] = []
+
+    def recording(self, scene: Mapping[str, Any], result: Result) -> Recording:
+        """Return what was kept, with the scene as plain data, and the result of the run."""
+        if self._rows[-1] < len(result) - 1:  # a step has failed
+            with contextlib.suppress(StepError):
+                self._keep(len(result) - 1)
+        rows = np.array(self._rows)
+        return Recording(
+            scene, result.time[rows], np.array(self._poses), result, rows, arrows_of(self._wrenches)
+        )
+
+    @override
+    def start(self, *arguments: Any) -> None:
+        super().start(*arguments)
+        self._keep(0)
+        self._row = 0
+
+    @override
+    def record(
+        self, times: Array, inputs: SampledInputs, rows: Array
+    ) -> tuple[int, list[tuple[float, str]], GelenkError | None]:
+        done = 0
+        events: list[tuple[float, str]] = []
+        error = None
+        while done < len(rows) and error is None:
+            frame = self._frames[np.searchsorted(self._frames, self._row, side="right")]
+            end = min(len(rows), done + int(frame) - self._row)
+            part = replace(inputs, table=inputs.table[done:end])
+            steps, found, error = super().record(times[done : end + 1], part, rows[done:end])
+            events += found
+            done += steps
+            self._row += steps
+            if self._row == frame:
+                self._keep(self._row)
+        return done, events, error
+
+    def _keep(self, row: int) -> None:
+        self._rows.append(row)
+        self._poses.append(poses_of(self._simulation))
+        self._wrenches.append(_core.wrenches(self._simulation._core))
+
+
+def poses_of(plant: Simulation) -> Array:
+    """Return the poses of the bodies of a plant: positions [m] and quaternions (x, y, z, w), (bodies, 7)."""
+    from scipy.spatial.transform import Rotation
+
+    poses = [plant.pose(body) for body in plant.body_names]
+    if not poses:
+        return np.empty((0, 7))
+    turns = Rotation.from_matrix(np.array([R for R, _ in poses])).as_quat()
+    return np.column_stack([[p for _, p in poses], turns])
 
 
 def still(scene: Mapping[str, Any], poses: Sequence[float] | Array) -> Recording:
@@ -138,55 +206,32 @@ def still(scene: Mapping[str, Any], poses: Sequence[float] | Array) -> Recording
     )  # fmt: skip
 
 
-def _recording_of(
-    scene: Mapping[str, Any], recorded: Scene, result: Result, run: Mapping[str, Any]
-) -> Recording:
-    """Return the recording of a run whose outputs are those that `record` adds, or of a part of it."""
-    rows = frame_rows(len(result))
-    bodies = len(scene["bodies"])
-    time, poses = result.time[rows], _numbers(result, rows, bodies, POSE)
-    sensors = recorded.to_dict().get("sensors", {})
-    reactions = {
-        name: row["joint"]
-        for name, row in sensors.items()
-        if "joint" in row and f"{name}.f[1]" in result.names
-    }
-    # A joint may have a sensor of its own.
-    reactions = {
-        sensor: joint for joint, sensor in {joint: name for name, joint in reactions.items()}.items()
-    }
-    outputs = [f"{name}.{letter}[{k}]" for name in reactions for letter in "ft" for k in (1, 2, 3)]
-    of_contacts = [f"{name}.f[{k}]" for name in scene.get("contacts", {}) for k in (1, 2, 3)]
-    outputs += [name for name in of_contacts if name in result.names]
-    signals = {name: result[name][rows] for name in outputs} | _inputs(recorded, run, time)
-    motion = Motion(scene, poses, _numbers(result, rows, bodies, VELOCITY), signals)
-    return Recording(scene, time, poses, result, rows, arrows_of(motion, reactions))
-
-
-def _inputs(scene: Scene, run: Mapping[str, Any], time: Array) -> dict[str, Array]:
-    """Return the inputs of a run at its frames, by name; those that are not named are 0."""
-    plant = open_plant(scene, (), whole=True)
-    try:
-        known = [*plant.inputs, *plant.idle]
-        signals = functions_and_constants(
-            run.get("inputs"), dict(run.get("parameters") or {}), known, "twice"
-        )
-    finally:
-        plant.close()
-    return {name: np.array([signal(float(t)) for t in time]) for name, signal in signals.items()}
-
-
 def frame_rows(rows: int, most: int = MAX_FRAMES) -> NDArray[np.intp]:
     """Return at most `most` row numbers at equal distances, with the first and the last."""
     return np.unique(np.linspace(0, rows - 1, min(rows, most)).round().astype(np.intp))
 
 
-def _numbers(
-    result: Result, rows: Sequence[int] | NDArray[np.intp], bodies: int, parts: Sequence[str]
-) -> Array:
-    """Return what the sensors of all bodies have recorded, shape (rows, bodies, parts)."""
-    out = np.empty((len(rows), bodies, len(parts)))
-    for body in range(bodies):
-        for k, part in enumerate(parts):
-            out[:, body, k] = result[f"{SENSOR}{body}.{part}"][rows]
-    return out
+def contact_events(
+    scene: Mapping[str, Any], time: Array, signals: Mapping[str, Array]
+) -> list[tuple[float, str]]:
+    """Return when contacts begin, end, stick and slide: times [s], and what happens.
+
+    Args:
+        scene: the scene as plain data.
+        time: of the signals [s].
+        signals: outputs by name; contacts without an output `mode` have no events.
+    """
+    found: list[tuple[float, str]] = []
+    for name in scene.get("contacts", {}):
+        if f"{name}.mode" not in signals:
+            continue
+        modes = np.asarray(signals[f"{name}.mode"]).round().astype(int)
+        changes = [(k + 1, a, b) for k, (a, b) in enumerate(pairwise(modes.tolist())) if a != b]
+        if len(changes) > MOST_CHANGES:
+            continue
+        for k, before, after in changes:
+            what = (
+                "opens" if after == 0 else "closes" if before == 0 else "sticks" if after == 1 else "slides"
+            )
+            found.append((float(time[k]), f"{name} {what}"))
+    return sorted(found)

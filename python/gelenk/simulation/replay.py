@@ -12,7 +12,7 @@ from gelenk.errors import AssemblyError, UsageError
 from gelenk.model.scene import Scene, load
 from gelenk.model.skeleton import joint_kind, loop_joints
 from gelenk.model.values import Value, start_parameter
-from gelenk.simulation.recording import Recording, frame_rows
+from gelenk.simulation.recording import Recording, frame_rows, poses_of
 from gelenk.simulation.result import Result
 from gelenk.simulation.simulation import Simulation
 
@@ -49,8 +49,7 @@ def replayed(scene: Scene, result: Result) -> Recording:
             raise UsageError(
                 f"the result is not one of this scene: at t = {result.time[row]:g} s, {e}"
             ) from None
-        for number, body in enumerate(data["bodies"]):
-            poses[k, number] = _pose(plant, body)
+        poses[k] = poses_of(plant)
     return Recording(data, result.time[rows], poses, result, rows)
 
 
@@ -75,10 +74,3 @@ def _coordinates(data: Mapping[str, Any], result: Result) -> list[str]:
             "motion could be shown; record all outputs, or view the scene"
         )
     return found
-
-
-def _pose(plant: Simulation, body: str) -> list[float]:
-    from scipy.spatial.transform import Rotation
-
-    R, p = plant.pose(body)
-    return [*p, *Rotation.from_matrix(R).as_quat()]

@@ -190,7 +190,7 @@ def check_number(name: str, value: object, unit: str = "") -> None:
 
 
 def open_plant(
-    plant: Scene | str | PathLike[str] | Mapping[str, Any],
+    plant: ScenePlant | Scene | str | PathLike[str] | Mapping[str, Any],
     without: Sequence[str],
     outputs: Sequence[str] | None = None,
     *,
@@ -199,7 +199,7 @@ def open_plant(
     """Open a scene or an FMU as a plant.
 
     Args:
-        plant: as for `simulate`.
+        plant: as for `simulate`; one that is open already is returned as it is.
         without: reductions to switch off.
         outputs: names and patterns of the outputs; parts of a scene on which none of them depends are
             omitted. None: those that the scene lists.
@@ -209,6 +209,8 @@ def open_plant(
         SceneError, UsageError: the scene or FMU, or a name, is invalid.
         OSError: a file cannot be read.
     """
+    if isinstance(plant, ScenePlant):
+        return plant
     if isinstance(plant, str | PathLike) and str(plant).lower().endswith(".fmu"):
         if without:
             raise UsageError("without: reductions of an FMU cannot be changed after its export")

@@ -48,7 +48,9 @@ class Simulation:
         self._output = {s.name: i for i, s in enumerate(self._signals) if wanted[i]}
         self._start: _Start = (0.0, 0.0, [])
         self._runs = False
-        self._body = {name: i for i, name in enumerate(self._core.body_names)}
+        #: Names of the bodies, in the order of the scene.
+        self.body_names = tuple(self._core.body_names)
+        self._body = {name: i for i, name in enumerate(self.body_names)}
 
     def initialize(self, time: float = 0.0, tolerance: float = 0.0) -> None:
         """Close the loops at the start values and initialize the integrators.

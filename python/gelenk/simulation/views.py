@@ -28,8 +28,8 @@ def view(
     Args:
         plant: a .fmu file, anything `gelenk.load` accepts, or a result of `gelenk.simulate`. Two of them are
             laid over each other: see `View.overlay`.
-        reactions: whether forces and torques of all joints are shown as arrows; those of springs, loads and
-            motors, and of joints with a sensor, always are.
+        reactions: whether forces and torques of all joints are shown as arrows; those of forces, motors,
+            contacts and what acts along joints, and of joints with a sensor of them, always are.
         degrees: whether angles and their derivatives are in degrees in the plots of the page.
         run: arguments of `gelenk.simulate`: stop, step, inputs, parameters, ...; stop=0 shows the start.
 

@@ -223,9 +223,7 @@ def _signals(recording: Recording) -> dict[str, Any]:
     """Return the outputs that have a unit of position, speed, force or torque first, up to MAX_SIGNALS."""
     result = recording.result
     order = {"rad": 0, "m": 0, "rad/s": 1, "m/s": 1}
-    names = sorted(recording.signals, key=lambda name: order.get(result.units.get(name, "1"), 2))[
-        :MAX_SIGNALS
-    ]
+    names = sorted(result.names, key=lambda name: order.get(result.units.get(name, "1"), 2))[:MAX_SIGNALS]
     return {
         "signals": [
             {

@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from gelenk import _core
+from gelenk.model.scene import load
 from gelenk.model.skeleton import (
     GROUND,
     axis_of,
@@ -22,7 +24,6 @@ from gelenk.model.skeleton import (
     wheel_axes,
     wheels,
 )
-from gelenk.viewer.solids import add_solids
 
 type Array = NDArray[np.float64]
 
@@ -91,20 +92,34 @@ def shapes_of(data: Mapping[str, Any], size: float) -> dict[str, Shapes]:
     out = {name: Shapes() for name in (GROUND, *data["bodies"])}
     marks = marks_of(data)
     rolling = wheels(data)
+    for name, solids in _solids(data, size).items():
+        for balls, tubes, vertices, triangles in solids:
+            for center, radius in balls:
+                out[name].add_ball(np.array(center), radius)
+            for a, b, radius in tubes:
+                out[name].add_tube(np.array(a), np.array(b), radius)
+            if vertices:
+                out[name].meshes.append((np.array(vertices), np.array(triangles, np.uint32)))
     for name, body in data["bodies"].items():
         if body.get("shapes"):
-            add_solids(out[name], body["shapes"], size)
             continue
         if name in rolling:
             _add_wheel(out[name], rolling[name], size)
         _add_body(out[name], body, marks[name], size, is_wheel=name in rolling)
-    add_solids(out[GROUND], data.get("ground", {}).get("shapes", {}), size)
     for p in marks[GROUND]:
         out[GROUND].add_ball(p, 1.5 * LINK_RADIUS * size)
     loops = loop_joints(data)
     for name, joint in constraining_joints(data).items():
         _add_joint(out, joint, LINK_RADIUS * size, "loop" if name in loops else "joint")
     return out
+
+
+def _solids(data: Mapping[str, Any], size: float) -> dict[str, list[tuple[Any, Any, Any, Any]]]:
+    """Return what the shapes of each body and of the ground say of themselves (`_core.drawings`)."""
+    owners = [*data["bodies"].values(), data.get("ground", {})]
+    if not any(owner.get("shapes") for owner in owners):
+        return {}
+    return _core.drawings(load(data)._core, size)
 
 
 def marks_of(data: Mapping[str, Any]) -> dict[str, list[Array]]:

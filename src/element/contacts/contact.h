@@ -6,6 +6,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <vector>
 
 #include "element/element.h"
 
@@ -19,12 +20,22 @@ struct ContactLaw {
   Eigen::Vector3d belt_velocity = Eigen::Vector3d::Zero();  // m/s: of the second surface, in the axes of its shape
 };
 
+// The force at a point at which two shapes of a mechanism (Mechanism::shapes) touch, in the root frame.
+struct ContactForce {
+  int contact = 0;                                                                    // of the scene
+  int a = 0, b = 0;                                                                   // the shapes
+  Eigen::Vector3d p = Eigen::Vector3d::Zero();                                        // m
+  Eigen::Vector3d force = Eigen::Vector3d::Zero(), moment = Eigen::Vector3d::Zero();  // N, N m: on b
+  double normal = 0;  // N: the part of the force along the normal
+};
+
 // What the outputs of contacts show, by contact of the scene.
 class ContactReadings {
  public:
   virtual Eigen::Vector3d force(int contact) const = 0;  // N, on the bodies with the first surface, in the world's axes
   virtual int mode(int contact) const = 0;               // 0: open; 1: all contact points stick; 2: some of them slide
   virtual double gap(int contact) = 0;                   // m; found when it is asked for
+  virtual std::vector<ContactForce> forces() = 0;        // at all points of contact; found when they are asked for
 
  protected:
   ~ContactReadings() = default;

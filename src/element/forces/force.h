@@ -26,6 +26,31 @@
 
 namespace gelenk {
 
+// A port that keeps what is applied to it: the sums of the forces f [N] and the torques n [N m], in the axes of the
+// common frame.
+template <class T>
+struct RecordingPort {
+  using Vector = Vector3<T>;
+  Vector at{Vector::Zero()}, rate{Vector::Zero()}, angular_rate{Vector::Zero()};
+  Matrix3<T> R{Matrix3<T>::Zero()};     // the port's axes, in those of the common frame
+  Matrix3<T> R_0W{Matrix3<T>::Zero()};  // the world's
+  Vector f{Vector::Zero()}, n{Vector::Zero()};
+
+  const Vector& p() const { return at; }
+  const Vector& v() const { return rate; }
+  const Vector& w() const { return angular_rate; }
+  Vector turned(const Vector& x) const { return R * x; }
+  Vector own(const Vector& x) const { return R.transpose() * x; }
+  Vector from_world(const Vector& x) const { return R_0W * x; }
+
+  void push(const Vector& force) { f += force; }
+  void push(const Vector& force, const Vector& torque) {
+    f += force;
+    n += torque;
+  }
+  void push_along(const Vector& force, const Vector& torque) { push(R * force, R * torque); }
+};
+
 // Partial derivatives of the force f and the torque n that an element applies at its last port: with respect to the
 // displacement p and the rotation a [rad] of this port relative to the first one (or to the world if it is the only
 // one), and to the velocities v and w.

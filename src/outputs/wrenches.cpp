@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "outputs/wrenches.h"
+
+#include <algorithm>
+#include <array>
+#include <iterator>
+#include <map>
+#include <tuple>
+#include <variant>
+
+#include "element/registry.h"
+#include "joint/kinds.h"
+#include "mechanism/mechanism.h"
+#include "outputs/port_readings.h"
+#include "scene/scene.h"
+#include "scene/signals.h"
+
+namespace gelenk {
+
+void BodyWrenches::add(int island, const Reading& reading, const Loads& loads) {
+  const Mechanism& mechanism = reduced_.islands[static_cast<std::size_t>(island)];
+  add_forces(island, &reading.dynamics);
+  add_along_joints(reading, mechanism, loads);
+  add_reactions(island, reading.dynamics);
+  if (!mechanism.shapes.empty() && !scene_.contacts.empty()) add_contacts(reading, mechanism);
+}
+
+int BodyWrenches::body_of(const BodyFrame& frame) const {
+  const auto found = std::ranges::find(scene_.bodies, frame.body, &Body::name);
+  return found == scene_.bodies.end() ? -1 : static_cast<int>(found - scene_.bodies.begin());
+}
+
+Pose3 BodyWrenches::X_WB(int body, const Readings<double>& dynamics) const {
+  if (body < 0) return {};
+  const BodyPlace& at = reduced_.bodies[static_cast<std::size_t>(body)];
+  if (at.island < 0) return at.X_LB;
+  const Pose3 X_0L = at.rod >= 0 ? dynamics.rod_pose(at.rod) : dynamics.link_pose(at.link);
+  return reduced_.islands[static_cast<std::size_t>(at.island)].X_W0 * X_0L * at.X_LB;
+}
+
+void BodyWrenches::add_forces(int island, const Readings<double>* dynamics) {
+  const std::vector<int> inputs = first_inputs(scene_)[sections::forces];
+  for (std::size_t i = 0; i < scene_.forces.size(); ++i) {
+    const Force& force = scene_.forces[i];
+    const PortPlaces places(scene_, reduced_, force, false);
+    if (places.island != island) continue;
+    const SeenPorts<double> seen(places, reduced_, dynamics);
+    std::array<RecordingPort<double>, 2> at;  // of those that a force may have, the most
+    for (std::size_t k = 0; k < force.frames.size(); ++k) at[k] = seen.port(static_cast<int>(k));
+    std::visit([&](const auto& element) { element.act(at.data(), u_.data() + inputs[i]); }, *force.is);
+    const Eigen::Matrix3d R_W0 = seen.X_W0().R;
+    for (std::size_t k = 0; k < force.frames.size(); ++k) {
+      const BodyFrame& on = force.frames[k];
+      if (const int body = body_of(on); body >= 0) {
+        all.push_back(
+            {BodyWrench::Kind::load, force.name, body, static_cast<int>(k), on.X_BF.p, R_W0 * at[k].f, R_W0 * at[k].n});
+      }
+    }
+  }
+}
+
+void BodyWrenches::add_along_joints(const Reading& reading, const Mechanism& mechanism, const Loads& loads) {
+  const double* recorded = reading.forces;
+  const auto add = [&](const JointLoads& along, const double* q, const double* v) {
+    each_list(along.lists, [&](const auto& list) {
+      for (const auto& force : list) {
+        using E = std::decay_t<decltype(force.element)>;
+        double effort = 0;
+        if constexpr (Sticks<E> || Blocks<E>) {
+          effort = *recorded++;  // what holds something is not theirs to compute
+        } else if constexpr (HasBranches<E>) {
+          ++recorded;
+          effort = force.sign * force.held(force.side(q, v), q, v, u_.data());
+        } else {
+          effort = force.sign * force.effort(q, v, u_.data());
+        }
+        const Joint& joint = scene_.joints[static_cast<std::size_t>(force.joint)];
+        const JointPlace& place = reduced_.joints[static_cast<std::size_t>(force.joint)];
+        std::string name = joint.name;
+        if (force.motor >= 0) name = scene_.motors[static_cast<std::size_t>(force.motor)].name;
+        if constexpr (requires { E::group; }) {
+          if (!E::group.empty()) name.append(".").append(E::group);
+        }
+        std::array<double, max_cut_nq> own{};
+        std::array<double, 6> tau{};
+        const double* const all_q = place.role == JointPlace::Role::cut ? reading.cut_q : reading.q;
+        for (std::size_t k = 0; k < place.q_sign.size(); ++k)
+          own[k] = place.q_sign[k] * all_q[static_cast<std::size_t>(place.iq) + k];
+        tau[static_cast<std::size_t>(force.component)] = effort;
+        const Spatial::Force F_M = force_along(*joint.is, own.data(), tau.data());
+        const int body = body_of(joint.child);
+        const Eigen::Matrix3d R_WM =
+            X_WB(body, reading.dynamics).R * joint.child.X_BF.R * canonical_rotation(*joint.is, joint.axes);
+        all.push_back({BodyWrench::Kind::load, name, body, force.motor >= 0 ? 1 : 0, joint.child.X_BF.p, R_WM * F_M.f,
+                       R_WM * F_M.n});
+      }
+    });
+  };
+  add(loads.tree, reading.q, reading.v);
+  for (std::size_t c = 0; c < loads.cuts.size(); ++c) {
+    std::array<double, max_cut_nv> v{};
+    reading.dynamics.cut_speeds(static_cast<int>(c), v.data());
+    add(loads.cuts[c], reading.cut_q + mechanism.cuts[c].iq, v.data());
+  }
+}
+
+void BodyWrenches::add_reactions(int island, const Readings<double>& dynamics) {
+  for (const Sensor& sensor : scene_.sensors) {
+    if (!kind_of(*sensor.is).reads_reaction) continue;
+    const auto is_known = [&](const BodyWrench& of) {
+      return of.kind == BodyWrench::Kind::reaction && of.name == sensor.joints.front();
+    };
+    if (std::ranges::any_of(all, is_known)) continue;
+    const PortPlaces places(scene_, reduced_, sensor, true);
+    if (places.island != island) continue;
+    const auto joint = std::ranges::find(scene_.joints, sensor.joints.front(), &Joint::name);
+    const SeenPorts<double> seen(places, reduced_, &dynamics);
+    const SeenWrench<double> on = seen.reaction();
+    const Eigen::Matrix3d R_W0 = seen.X_W0().R;
+    all.push_back({BodyWrench::Kind::reaction, joint->name, body_of(joint->child), 0, joint->child.X_BF.p, R_W0 * on.f,
+                   R_W0 * on.n});
+  }
+}
+
+// All points between two bodies together: their force acts at the mean of the points, weighted by the normal forces.
+void BodyWrenches::add_contacts(const Reading& reading, const Mechanism& mechanism) {
+  struct Sum {
+    Eigen::Vector3d f = Eigen::Vector3d::Zero(), n = Eigen::Vector3d::Zero();  // on the second body, n about the origin
+    Eigen::Vector3d weighted = Eigen::Vector3d::Zero();
+    double weight = 0;
+  };
+  std::map<std::tuple<int, int, int>, Sum> sums;  // by contact and bodies
+  for (const ContactForce& at : reading.contacts->forces()) {
+    const auto body = [&](int shape) { return mechanism.shapes[static_cast<std::size_t>(shape)].scene_body; };
+    const double side = body(at.a) < body(at.b) ? 1 : -1;
+    Sum& sum = sums[{at.contact, std::min(body(at.a), body(at.b)), std::max(body(at.a), body(at.b))}];
+    sum.f += side * at.force;
+    sum.n += side * (at.moment + at.p.cross(at.force));
+    sum.weighted += at.normal * at.p;
+    sum.weight += at.normal;
+  }
+  for (const auto& [between, sum] : sums) {
+    const auto [contact, first, second] = between;
+    if (!(sum.weight > 0)) continue;
+    const Eigen::Vector3d p = sum.weighted / sum.weight;
+    const Eigen::Vector3d f = mechanism.X_W0.R * sum.f;
+    const Eigen::Vector3d n = mechanism.X_W0.R * (sum.n - p.cross(sum.f));
+    for (const auto& [body, other, side] : {std::tuple(first, second, -1.0), std::tuple(second, first, 1.0)}) {
+      if (body < 0) continue;
+      const Pose3 X = X_WB(body, reading.dynamics);
+      all.push_back({BodyWrench::Kind::contact, scene_.contacts[static_cast<std::size_t>(contact)].name, body, other,
+                     X.R.transpose() * (mechanism.X_W0.point(p) - X.p), side * f, side * n});
+    }
+  }
+}
+
+}  // namespace gelenk

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the elements of a scene exert on its bodies at one state, as the elements themselves say it. Nothing of it is
+// computed in a step.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "kinematics/model.h"
+#include "outputs/outputs.h"
+
+namespace gelenk {
+
+// A force and a torque on a body, in the unit system of the scene.
+struct BodyWrench {
+  // load: of a force between bodies or along a joint; reaction: of a joint, its loads included.
+  enum class Kind { load, reaction, contact };
+  Kind kind = Kind::load;
+  std::string name;  // of the element; of one that a joint has, "JOINT.GROUP"
+  int body = -1;     // of the scene, on which it acts; -1: the ground
+  int place = 0;     // port of a force, other body of a contact, 1: of a motor; unique together with name and body
+  Eigen::Vector3d p = Eigen::Vector3d::Zero();  // m, in the body's frame: where the force acts
+  Eigen::Vector3d f = Eigen::Vector3d::Zero();  // N, in the world's axes
+  Eigen::Vector3d n = Eigen::Vector3d::Zero();  // N m
+};
+
+class BodyWrenches {
+ public:
+  // All must outlive it. u: all inputs of the scene.
+  BodyWrenches(const Scene& scene, const ReducedScene& reduced, const std::vector<double>& u)
+      : scene_(scene), reduced_(reduced), u_(u) {}
+
+  // Adds those in an island at its present accelerations; reactions of the joints with a sensor that reads them.
+  void add(int island, const Reading& reading, const Loads& loads);
+  // Adds those of forces between immobile bodies.
+  void add_immobile() { add_forces(Outputs::none, nullptr); }
+
+  std::vector<BodyWrench> all;
+
+ private:
+  int body_of(const BodyFrame& frame) const;
+  Pose3 X_WB(int body, const Readings<double>& dynamics) const;
+  void add_forces(int island, const Readings<double>* dynamics);
+  void add_along_joints(const Reading& reading, const Mechanism& mechanism, const Loads& loads);
+  void add_reactions(int island, const Readings<double>& dynamics);
+  void add_contacts(const Reading& reading, const Mechanism& mechanism);
+
+  const Scene& scene_;
+  const ReducedScene& reduced_;
+  const std::vector<double>& u_;
+};
+
+}  // namespace gelenk
