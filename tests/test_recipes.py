@@ -40,10 +40,14 @@ ADDED = {
     "ellipsoid": ("Ellipsoid", "AnyShape"),
 }
 ROOMS = {
-    "AnyJoint": "joint", "AnyMotor": "element/motors", "AnyForce": "element/forces",
-    "AnyConstraint": "element/constraints", "AnySensor": "element/sensors", "JointForces": "element/joint_forces",
+    "AnyJoint": "joint",
+    "AnyMotor": "element/motors",
+    "AnyForce": "element/forces",
+    "AnyConstraint": "element/constraints",
+    "AnySensor": "element/sensors",
+    "JointForces": "element/joint_forces",
     "AnyShape": "shape",
-}  # fmt: skip
+}
 BUILT = (
     "util", "field", "math", "shape", "joint", "element", "scene", "check", "scene_file", "scene_schema",
     "mechanism",
@@ -51,8 +55,12 @@ BUILT = (
 NOT_BUILT = ("yaml.cpp",)  # of no use to JSON
 # Of the rooms above, what says which forces act on bodies.
 SAYING_FORCES = (
-    "kinematics/forces_by_kind.cpp", "kinematics/loads.cpp", "preparation/loads.cpp", "outputs/port_readings.cpp", "outputs/wrenches.cpp",
-)  # fmt: skip
+    "kinematics/forces_by_kind.cpp",
+    "kinematics/loads.cpp",
+    "preparation/loads.cpp",
+    "outputs/port_readings.cpp",
+    "outputs/wrenches.cpp",
+)
 LAYOUT = ("test_sizes.py", "test_layout.py", "test_folders.py")
 # These see every joint, force, constraint, sensor and motor there is.
 KERNELS = (

@@ -13,7 +13,7 @@ MOST_PROTECTED = 12
 
 # Classes that are longer over all their files, and how long they may be.
 LONG = {
-    ("contact", "TimeStepper"): 800,
+    ("contact", "TimeStepper"): 810,
     ("modes", "LockModes"): 640,
     ("derivatives", "RecursiveJacobians"): 630,
     ("touch", "TouchModes"): 620,

@@ -10,6 +10,7 @@
 
 #include "element/registry.h"
 #include "joint/kinds.h"
+#include "kinematics/loads.h"
 #include "mechanism/mechanism.h"
 #include "outputs/port_readings.h"
 #include "scene/scene.h"
