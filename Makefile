@@ -6,7 +6,7 @@
 # make lint     the checks of make test and make tidy, without running any tests
 # make format   format all code
 # make pytest   run the tests only; one file: make pytest TESTS=tests/test_layout.py
-# make thorough run the longer tests that CI also runs, some four minutes: many seeds, killed writers, random scenes in all ways
+# make thorough run the longer tests that CI also runs, five minutes on two processors: many seeds, killed writers, random scenes in all ways
 # make studies  run the tests that take half an hour; weekly
 # make reductions  measure the gain of each reduction: tables of docs/reductions.md
 # make charts   measure the methods: charts and tables of docs/work-precision.md and docs/stability.md

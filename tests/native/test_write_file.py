@@ -133,12 +133,11 @@ def test_a_killed_process_leaves_the_old_file_or_the_new_one(module_folder: str,
     outcomes = set()
     for k in range(12):
         file.write_bytes(b"old")
-        writer = child(code, module_folder, file, LARGE, stdout=subprocess.PIPE)
-        assert writer.stdout is not None
-        writer.stdout.readline()
-        time.sleep(0.004 * k)
-        writer.kill()
-        writer.wait()
+        with child(code, module_folder, file, LARGE, stdout=subprocess.PIPE) as writer:
+            assert writer.stdout is not None
+            writer.stdout.readline()
+            time.sleep(0.004 * k)
+            writer.kill()
         outcomes.add(file.read_bytes())
         for other in tmp_path.iterdir():
             if other != file:

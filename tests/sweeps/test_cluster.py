@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import signal
 import socket
@@ -233,6 +234,7 @@ def test_a_sweep_that_takes_too_long_ends(four_bar: gelenk.Scene, client: Any) -
     assert np.isnan(found["A.phi.last"].values).tolist() == [bool(error) for error in errors]
 
 
+@pytest.mark.filterwarnings("ignore::ResourceWarning")  # pipes and processes of dask-jobqueue
 @pytest.mark.thorough
 def test_jobs_of_a_batch_system_are_workers(four_bar: gelenk.Scene) -> None:
     """Through the scripts of dask-jobqueue, run by a shell instead of a batch system."""
@@ -242,3 +244,4 @@ def test_jobs_of_a_batch_system_are_workers(four_bar: gelenk.Scene) -> None:
     with local.LocalCluster(**options) as cluster, distributed.Client(cluster) as client:
         cluster.scale(1)
         assert made(four_bar, cluster=client).equals(made(four_bar))
+    gc.collect()  # what it leaves open warns here
