@@ -280,7 +280,7 @@ def test_new_shapes_are_drawn_and_have_mass(told: dict[str, Any]) -> None:
     assert np.abs(points).max(axis=0) == pytest.approx([1, 2, 3])
     a, b, c = (points[triangles[:, k]] for k in range(3))
     volume = np.einsum("ij,ij->", a, np.cross(b, c)) / 6
-    assert 0.85 * 8 * np.pi < volume < 8 * np.pi
+    assert 0.9 * 8 * np.pi < volume < 8 * np.pi
     assert told["scene"]["bodies"]["bead"]["mass"] == pytest.approx(8 * np.pi)
 
 

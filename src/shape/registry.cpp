@@ -43,9 +43,9 @@ AnyShape make_nth(std::size_t n, const std::variant<S...>*) {
   return makers.at(n)();
 }
 
-// Points farthest in directions all around, every 7.5 degrees about z and 30 degrees towards it.
+// Points farthest in directions all around, every 7.5 degrees about z and 15 degrees towards it.
 std::vector<Eigen::Vector3d> outermost_points(const AnyShape& shape) {
-  constexpr int around = 48, across = 6;
+  constexpr int around = 48, across = 12;
   constexpr double pi = std::numbers::pi;
   std::vector<Eigen::Vector3d> out;
   for (int j = 0; j <= across; ++j) {

@@ -206,21 +206,17 @@ double Simulation::input_derivative(int index, int order) const {
   return impl_->input_size[known] * impl_->u.derivative(known, order);
 }
 
-void Simulation::Impl::realize(Island& island, Stage stage) const {
-  try {
-    island.realize(stage);
-  } catch (const SingularMass& fault) {
-    throw StepError(describe_lost_inertia(time, fault.what()));
-  }
-}
-
 double Simulation::output(int index) {
   Impl& s = *impl_;
   if (!s.initialized) throw UsageError("outputs are not available before initialize()");
   if (s.readings->is_of_whole(index)) return s.output_size[index] * s.readings->of_energy(index, s.energy());
   if (s.readings->island(index) < 0) return s.output_size[index] * s.readings->constant(index);
   Island& island = *s.islands[s.readings->island(index)];
-  s.realize(island, s.readings->stage(index));
+  try {
+    island.realize(s.readings->stage(index));
+  } catch (const SingularMass& fault) {
+    throw StepError(describe_lost_inertia(s.time, fault.what()));
+  }
   return s.output_size[index] * s.readings->value(index, island.reading());
 }
 
@@ -240,12 +236,12 @@ Pose3 Simulation::body_pose(int body) {
   return X_WB;
 }
 
-std::vector<BodyWrench> Simulation::wrenches() {
+std::vector<BodyWrench> Simulation::wrenches() try {
   Impl& s = *impl_;
   if (!s.initialized) throw UsageError("forces are not available before initialize()");
   BodyWrenches found(s.scene, s.prepared.reduced, s.u.now());
   for (std::size_t i = 0; i < s.islands.size(); ++i) {
-    s.realize(*s.islands[i], Stage::acceleration);
+    s.islands[i]->realize(Stage::acceleration);
     found.add(static_cast<int>(i), s.islands[i]->reading(), s.islands[i]->loads());
   }
   found.add_immobile();
@@ -255,6 +251,8 @@ std::vector<BodyWrench> Simulation::wrenches() {
     wrench.n *= s.scene.units.size_of("N.m");
   }
   return std::move(found.all);
+} catch (const SingularMass& fault) {
+  throw StepError(describe_lost_inertia(impl_->time, fault.what()));
 }
 
 double Simulation::diagnostic(int index) {

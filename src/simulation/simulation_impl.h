@@ -107,7 +107,6 @@ struct Simulation::Impl {
   long permitted_evaluations(double span) const;
   std::string describe_cut_step(double t, double end, long evaluations) const;
   double advance_islands(double end, bool continues, bool logged, std::size_t& moved);
-  void realize(Island& island, Stage stage) const;  // throws StepError
   Energy energy();
   double law_excess();
   double max_constraint_error(const std::vector<double>& (Kinematics::*errors)() const);

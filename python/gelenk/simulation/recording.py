@@ -107,7 +107,8 @@ def record(scene: Scene, *, reactions: bool = False, **run: Any) -> Recording:
     stop, step = run.get("stop"), run.get("step")
     times = grid(scene.stop if stop is None else stop, scene.step if step is None else step)
     recorded = load(data) if reactions else scene
-    plant = RecordedPlant(recorded.without(run.get("without", ())), frame_rows(len(times)), scene.outputs)
+    outputs = scene.outputs if run.get("outputs") is None else ()
+    plant = RecordedPlant(recorded.without(run.get("without", ())), frame_rows(len(times)), outputs)
     try:
         return plant.recording(drawn, simulate(plant, **run))  # type: ignore[arg-type]
     except StepError as e:
@@ -126,7 +127,7 @@ class RecordedPlant(ScenePlant):
         Args:
             scene: the scene.
             frames: numbers of rows at which the state is kept, ascending from 0.
-            outputs: names and patterns of the outputs to record unless others are requested; empty: all.
+            outputs: names and patterns of the outputs that are recorded by default; empty: all.
         """
         super().__init__(scene.with_outputs(None))
         patterns = outputs or ("*",)

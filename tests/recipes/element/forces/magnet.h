@@ -37,8 +37,8 @@ struct Magnet {
   }
   template <class T, class At>
   T energy(const At* at) const {
-    const Vector3<T> d = at[1].p() - at[0].p();
-    return T(-strength) / d.norm();
+    if (is_idle()) return T(0);  // also where the poles coincide
+    return T(-strength) / Vector3<T>(at[1].p() - at[0].p()).norm();
   }
   template <class At>
   bool undefined(const At* at) const {
