@@ -7,6 +7,16 @@
 #include "util/stored_impl.h"
 
 namespace gelenk {
+namespace {
+
+// A port of which no more is known than its position: of other forces undefined() looks at axes, which are checked
+// by what has them.
+struct PortPlace {
+  Eigen::Vector3d at = Eigen::Vector3d::Zero();
+  const Eigen::Vector3d& p() const { return at; }
+};
+
+}  // namespace
 
 template class Stored<PlacedForces>;
 
@@ -51,7 +61,7 @@ int undefined_force(const PlacedForces& forces, const Readings<double>& at) {
   int found = -1;
   each_list(forces.lists, [&](const auto& list) {
     for (const auto& force : list) {
-      std::array<RecordingPort<double>, std::decay_t<decltype(force)>::ports> ports;
+      std::array<PortPlace, std::decay_t<decltype(force)>::ports> ports;
       for (std::size_t k = 0; k < ports.size(); ++k) {
         ports[k].at = at.link_pose(force.at[k].link).point(force.at[k].p);
       }

@@ -195,7 +195,7 @@ def test_derivatives_are_those_of_what_it_does(case: Case) -> None:
 
 def test_derivatives_that_a_header_supplies_are_used(root: Path) -> None:
     """Recursive Jacobians use them; otherwise they would silently fall back on dual numbers."""
-    headers = [path.read_text("utf-8") for path in (root / "src" / "element").glob("*.h")]
+    headers = [path.read_text("utf-8") for path in (root / "src" / "element").rglob("*.h")]
     supplying = [text for text in headers if "PortJacobians jacobians(" in text]
     supplied = {
         case.kind["name"]

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import warned
 from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
 
@@ -95,6 +96,7 @@ def test_bodies_move_by_the_forces_that_are_said_to_act_on_them(case: Case) -> N
     assert largest > 1e-3
 
 
+@warned.PRESSED
 @pytest.mark.parametrize("case", ALONG, ids=str)
 def test_a_joint_moves_by_the_torques_that_are_said_to_act_along_it(case: Case) -> None:
     """A body that turns about an axis of symmetry; beyond a soft stop, and away from hard limits."""

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from os import PathLike
@@ -17,7 +18,7 @@ from gelenk.equilibria.steady import (
     constant_speeds,
     realization,
 )
-from gelenk.errors import EquilibriumError, SceneError, UsageError
+from gelenk.errors import EquilibriumError, SceneError, StartWarning, UsageError
 from gelenk.linear.operating_point import At, Mechanism, OperatingPoint
 from gelenk.model.scene import load
 from gelenk.model.values import Value, check_names, number, start_parameter
@@ -257,7 +258,9 @@ def _search(
         message = f"{', '.join(hold)}: the mechanism cannot be brought to "
         message += "this motion" if is_steady else "the pose to hold"
         try:
-            posed.put(posed.starts(is_steady) | held, posed.inputs)  # which may explain why
+            with warnings.catch_warnings():  # of guesses, which are not the user's
+                warnings.simplefilter("ignore", StartWarning)
+                posed.put(posed.starts(is_steady) | held, posed.inputs)  # which may explain why
         except SceneError as e:
             raise EquilibriumError(f"{message}: {e}") from None
         raise EquilibriumError(message)

@@ -154,7 +154,7 @@ class ScenePlant(Plant):
             plant._core._take_states(taken, speeds)
             found = plant._core._linearize(friction)
         _, _, C, D, _, locked = found
-        states = [self.readings[i] for i in plant._core._states()]
+        states = self.states
         ny = len(self.readings)
         return Derivatives(
             tuple(states), tuple(self.inputs), tuple(self.outputs), tuple(self.readings),
@@ -191,7 +191,7 @@ class ScenePlant(Plant):
     @property
     def states(self) -> list[str]:
         """Names of the readings that are the states."""
-        return [self.readings[i] for i in self._simulation._core._states()[0]]
+        return [self.readings[i] for i in self._simulation._core._states()]
 
     def trim(
         self,
