@@ -312,7 +312,7 @@ $(VENV)/gelenk.stamp: $(VENV)/created.stamp $(BUILD) $(NATIVE) $(PACKAGE)
 	  $(PIP) install --require-hashes --no-deps -r requirements.lock; \
 	  what=(--no-build-isolation --no-deps .); \
 	else \
-	  echo "Building Gelenk: fetching 170 MB, compiling with $(JOBS) jobs (some $$((6 / $(JOBS) + 1)) minutes)"; \
+	  echo "Building Gelenk: fetching 200 MB, compiling with $(JOBS) jobs (some $$((8 / $(JOBS) + 1)) minutes)"; \
 	  what=('.[charts]'); \
 	fi; \
 	$(BIN)/python -m pip --disable-pip-version-check install -v "$${what[@]}" 2>&1 | tee build/install.log \
