@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What pictures show of a scene and of a simulation: the shapes of bodies, and what acts on them.
 #include <nanobind/nanobind.h>
+#include <nanobind/stl/map.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include <map>
+#include <string>
+#include <tuple>
 #include <vector>
 
 #include "bindings.h"
@@ -16,41 +21,46 @@ namespace nb = nanobind;
 
 namespace {
 
-nb::list drawn(const std::vector<gelenk::BodyShape>& shapes, double extent) {
-  nb::list out;
+using Point = std::tuple<double, double, double>;
+using Ball = std::tuple<Point, double>;
+using Tube = std::tuple<Point, Point, double>;
+using Drawn =
+    std::tuple<std::vector<Ball>, std::vector<Tube>, std::vector<Point>, std::vector<std::tuple<int, int, int>>>;
+using Wrench = std::tuple<std::string, std::string, std::string, int, std::vector<double>>;
+
+std::vector<Drawn> drawn(const std::vector<gelenk::BodyShape>& shapes, double extent) {
+  std::vector<Drawn> out;
   for (const gelenk::BodyShape& shape : shapes) {
     const auto placed = [&](const Eigen::Vector3d& p_S) {
       const Eigen::Vector3d p = shape.X_BS.point(p_S);
-      return nb::make_tuple(p.x(), p.y(), p.z());
+      return Point(p.x(), p.y(), p.z());
     };
     const gelenk::Drawing of = gelenk::drawing_of(*shape.is, extent);
-    nb::list balls, tubes, vertices, triangles;
-    for (const auto& ball : of.balls) balls.append(nb::make_tuple(placed(ball.center), ball.radius));
-    for (const auto& tube : of.tubes) tubes.append(nb::make_tuple(placed(tube.from), placed(tube.to), tube.radius));
-    for (const Eigen::Vector3d& p : of.points) vertices.append(placed(p));
-    for (const gelenk::Triangle& t : of.triangles) triangles.append(nb::make_tuple(t[0], t[1], t[2]));
-    out.append(nb::make_tuple(balls, tubes, vertices, triangles));
+    auto& [balls, tubes, vertices, triangles] = out.emplace_back();
+    for (const auto& ball : of.balls) balls.emplace_back(placed(ball.center), ball.radius);
+    for (const auto& tube : of.tubes) tubes.emplace_back(placed(tube.from), placed(tube.to), tube.radius);
+    for (const Eigen::Vector3d& p : of.points) vertices.push_back(placed(p));
+    for (const gelenk::Triangle& t : of.triangles) triangles.emplace_back(t[0], t[1], t[2]);
   }
   return out;
 }
 
-nb::dict drawings(const gelenk::Scene& scene, double extent) {
-  nb::dict out;
-  for (const gelenk::Body& body : scene.bodies) out[body.name.c_str()] = drawn(body.shapes, extent);
+std::map<std::string, std::vector<Drawn>> drawings(const gelenk::Scene& scene, double extent) {
+  std::map<std::string, std::vector<Drawn>> out;
+  for (const gelenk::Body& body : scene.bodies) out[body.name] = drawn(body.shapes, extent);
   out[gelenk::ground] = drawn(scene.ground_shapes, extent);
   return out;
 }
 
-nb::list wrenches(gelenk::SharedSimulation& plant) {
+std::vector<Wrench> wrenches(gelenk::SharedSimulation& plant) {
   static constexpr const char* kinds[] = {"load", "reaction", "contact"};
   const std::vector<gelenk::Body>& bodies = plant.fixed().scene().bodies;
-  nb::list out;
+  std::vector<Wrench> out;
   for (const gelenk::BodyWrench& of : plant.with([](gelenk::Simulation& s) { return s.wrenches(); })) {
     std::vector<double> numbers;
     for (const Eigen::Vector3d* part : {&of.p, &of.f, &of.n}) numbers.insert(numbers.end(), part->begin(), part->end());
-    out.append(nb::make_tuple(kinds[static_cast<int>(of.kind)], of.name,
-                              of.body < 0 ? gelenk::ground : bodies[static_cast<std::size_t>(of.body)].name.c_str(),
-                              of.place, numbers));
+    out.emplace_back(kinds[static_cast<int>(of.kind)], of.name,
+                     of.body < 0 ? gelenk::ground : bodies[static_cast<std::size_t>(of.body)].name, of.place, numbers);
   }
   return out;
 }
