@@ -195,8 +195,7 @@ class EquilibriumSearch {
     if (at.contact_rows.rows() + at.hold_rows.rows() == 0) return min_norm_step(J, a);
     const SingularValues rows(stacked(at.contact_rows, at.hold_rows));
     const MatrixXd along = null_space(rows);
-    const VectorXd onto =
-        rows.solve(share * stacked(at.contact_gaps, at.hold_gaps), rows.rank(zero_stiffness_tolerance));
+    VectorXd onto = rows.solve(share * stacked(at.contact_gaps, at.hold_gaps), rows.rank(zero_stiffness_tolerance));
     if (along.cols() == 0) return onto;
     return onto + along * min_norm_step(J * along, a + J * onto);
   }

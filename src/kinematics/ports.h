@@ -5,8 +5,7 @@
 #include "kinematics/kernels.h"
 #include "kinematics/loads.h"
 
-namespace gelenk::kernels {
-inline namespace detail {
+namespace gelenk::kernels::inline detail {
 
 template <class T>
 Vector3<T> cast(const Eigen::Vector3d& a) {
@@ -116,5 +115,4 @@ class PortOn {
   W* ws_ = nullptr;
 };
 
-}  // namespace detail
-}  // namespace gelenk::kernels
+}  // namespace gelenk::kernels::inline detail

@@ -60,40 +60,34 @@ void BodyWrenches::add_forces(int island, const Readings<double>* dynamics) {
   }
 }
 
+namespace {
+
+// The effort in the user's sign; recorded: the next of the forces with branches, which is taken if it may hold a
+// coordinate at rest: what holds something is not the element's to compute.
+template <class F>
+double effort_of(const F& force, const double* q, const double* v, const double* u, const double*& recorded) {
+  using E = std::decay_t<decltype(force.element)>;
+  if constexpr (HasBranches<E>) {
+    [[maybe_unused]] const double of_run = *recorded++;
+    if constexpr (Sticks<E> || Blocks<E>) return of_run;
+    return force.sign * force.held(force.side(q, v), q, v, u);
+  } else {
+    return force.sign * force.effort(q, v, u);
+  }
+}
+
+}  // namespace
+
 void BodyWrenches::add_along_joints(const Reading& reading, const Mechanism& mechanism, const Loads& loads) {
   const double* recorded = reading.forces;
   const auto add = [&](const JointLoads& along, const double* q, const double* v) {
     each_list(along.lists, [&](const auto& list) {
+      using E = std::decay_t<decltype(list.front().element)>;
+      std::string_view group;
+      if constexpr (requires { E::group; }) group = E::group;
       for (const auto& force : list) {
-        using E = std::decay_t<decltype(force.element)>;
-        double effort = 0;
-        if constexpr (Sticks<E> || Blocks<E>) {
-          effort = *recorded++;  // what holds something is not theirs to compute
-        } else if constexpr (HasBranches<E>) {
-          ++recorded;
-          effort = force.sign * force.held(force.side(q, v), q, v, u_.data());
-        } else {
-          effort = force.sign * force.effort(q, v, u_.data());
-        }
-        const Joint& joint = scene_.joints[static_cast<std::size_t>(force.joint)];
-        const JointPlace& place = reduced_.joints[static_cast<std::size_t>(force.joint)];
-        std::string name = joint.name;
-        if (force.motor >= 0) name = scene_.motors[static_cast<std::size_t>(force.motor)].name;
-        if constexpr (requires { E::group; }) {
-          if (!E::group.empty()) name.append(".").append(E::group);
-        }
-        std::array<double, max_cut_nq> own{};
-        std::array<double, 6> tau{};
-        const double* const all_q = place.role == JointPlace::Role::cut ? reading.cut_q : reading.q;
-        for (std::size_t k = 0; k < place.q_sign.size(); ++k)
-          own[k] = place.q_sign[k] * all_q[static_cast<std::size_t>(place.iq) + k];
-        tau[static_cast<std::size_t>(force.component)] = effort;
-        const Spatial::Force F_M = force_along(*joint.is, own.data(), tau.data());
-        const int body = body_of(joint.child);
-        const Eigen::Matrix3d R_WM =
-            X_WB(body, reading.dynamics).R * joint.child.X_BF.R * canonical_rotation(*joint.is, joint.axes);
-        all.push_back({BodyWrench::Kind::load, name, body, force.motor >= 0 ? 1 : 0, joint.child.X_BF.p, R_WM * F_M.f,
-                       R_WM * F_M.n});
+        add_along(force.joint, force.component, force.motor, group, effort_of(force, q, v, u_.data(), recorded),
+                  reading);
       }
     });
   };
@@ -103,6 +97,26 @@ void BodyWrenches::add_along_joints(const Reading& reading, const Mechanism& mec
     reading.dynamics.cut_speeds(static_cast<int>(c), v.data());
     add(loads.cuts[c], reading.cut_q + mechanism.cuts[c].iq, v.data());
   }
+}
+
+void BodyWrenches::add_along(int j, int component, int motor, std::string_view group, double effort,
+                             const Reading& reading) {
+  const Joint& joint = scene_.joints[static_cast<std::size_t>(j)];
+  const JointPlace& place = reduced_.joints[static_cast<std::size_t>(j)];
+  std::string name = motor >= 0 ? scene_.motors[static_cast<std::size_t>(motor)].name : joint.name;
+  if (!group.empty()) name.append(".").append(group);
+  std::array<double, max_cut_nq> own{};
+  std::array<double, 6> tau{};
+  const double* const q = place.role == JointPlace::Role::cut ? reading.cut_q : reading.q;
+  for (std::size_t k = 0; k < place.q_sign.size(); ++k)
+    own[k] = place.q_sign[k] * q[static_cast<std::size_t>(place.iq) + k];
+  tau[static_cast<std::size_t>(component)] = effort;
+  const Spatial::Force F_M = force_along(*joint.is, own.data(), tau.data());
+  const int body = body_of(joint.child);
+  const Eigen::Matrix3d R_WM =
+      X_WB(body, reading.dynamics).R * joint.child.X_BF.R * canonical_rotation(*joint.is, joint.axes);
+  all.push_back(
+      {BodyWrench::Kind::load, name, body, motor >= 0 ? 1 : 0, joint.child.X_BF.p, R_WM * F_M.f, R_WM * F_M.n});
 }
 
 void BodyWrenches::add_reactions(int island, const Readings<double>& dynamics) {

@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "kinematics/model.h"
@@ -43,6 +44,9 @@ class BodyWrenches {
   Pose3 X_WB(int body, const Readings<double>& dynamics) const;
   void add_forces(int island, const Readings<double>* dynamics);
   void add_along_joints(const Reading& reading, const Mechanism& mechanism, const Loads& loads);
+  // effort [N m, N]: along a coordinate of a joint of the scene; motor: that exerts it, or -1: an element of the joint,
+  // with the key `group`.
+  void add_along(int joint, int component, int motor, std::string_view group, double effort, const Reading& reading);
   void add_reactions(int island, const Readings<double>& dynamics);
   void add_contacts(const Reading& reading, const Mechanism& mechanism);
 
