@@ -108,6 +108,19 @@ def test_nothing_that_moves_has_no_modes() -> None:
     assert str(found) == "Mechanism at t = 0 s: stable\n\nthe mechanism cannot move"
 
 
+@pytest.mark.parametrize(("masses", "rest"), [(3, ""), (4, "; and 1 more that are not damped")])
+def test_three_modes_that_persist_are_named_and_others_counted(masses: int, rest: str) -> None:
+    """Masses on springs of 1, 2, ... N/m."""
+    bodies = {f"m{i}": body(1.0) for i in range(1, masses + 1)}
+    joints = {
+        f"J{i}": joint("prismatic", frame("ground"), frame(f"m{i}")) | {"stiffness": i}
+        for i in range(1, masses + 1)
+    }
+    found = gelenk.modes(scene(bodies, joints))
+    named = [f"mode {i} is undamped at {math.sqrt(i):.4g} rad/s (J{i}.s)" for i in (1, 2, 3)]
+    assert found.why == f"no mode is unstable, but {'; '.join(named)}{rest}"
+
+
 def test_json_holds_all_of_it(cart_pole: Path) -> None:
     found = gelenk.modes(cart_pole, at=UPRIGHT)
     data = json.loads(json.dumps(found.to_dict(), allow_nan=False))
