@@ -303,6 +303,14 @@ def test_costs_are_reported_per_communication_step() -> None:
     assert "| 4.0 |" in table
 
 
+def test_costs_without_a_reference_solution_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    case = master.master_case()
+    failed = {case.name: Failure("no two methods agree")}
+    monkeypatch.setattr(master, "references", lambda *_: failed)
+    with pytest.raises(gelenk.UsageError, match=r"^no two methods agree$"):
+        master.master_runs(chosen(["rk4"]), (1e-6,), rounds=1, case=case)
+
+
 def test_published_tables_have_the_cheapest_run_that_is_accurate_enough() -> None:
     given = ((1e-3, 100, 1e-3), (1e-6, 300, 1e-5), (1e-7, 200, 1e-6))
     efforts = [published.Effort(*figures) for figures in given]
