@@ -1,6 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What depends on the kinds of forces on links; the kernels for double. Those for dual numbers and series are in
 // derivatives/forces_by_kind.cpp: in one file, the two prevent each other from being inlined.
+#include <algorithm>
+#include <array>
+#include <span>
+#include <variant>
+#include <vector>
+
 #include "kinematics/force_kernels_by_kind.h"
 #include "kinematics/forces.h"
 #include "kinematics/placed_forces.h"
@@ -74,8 +80,12 @@ int undefined_force(const PlacedForces& forces, const Readings<double>& at) {
 }
 
 double energy_at(const AnyForce& force, std::span<const Pose3> X_WP) {
-  std::vector<RecordingPort<double>> at;
-  for (const Pose3& X : X_WP) at.push_back({.at = X.p, .R = X.R, .R_0W = Eigen::Matrix3d::Identity()});
+  std::array<RecordingPort<double>, max_force_ports> at;
+  for (std::size_t k = 0; k < X_WP.size(); ++k) {
+    at[k].at = X_WP[k].p;
+    at[k].R = X_WP[k].R;
+    at[k].R_0W.setIdentity();
+  }
   return std::visit(
       [&](const auto& element) -> double {
         if constexpr (requires { element.template energy<double>(at.data()); }) {

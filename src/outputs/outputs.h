@@ -100,7 +100,7 @@ class Outputs {
   [[gnu::noinline]] T force_value(const Source& source, const Readings<T>* dynamics) const;
   Source element_source(const Scene& scene, const Signal& signal) const;
 
-  const Scene& scene_;  // of forces, which are tunable
+  const Scene& scene_;  // of elements, which may be tunable
   const ReducedScene& reduced_;
   std::vector<Source> sources_;
   std::vector<PortPlaces> ports_;

@@ -5,6 +5,11 @@
 
 namespace gelenk {
 
+Pose3 pose_in_world(const ReducedScene& reduced, const BodyPlace& body, const Readings<double>& dynamics) {
+  if (body.island < 0) return body.X_LB;
+  return reduced.islands[static_cast<std::size_t>(body.island)].X_W0 * carrier_pose(body, dynamics) * body.X_LB;
+}
+
 JointWrench::JointWrench(const Scene& scene, const ReducedScene& reduced, int joint) {
   const JointPlace& where = reduced.joints[static_cast<std::size_t>(joint)];
   const Mechanism& mechanism = reduced.islands[static_cast<std::size_t>(where.island)];

@@ -38,6 +38,14 @@ struct PortPlaces {
   std::optional<JointWrench> wrench;
 };
 
+// Pose in the root frame of the link or rod on which a place in a moving island is.
+template <class T>
+typename SpatialAlgebra<T>::Pose carrier_pose(const BodyPlace& at, const Readings<T>& dynamics) {
+  return at.rod >= 0 ? dynamics.rod_pose(at.rod) : dynamics.link_pose(at.link);
+}
+// Pose of a body in the world. dynamics: of its island, not read if it is immobile.
+Pose3 pose_in_world(const ReducedScene& reduced, const BodyPlace& body, const Readings<double>& dynamics);
+
 template <class T>
 struct SeenWrench {
   Vector3<T> f, n;
@@ -66,7 +74,7 @@ class SeenPorts {
     const auto V = at.rod >= 0 ? dynamics_->rod_velocity(at.rod) : dynamics_->link_velocity(at.link);
     return {X_0L * X_LP, X_0L.R * (V.v + V.w.cross(X_LP.p)), X_0L.R * V.w};
   }
-  // As a port of a force (element/force.h).
+  // As a port of a force (element/forces/force.h).
   RecordingPort<T> port(int k) const {
     const SeenFrame<T> seen = frame(k);
     return {seen.X_0P.p, seen.v, seen.w, seen.X_0P.R, X_W0().R.transpose()};
@@ -86,9 +94,7 @@ class SeenPorts {
 
  private:
   const BodyPlace& place(int k) const { return places_.frames[static_cast<std::size_t>(k)]; }
-  Pose pose_of(const BodyPlace& at) const {
-    return at.rod >= 0 ? dynamics_->rod_pose(at.rod) : dynamics_->link_pose(at.link);
-  }
+  Pose pose_of(const BodyPlace& at) const { return carrier_pose(at, *dynamics_); }
 
   const PortPlaces& places_;
   const ReducedScene& reduced_;

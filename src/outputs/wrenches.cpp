@@ -32,11 +32,7 @@ int BodyWrenches::body_of(const BodyFrame& frame) const {
 }
 
 Pose3 BodyWrenches::X_WB(int body, const Readings<double>& dynamics) const {
-  if (body < 0) return {};
-  const BodyPlace& at = reduced_.bodies[static_cast<std::size_t>(body)];
-  if (at.island < 0) return at.X_LB;
-  const Pose3 X_0L = at.rod >= 0 ? dynamics.rod_pose(at.rod) : dynamics.link_pose(at.link);
-  return reduced_.islands[static_cast<std::size_t>(at.island)].X_W0 * X_0L * at.X_LB;
+  return body < 0 ? Pose3() : pose_in_world(reduced_, reduced_.bodies[static_cast<std::size_t>(body)], dynamics);
 }
 
 void BodyWrenches::add_forces(int island, const Readings<double>* dynamics) {
@@ -46,7 +42,7 @@ void BodyWrenches::add_forces(int island, const Readings<double>* dynamics) {
     const PortPlaces places(scene_, reduced_, force, false);
     if (places.island != island) continue;
     const SeenPorts<double> seen(places, reduced_, dynamics);
-    std::array<RecordingPort<double>, 2> at;  // of those that a force may have, the most
+    std::array<RecordingPort<double>, max_force_ports> at;
     for (std::size_t k = 0; k < force.frames.size(); ++k) at[k] = seen.port(static_cast<int>(k));
     std::visit([&](const auto& element) { element.act(at.data(), u_.data() + inputs[i]); }, *force.is);
     const Eigen::Matrix3d R_W0 = seen.X_W0().R;

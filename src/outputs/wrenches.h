@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "kinematics/model.h"
+#include "kinematics/loads.h"
 #include "outputs/outputs.h"
 
 namespace gelenk {

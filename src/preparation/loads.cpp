@@ -2,10 +2,12 @@
 #include "preparation/loads.h"
 
 #include <algorithm>
+#include <array>
 #include <string_view>
 #include <unordered_map>
 #include <utility>
 
+#include "element/forces/force.h"
 #include "element/joint_forces/registry.h"
 #include "element/motors/registry.h"
 #include "joint/kinds.h"
@@ -157,8 +159,8 @@ struct LoadCollector {
     for (const BodyFrame& frame : force.frames) island = std::max(island, island_of(frame));
     if (island < 0) return;
     for (int i = 0; i < input_count(*force.is); ++i) out[island].inputs.push_back(input + i);
-    std::vector<Attachment> at;
-    for (const BodyFrame& frame : force.frames) at.push_back(attach(island, frame));
+    std::array<Attachment, max_force_ports> at;
+    for (std::size_t k = 0; k < force.frames.size(); ++k) at[k] = attach(island, force.frames[k]);
     add_force(*out[island].forces, *force.is, at, input, f);
   }
 
@@ -221,11 +223,11 @@ double stored_energy(const std::optional<E>& element, double q) {
 
 // Potential energy [J] of a force whose ports are all immobile; 0 otherwise.
 double immobile_energy(const Scene& scene, const ReducedScene& reduced, const Force& force) {
-  std::vector<Pose3> at;
-  for (const BodyFrame& frame : force.frames) {
-    const BodyPlace found = place(scene, reduced, -1, frame);
+  std::array<Pose3, max_force_ports> at;
+  for (std::size_t k = 0; k < force.frames.size(); ++k) {
+    const BodyPlace found = place(scene, reduced, -1, force.frames[k]);
     if (found.island >= 0) return 0;
-    at.push_back(found.X_LB);
+    at[k] = found.X_LB;
   }
   return energy_at(*force.is, at);
 }

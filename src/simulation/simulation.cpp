@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "integrator/integrator.h"
+#include "outputs/port_readings.h"
 #include "outputs/wrenches.h"
 #include "preparation/report.h"
 #include "simulation/parameters.h"
@@ -228,9 +229,7 @@ Pose3 Simulation::body_pose(int body) {
   if (place.island >= 0) {
     Island& island = *s.islands[place.island];
     island.realize(Stage::velocity);
-    const StateReadings& readings = island.dynamics().readings();
-    const Pose3 X_0L = place.rod >= 0 ? readings.rod_pose(place.rod) : readings.link_pose(place.link);
-    X_WB = s.prepared.reduced.islands[place.island].X_W0 * X_0L * place.X_LB;
+    X_WB = pose_in_world(s.prepared.reduced, place, island.dynamics().readings());
   }
   X_WB.p *= s.scene.units.size_of("m");
   return X_WB;

@@ -6,10 +6,11 @@ from __future__ import annotations
 import subprocess
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import fmpy
 import pytest
-from mechanisms import Scene
+from mechanisms import Scene, frame
 from models.touching import box_on_a_cart
 
 import gelenk
@@ -91,4 +92,22 @@ def test_closed_contacts_ask_nothing_of_the_heap_between_events(
     source = {**box_on_a_cart(), "solver": {"integrator": integrator}, "parameters": ["P.damping"]}
     fmu = gelenk.export_fmu(source, tmp_path / "x.fmu")
     calls = heap_calls(host, fmu, tmp_path / "x", "P.damping", first=2)
+    assert not any(calls.values()), calls
+
+
+@pytest.mark.parametrize(
+    "force",
+    [
+        {"type": "spring_damper", "from": frame("ground"), "to": frame("crank", (0.3, 0, 0))},
+        {"type": "drag", "body": "crank"},
+    ],
+    ids=["of two ports", "of one"],
+)
+def test_tuned_forces_ask_nothing_of_the_heap(force: dict[str, Any], host: Path, tmp_path: Path) -> None:
+    """Loads are collected anew when a number of theirs changes."""
+    source = crank_rocker()
+    source["forces"] = {"force": {**force, "damping": 2.0}}
+    source["parameters"].append("force.damping")
+    fmu = gelenk.export_fmu(source, tmp_path / "x.fmu")
+    calls = heap_calls(host, fmu, tmp_path / "x", "force.damping")
     assert not any(calls.values()), calls

@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gelenk import _core
-from gelenk.errors import AssemblyError, GelenkError, StartWarning, StepError, UsageError
+from gelenk.errors import AssemblyError, GelenkError, SceneWarning, StartWarning, StepError, UsageError
 from gelenk.file_reading import existing
 from gelenk.model.scales import Scales
 from gelenk.model.scene import Scene, load
@@ -83,11 +83,16 @@ class FmuPlant(Plant):
     def _names(self, causality: str) -> list[str]:
         return [v.name for v in self._description.modelVariables if v.causality == causality]
 
-    @property
+    @cached_property
     @override
     def scene(self) -> Scene | None:
         file = Path(self._folder) / "resources" / "scene.json"
-        return load(file) if file.exists() else None
+        ours = str(self._description.generationTool).startswith("Gelenk")
+        if not ours or not file.exists():  # others may name something else so
+            return None
+        with warnings.catch_warnings():  # which its exporter has seen
+            warnings.simplefilter("ignore", SceneWarning)
+            return load(file)
 
     @cached_property
     @override

@@ -67,11 +67,13 @@ struct PortJacobians {
 template <class F, class At>
 concept HasPortJacobians = requires(const F& f, const At* at, const double* u) { f.jacobians(at, u); };
 
+inline constexpr std::size_t max_force_ports = 2;
+
 template <class F>
 concept ForceElement = requires {
   { F::kind } -> std::convertible_to<std::string_view>;
   { F::summary } -> std::convertible_to<std::string_view>;
   { F::fields() } -> std::convertible_to<std::span<const Field>>;
-} && (std::size(F::ports) == 1 || std::size(F::ports) == 2);
+} && (std::size(F::ports) >= 1 && std::size(F::ports) <= max_force_ports);
 
 }  // namespace gelenk
