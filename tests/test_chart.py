@@ -16,7 +16,7 @@ import pytest
 from typer.testing import CliRunner
 
 import gelenk
-from gelenk.chart import master, mechanisms, published, reference, runs_csv, stability, work_precision
+from gelenk.chart import mechanisms, published, reference, runs_csv, stability, work_precision
 from gelenk.chart.case import Array, Case, Jumps, case_of
 from gelenk.chart.measure import Course, Reference, Run, Task, compared, measured
 from gelenk.chart.methods import AUTO, Method, all_methods, chosen, registered
@@ -290,25 +290,6 @@ def test_inputs_jump_at_every_communication_step_reproducibly() -> None:
     assert values.max() <= 13
     assert np.abs(np.diff(values)).min() > 1
     assert abs(values.mean() - 3) < 0.1
-
-
-def test_costs_are_reported_per_communication_step() -> None:
-    case = replace(master.master_case(), stop=0.05)
-    runs, found = master.master_runs(chosen(["auto", "rk4"]), (1e-6,), rounds=1, case=case)
-    assert [r.method for r in runs] == ["auto", "projection+rk4"]
-    assert runs[1].evaluations == 4 * 50
-    assert found.digits < 1e-8
-    table = master.master_table(runs, 50, (1e-6,))
-    assert "| projection+rk4 | " in table
-    assert "| 4.0 |" in table
-
-
-def test_costs_without_a_reference_solution_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    case = master.master_case()
-    failed = {case.name: Failure("no two methods agree")}
-    monkeypatch.setattr(master, "references", lambda *_: failed)
-    with pytest.raises(gelenk.UsageError, match=r"^no two methods agree$"):
-        master.master_runs(chosen(["rk4"]), (1e-6,), rounds=1, case=case)
 
 
 def test_published_tables_have_the_cheapest_run_that_is_accurate_enough() -> None:
