@@ -1,0 +1,202 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Cases of the laws along joint coordinates, for `both_schemes`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+from mechanisms import body, four_bar, frame, joint, scene
+
+from .both_schemes import Case
+
+
+def block(motor: Callable[[float], float], v: float = 0.0, s: float = 0.0, **laws: Any) -> Case:
+    """A block on a guide, pushed by a motor."""
+    guide = joint(
+        "prismatic",
+        frame("ground"),
+        frame("block"),
+        axis=[1, 0, 0],
+        start={"s": s, "v": v, "fixed": True},
+        **laws,
+    )
+    source = scene({"block": body(1.3)}, {"J": guide})
+    source["motors"] = {"push": {"joint": "J"}}
+    return Case(source, 1.0, {"push.f": motor})
+
+
+def pulses(t: float) -> float:
+    """Held by static friction, broken away, let go, pushed back."""
+    return (0.6, 0.6, 1.4, 0.3, -1.5)[min(4, int(t / 0.22))]
+
+
+def stribeck(exponent: int) -> Case:
+    law = {"coulomb": 0.4, "static": 1.0, "stribeck": 0.3, "exponent": exponent}
+    return block(pulses, v=0.21, friction=law)
+
+
+def braked() -> Case:
+    """A brake that slips, is let go, holds, and is released."""
+    case = block(lambda _: 1.1, v=0.35, friction={"coulomb": 3.0, "input": "engagement"})
+    engaged = {"J.friction.engagement": lambda t: (0.5, 0.1, 1.0, 0.0)[min(3, int(t / 0.26))]}
+    return replace(case, inputs={**case.inputs, **engaged})
+
+
+def chain(
+    law: str, restitutions: tuple[float, ...], speeds: tuple[float, ...], bounds: tuple[float, ...]
+) -> Case:
+    """Blocks in line, each with an upper limit against the one before; no forces."""
+    names = [f"b{i}" for i in range(len(bounds))]
+    joints = {}
+    for i, name in enumerate(names):
+        limit = {"upper": bounds[i], "restitution": restitutions[i], "law": law}
+        parent = frame(names[i - 1]) if i > 0 else frame("ground")
+        joints[f"J{i}"] = joint(
+            "prismatic",
+            parent,
+            frame(name),
+            axis=[1, 0, 0],
+            limit=limit,
+            start={"s": 0.0, "v": speeds[i], "fixed": True},
+        )
+    source = scene({name: body(1.0 + 0.7 * i) for i, name in enumerate(names)}, joints)
+    return Case(source, 0.3, {})
+
+
+def turned_disc(sign: int = 1, **laws: Any) -> Case:
+    """A disc that a motor brakes, turns forward and turns back; sign -1: the other way round."""
+    hub = joint(
+        "revolute",
+        frame("ground"),
+        frame("disc"),
+        axis=[0, 0, 1],
+        start={"phi": 0.0, "w": sign * 0.8, "fixed": True},
+        **laws,
+    )
+    source = scene({"disc": body(1.0, [0.2, 0.2, 0.3])}, {"J": hub})
+    source["motors"] = {"turn": {"joint": "J"}}
+    return Case(source, 1.0, {"turn.tau": lambda t: sign * (-0.9, 0.5, -0.3)[min(2, int(t / 0.37))]})
+
+
+def clutch() -> Case:
+    """Two discs on one shaft: the joint between them is a clutch."""
+    start = {"fixed": True, "phi": 0.0}
+    source = scene(
+        {"a": body(1.0, [0.2, 0.2, 0.3]), "b": body(1.0, [0.2, 0.2, 0.5])},
+        {
+            "A": joint("revolute", frame("ground"), frame("a"), axis=[0, 0, 1], start={**start, "w": 5.0}),
+            "B": joint(
+                "revolute",
+                frame("a"),
+                frame("b"),
+                axis=[0, 0, 1],
+                start={**start, "w": -4.0},
+                friction={"coulomb": 4.0, "static": 6.0, "input": "engagement"},
+            ),
+        },
+    )
+    source["motors"] = {"drive": {"joint": "A"}}
+    engaged = [0.0, 0.5, 1.0, 0.25]
+    return Case(
+        source,
+        1.2,
+        {
+            "B.friction.engagement": lambda t: engaged[min(3, int(t / 0.28))],
+            "drive.tau": lambda t: 2.0 if t < 0.7 else 9.0,
+        },
+    )
+
+
+def loop(**fields: Any) -> Case:
+    """A four-bar with dry friction in all joints, whose crank is driven and brakes."""
+    source = four_bar(damping=0.0)
+    for name, coulomb in zip("ABCD", (0.4, 0.3, 0.5, 0.2), strict=True):
+        source["joints"][name]["friction"] = {"coulomb": coulomb}
+    source["joints"]["A"]["start"]["w"] = 4.0
+    return Case({**source, **fields}, 0.5, {"drive.tau": lambda t: 9.0 if t < 0.2 else 4.0})
+
+
+def between_stops(**law: Any) -> Case:
+    """A block that two stops throw back, the second of which it then rests on."""
+    stop = {"lower": -0.17, "upper": 0.11, "stiffness": 400.0, **law}
+    return block(lambda t: 0.3 if t < 0.5 else -2.0, v=1.2, stop=stop)
+
+
+CASES: dict[str, Callable[[], Case]] = {
+    "friction": lambda: block(pulses, v=0.21, friction={"coulomb": 0.5}),
+    "static friction": lambda: block(pulses, v=0.21, friction={"coulomb": 0.5, "static": 1.1}),
+    "more than static friction turns back": lambda: block(
+        lambda _: -1.3, v=0.77, friction={"coulomb": 0.5, "static": 1.1}
+    ),
+    "Stribeck's curve": lambda: stribeck(2),
+    "Stribeck's curve, exponent 1": lambda: stribeck(1),
+    "brake": braked,
+    "clutch": clutch,
+    "friction in a loop": loop,
+    "friction in a loop, in its plane": lambda: loop(sensors={"E": {"type": "energy"}}),
+    "limit": lambda: block(lambda _: 0.7, v=0.3, limit={"upper": 0.11, "lower": -0.2}),
+    "lower limit": lambda: block(lambda _: -0.7, v=-0.3, limit={"upper": 0.11, "lower": -0.2}),
+    "limit with restitution": lambda: block(
+        lambda t: -0.4 if t < 0.6 else 0.5, v=0.9, limit={"upper": 0.11, "lower": -0.17, "restitution": 0.7}
+    ),
+    "limit with friction": lambda: block(
+        lambda t: 1.9 if t < 0.5 else -1.6,
+        v=0.9,
+        limit={"upper": 0.127, "restitution": 0.5},
+        friction={"coulomb": 0.5, "static": 0.8, "stribeck": 0.1},
+    ),
+    "limit with friction, spring and damper": lambda: block(
+        lambda t: 3.9 if t < 0.5 else -1.6,
+        v=0.9,
+        limit={"upper": 0.127, "restitution": 0.5},
+        friction={"coulomb": 0.5},
+        damping=0.7,
+        stiffness=20.0,
+        spring_reference=0.03,
+    ),
+    "one-way clutch": lambda: turned_disc(one_way={"free": "positive"}),
+    "one-way clutch, the other way": lambda: turned_disc(-1, one_way={"free": "negative"}),
+    "one-way clutch and friction": lambda: turned_disc(
+        one_way={"free": "positive"}, friction={"coulomb": 0.2, "static": 0.4}
+    ),
+    "one-way clutch of a guide": lambda: block(pulses, v=0.21, one_way={"free": "positive"}),
+    "stops": between_stops,
+    "damped stops": lambda: between_stops(damping=5.0),
+    "stops of limited damping": lambda: between_stops(damping=30.0, law="limited"),
+}
+
+
+def stopped(v: float, **law: float) -> Case:
+    """A force between sliding and static friction stops the block for good, a larger one turns it back."""
+    return block(lambda t: -0.8 if t < 0.8 else -1.3, v=v, friction={"coulomb": 0.5, "static": 1.1, **law})
+
+
+# The block stops at any place within a step: it loses 1 mm/s in one.
+for _v in (0.31, 0.3102, 0.3104, 0.3106, 0.3108):
+    CASES[f"static friction stops at {_v}"] = partial(stopped, _v)
+    CASES[f"Stribeck's curve stops at {_v}"] = partial(stopped, _v, stribeck=1e-5)
+
+
+def struck_together(law: str) -> dict[str, Callable[[], Case]]:
+    """Limits that are struck at the same instant, at any place within a step."""
+    out: dict[str, Callable[[], Case]] = {
+        "limits struck together, of unlike speeds": partial(
+            chain, law, (0.3, 0.8), (0.8, 0.4), (0.1003, 0.05015)
+        ),
+        "three limits struck together": partial(
+            chain, law, (0.5, 0.0, 0.9), (1.0, 0.5, 0.25), (0.1, 0.05, 0.025)
+        ),
+        "a limit that rests is struck": partial(chain, law, (0.8, 0.5), (0.0, 1.0), (0.0, 0.1003)),
+    }
+    for bound in (0.1, 0.10003, 0.10006, 0.1001):
+        out[f"two limits struck together at {bound}"] = partial(
+            chain, law, (1.0, 0.0), (1.0, 1.0), (bound, bound)
+        )
+    return out
+
+
+for _law in ("newton", "poisson"):
+    CASES |= {f"{name}, {_law}": case for name, case in struck_together(_law).items()}
