@@ -2,7 +2,7 @@
 # make demo     build into .venv, export a four-bar, simulate its FMU, plot the results
 # make extras   fetch the optional packages: sweeps, tables, import of URDF files, films
 # make test     check formatting, run the linters and the tests that take five minutes on two processors in all
-# make tidy     run clang-tidy on everything, as CI does; FILES=src/touch: on these files only, each on its own
+# make tidy     run clang-tidy on everything, as CI does; FILES=src/event_driven: on these files only, each on its own
 # make lint     the checks of make test and make tidy, without running any tests
 # make format   format all code
 # make pytest   run the tests only; one file: make pytest TESTS=tests/test_layout.py

@@ -8,7 +8,8 @@
 # and are hardened. They are linked in this order, since the linker keeps the first copy of a template that several of them
 # instantiate.
 set(GELENK_HOT src/math src/joint src/linear src/kinematics src/dynamics src/outputs src/integrator src/formulation)
-set(GELENK_WARM src/cone src/collision src/derivatives src/contact src/modes src/touch src/simulation fmu/runtime)
+set(GELENK_WARM src/complementarity src/collision src/contact_geometry src/derivatives src/nonsmooth src/time_stepping src/event_driven
+  src/simulation fmu/runtime)
 set(GELENK_COLD src/util src/field src/shape src/element src/element/constraints src/event src/scene src/check src/scene_file src/scene_schema
   src/mechanism src/assembly src/analysis src/preparation src/runs src/inspection modelDescription fmu/export)
 

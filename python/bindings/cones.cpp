@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Cone complementarity problems and their solvers (src/cone), for charts.
-#include "cone/cone.h"
+#include "complementarity/cone.h"
 
 #include <nanobind/eigen/dense.h>
 #include <nanobind/nanobind.h>
@@ -19,7 +19,7 @@
 #include <vector>
 
 #include "bindings.h"
-#include "contact/recorded_problem.h"
+#include "time_stepping/recorded_problem.h"
 
 namespace nb = nanobind;
 

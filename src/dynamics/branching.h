@@ -63,7 +63,7 @@ class Branching {
   virtual int locks() const = 0;
   virtual Lock lock(int lock) const = 0;
   // The friction in motion at this speed, in the user's sign; 0 without friction.
-  virtual double sliding_limit(int lock, double speed) const = 0;
+  virtual DirectedLimit sliding_limit(int lock, double speed) const = 0;
   // Friction that depends on loads: its limits are those at the last solve().
   virtual LoadDependence& loads() = 0;
   // Contacts between shapes, which act by impulses.

@@ -204,14 +204,14 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
   }
 
   void solve_linear(double* r, const double* c, double* l, double* holding) const override {
-    const bool slips = modes_.loads().any_slips();
+    const bool slips = !modes_.loads().slipping().empty();
     if (slips && l == nullptr) l = modes_.loads().scratch();
     solve_unloaded(r, c, l, holding);
     if (slips) modes_.loads().complete(r, l, holding);
   }
 
   void solve_linear_columns(double* r, const double* c, int columns) const override {
-    if (modes_.loads().any_slips()) {
+    if (!modes_.loads().slipping().empty()) {
       const auto solve = [this](double* of, const double* rows) { solve_linear(of, rows, nullptr, nullptr); };
       return modes_.loads().solve_columns(r, c, columns, solve);
     }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -144,12 +145,12 @@ class JointModes final : public Branching {
     });
     return out;
   }
-  double sliding_limit(int lock, double speed) const override {
+  DirectedLimit sliding_limit(int lock, double speed) const override {
     DirectedLimit out;
     visit_friction(found_[lock].friction, [&](const auto& element, const double* u) {
       out = loaded_.in_motion(found_[lock].friction, element, speed, u);
     });
-    return out.largest();
+    return out;
   }
   Depth depth(int lock, int side) const override {
     Depth out{-HUGE_VAL, 0};
@@ -304,12 +305,16 @@ class JointModes final : public Branching {
   // The rows of all locks; fills found_, lock_of_ and places_.
   std::vector<typename LockedCoordinates<A>::Row> find_locks() {
     std::vector<typename LockedCoordinates<A>::Row> rows;
-    std::map<std::pair<int, int>, int> lock_at;  // by cut (-1: tree) and velocity
+    // By cut (-1: tree) and velocity. A one-way clutch has a lock of its own, as it may hold the coordinate in one
+    // direction where a limit holds it in the other.
+    std::map<std::tuple<int, int, bool>, int> lock_at;
     const auto look = [&](const auto& force, int cut) {
       using Element = std::decay_t<decltype(force.element)>;
       lock_of_.push_back(-1);
       if constexpr (Sticks<Element> || Blocks<Element>) {
-        const auto [place, is_new] = lock_at.try_emplace({cut, force.v}, locks());
+        const JointLoads& along = cut < 0 ? state_.loads.tree : state_.loads.cuts[cut];
+        const bool is_own = BoundsSpeed<Element> && along.bound_position(force.v);
+        const auto [place, is_new] = lock_at.try_emplace({cut, force.v, is_own}, locks());
         if (is_new) {
           found_.emplace_back().sign = force.sign;
           if (cut < 0) {

@@ -20,6 +20,8 @@ class LoadDependence {
   // Of the last solve(): the index, among all forces with modes, of a friction that is not unique, or does not exist,
   // because it depends on loads too much; -1: none.
   virtual int undetermined() const = 0;
+  // Says so of the last solve(), as where forces that depend on friction have not been found.
+  virtual void set_undetermined() = 0;
   // Of the last solve(): the index, among all forces with modes, of the only friction with loads that slips, if it is
   // that of a mesh which grows faster with its load than the motion can yield, so that it stops at once; -1: none.
   virtual int seized() const = 0;

@@ -115,6 +115,7 @@ class LoadedFriction final : public LoadDependence {
   const std::vector<double>& torque() const { return torque_; }
   void freeze(bool on) override { is_frozen_ = on; }
   int undetermined() const override { return undetermined_; }
+  void set_undetermined() override { undetermined_ = loads_.front().is.force; }
   int seized() const override { return seized_; }
   int unloaded() const override {
     for (const Slipping& slips : slipping_) {
@@ -125,7 +126,6 @@ class LoadedFriction final : public LoadDependence {
     }
     return -1;
   }
-  bool any_slips() const { return !slipping_.empty(); }
   const std::vector<Slipping>& slipping() const { return slipping_; }
 
   // Finds the friction T of what slips and the loads. respond(force, vdot, lambda, holding): the response of the

@@ -54,7 +54,7 @@ class LockedCoordinates {
     held_.reserve(rows_.size());
     // A cut joint of which all constraint equations are redundant still has a coordinate, of several tree joints.
     const auto is_of_tree = [](const Row& row) { return row.size() == 1 && row.front().factor == 1; };
-    if (model.rows == 0 && !rows_.empty() && std::ranges::all_of(rows_, is_of_tree)) {
+    if (model.rows == 0 && !rows_.empty() && std::ranges::all_of(rows_, is_of_tree) && !any_twice()) {
       tree_.emplace(model, ws);
       held_velocities_.assign(static_cast<std::size_t>(n_), 0);
     }
@@ -223,6 +223,13 @@ class LockedCoordinates {
 
  private:
   void locks_changed() { is_current_ = tree_is_current_ = false; }
+  // Whether two locks hold the same coordinate of the tree.
+  bool any_twice() const {
+    std::vector<int> velocities;
+    for (const Row& row : rows_) velocities.push_back(row.front().v);
+    std::ranges::sort(velocities);
+    return std::ranges::adjacent_find(velocities) != velocities.end();
+  }
   double norm(const double* x) const { return std::sqrt(dot(x, x)); }
   double dot(const double* x, const double* y) const {
     double sum = 0;

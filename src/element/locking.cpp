@@ -32,10 +32,6 @@ bool is_loaded_guide(const JointForces& forces) {
   return friction && friction->is_guide();
 }
 
-bool has_two_bounds(const JointForces& forces) {
-  return std::get<std::optional<JointLimit>>(forces) && std::get<std::optional<JointOneWay>>(forces);
-}
-
 int lossy_joint(const AnyConstraint& constraint) {
   return std::visit(
       [](const auto& of) {

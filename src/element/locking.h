@@ -15,8 +15,6 @@ bool has_friction(const JointForces& forces);
 // Whether the friction depends on the force that the joint transmits; and whether it is one across a guide.
 bool has_bearing(const JointForces& forces);
 bool is_loaded_guide(const JointForces& forces);
-// Whether the position and the speed are bounded, which excludes each other.
-bool has_two_bounds(const JointForces& forces);
 // Which of its joints has the friction by which a constraint loses power; -1: it loses none.
 int lossy_joint(const AnyConstraint& constraint);
 

@@ -1,20 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "formulation/contact_motion.h"
 
-#include <utility>
-
-#include "touch/touch_modes.h"
+#include "event_driven/contact_modes.h"
+#include "event_driven/event_modes.h"
+#include "event_driven/mode_changes.h"
 
 namespace gelenk {
 
-ContactMotion::ContactMotion(const ImpulseSteps::Context& context) : steps_(context) {}
-
-ContactMotion::~ContactMotion() = default;
-
-TouchModes& ContactMotion::add(std::unique_ptr<TouchModes> touch) {
-  touch_ = std::move(touch);
-  return *touch_;
-}
+ContactMotion::ContactMotion(const ImpulseSteps::Context& context, EventModes& modes, bool located)
+    : steps_(context), modes_(modes), touch_(located ? &modes.contacts() : nullptr) {}
 
 void ContactMotion::use(double cone_tolerance) {
   steps_.use(cone_tolerance);
@@ -26,12 +20,10 @@ void ContactMotion::change_to(bool impulses, double t, const double* y) {
   steps_used_ = impulses;
   steps_.forget();
   steps_.stepper().forget_second();
-  touch_->start();
-  if (steps_.locks().empty()) return;
   if (impulses) {
-    steps_.locks().release();
+    modes_.release();
   } else {
-    steps_.locks().start(t, y);
+    modes_.start(t, y);
   }
 }
 
@@ -53,18 +45,19 @@ bool ContactMotion::take_over(const Activity& before) {
   const bool touch =
       !touch_->equations().closed().empty() || before.closed > 0 || events.counts().contacts > before.events.contacts;
   const bool by_contacts = events.too_many().empty() ? touch : events.contacts_prevail();
-  if (!by_contacts && touch_->refusal().empty()) return false;
+  if (!by_contacts && modes_.changes().refusal().empty()) return false;
   forget_events(before);
   return true;
 }
 
 std::vector<std::array<std::string, 2>> ContactMotion::event_texts(const std::vector<std::string>& bodies,
                                                                    const std::vector<std::string>& contacts) const {
-  return touch_ ? touch_->outputs().event_texts(bodies, contacts) : std::vector<std::array<std::string, 2>>{};
+  return touch_ != nullptr ? touch_->outputs().event_texts(bodies, contacts)
+                           : std::vector<std::array<std::string, 2>>{};
 }
 
 ContactReadings& ContactMotion::PresentReadings::present() const {
-  if (of_.touch_ && !of_.steps_used_) return of_.touch_->outputs();
+  if (of_.touch_ != nullptr && !of_.steps_used_) return of_.touch_->outputs();
   return *of_.steps_.readings();
 }
 
@@ -73,10 +66,11 @@ void ContactMotion::count(RunCounts& counts) const {
   counts.cone_iterations = steps_.solved().iterations;
   counts.cone_residual = steps_.solved().residual;
   counts.scheme = steps_used_ ? 1 : 0;
-  if (!touch_) return;
-  counts.impacts += touch_->counts().impacts;
-  counts.closed_series += touch_->counts().closed_series;
-  counts.ambiguous += touch_->counts().ambiguous;
+  if (touch_ == nullptr) return;
+  const ModeCounts& of_events = modes_.changes().counts();
+  counts.impacts += of_events.impacts;
+  counts.closed_series += of_events.closed_series;
+  counts.ambiguous += of_events.ambiguous;
   if (!steps_used_) counts.contact_points = static_cast<long>(touch_->equations().closed().size());
 }
 
@@ -88,16 +82,11 @@ LawAudit ContactMotion::law_audit() {
   return out;
 }
 
-void ContactMotion::start() {
-  steps_.forget();
-  if (touch_) touch_->start();
-}
+void ContactMotion::start() { steps_.forget(); }
 
 void ContactMotion::serialize(Archive& archive) {
   steps_.serialize(archive);
-  if (!touch_) return;
-  touch_->serialize(archive);
-  if (steps_.are_available()) archive.serialize(steps_used_);
+  if (touch_ != nullptr && steps_.are_available()) archive.serialize(steps_used_);
 }
 
 }  // namespace gelenk

@@ -3,31 +3,26 @@
 #pragma once
 
 #include <array>
-#include <memory>
 #include <string>
 #include <vector>
 
+#include "event_driven/run_counts.h"
 #include "formulation/equations.h"
 #include "formulation/impulse_steps.h"
-#include "modes/law_audit.h"
-#include "modes/run_counts.h"
+#include "nonsmooth/law_audit.h"
 #include "util/archive.h"
 
 namespace gelenk {
 
 struct Scene;
 
-class TouchModes;
+class ContactModes;
+class EventModes;
 
 class ContactMotion final : public ImpulseEquations {
  public:
-  explicit ContactMotion(const ImpulseSteps::Context& context);
-  ~ContactMotion() override;
-  ContactMotion(const ContactMotion&) = delete;
-  ContactMotion& operator=(const ContactMotion&) = delete;
-
-  // Once: from then on, modes change at events.
-  TouchModes& add(std::unique_ptr<TouchModes> touch);
+  // modes: must outlive it. located: contacts change at events, too.
+  ContactMotion(const ImpulseSteps::Context& context, EventModes& modes, bool located);
 
   bool are_required() const override { return steps_.are_required(); }
   bool may_be_located() const override { return touch_ != nullptr; }
@@ -41,7 +36,7 @@ class ContactMotion final : public ImpulseEquations {
   bool step(double t, double h, double* y) override { return steps_.step(t, h, y); }
 
   ImpulseSteps& steps() { return steps_; }
-  TouchModes* touch() const { return touch_.get(); }  // null: not at events
+  ContactModes* touch() const { return touch_; }  // null: not at events
 
   // By indicator of contacts, which follow all others.
   std::vector<std::array<std::string, 2>> event_texts(const std::vector<std::string>& bodies,
@@ -83,7 +78,8 @@ class ContactMotion final : public ImpulseEquations {
   };
 
   ImpulseSteps steps_;
-  std::unique_ptr<TouchModes> touch_;
+  EventModes& modes_;
+  ContactModes* touch_;
   PresentReadings readings_{*this};
   bool steps_used_ = false;
 };

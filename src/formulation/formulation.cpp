@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
-#include "touch/touch_modes.h"
+#include "event_driven/contact_modes.h"
+#include "event_driven/mode_changes.h"
 
 namespace gelenk {
 namespace {
@@ -25,6 +27,10 @@ class Raised {
   bool& flag_;
 };
 
+bool locates_contacts(const FormulationContext& context) {
+  return context.options.locates_contacts && !context.mechanism.shapes.empty();
+}
+
 // Branch-free: zero times NaN or infinity is NaN.
 bool all_finite(const double* x, int n) {
   double zero = 0;
@@ -40,16 +46,13 @@ Formulation::Formulation(const FormulationContext& context)
       drives_(mechanism_, dynamics_, context.inputs),
       events_(context.events),
       projector_(mechanism_, dynamics_),
-      modes_(*this, dynamics_, mechanism_.nq, mechanism_.nv, events_),
+      modes_({mechanism_, dynamics_, context.loads, *this, events_, locates_contacts(context)}),
       limits_(dynamics_.branching()),
-      contacts_({mechanism_, dynamics_, context.loads, drives_, modes_.locks(), context.events}),
+      contacts_({mechanism_, dynamics_, context.loads, drives_, modes_.locks(), context.events}, modes_,
+                locates_contacts(context)),
       row_domain_(mechanism_, dynamics_),
       revolutions_(mechanism_, dynamics_),
-      dv_(mechanism_.nv) {
-  if (!context.options.locates_contacts || mechanism_.shapes.empty()) return;
-  modes_.add(contacts_.add(std::make_unique<TouchModes>(TouchModes::Context{
-      mechanism_, dynamics_, context.loads, *this, events_, modes_.locks(), modes_.own_indicators()})));
-}
+      dv_(mechanism_.nv) {}
 
 RunCounts Formulation::mode_counts() {
   RunCounts out{modes_.locks().counts()};
@@ -61,8 +64,7 @@ RunCounts Formulation::mode_counts() {
 
 void Formulation::inputs_changed(double /*t*/, const double* /*y*/) {
   if (contacts_.are_used()) return;
-  modes_.locks().inputs_jumped();
-  if (contacts_.touch() != nullptr) contacts_.touch()->inputs_jumped();
+  modes_.changes().inputs_jumped();
 }
 
 // Describes a dead center at the present position of `dynamics`; empty: there is none.
@@ -93,13 +95,10 @@ bool Formulation::evaluate(double t, const double* y, double* ydot) {
   dynamics_.set_position(y);
   if (!row_domain_.is_defined()) return false;
   // What is evaluated for differences is beside the motion.
-  TouchModes* const watched_touch = takes_differences_ ? nullptr : contacts_.touch();
   if (!takes_differences_) modes_.watch(t, v);
-  if (watched_touch != nullptr) watched_touch->watch(t, false);
   if (!accelerate(t, y, vdot)) return false;
   if (!modes_.locks().empty() && dynamics_.branching().loads().undetermined() >= 0) return false;
-  if (!takes_differences_) modes_.watch_holding_forces(t);
-  if (watched_touch != nullptr) watched_touch->watch(t, true);
+  if (!takes_differences_) modes_.watch_forces(t);
   if (mechanism_.rows > 0 && factorizes_constraints()) singularity_monitor_.observe(t, dynamics_.pivot_ratio());
   dynamics_.qdot_from_v(y, v, ydot);
   return all_finite(ydot, size());
@@ -132,9 +131,9 @@ bool Formulation::project_onto_constraints(double t, double* y, bool keeps_limit
   }
   if (contacts_.are_used()) return true;
   if (keeps_limits) {
-    modes_.locks().restart(t, y, modes);
+    modes_.changes().restart(t, y, modes);
   } else {
-    modes_.locks().start(t, y);
+    modes_.start(t, y);
   }
   return true;
 }
@@ -162,8 +161,29 @@ bool Formulation::accelerate(double t, const double* y, double* vdot) {
   projector().refactorize();
   dynamics_.set_velocity(y + mechanism_.nq);
   solve(t, vdot);
-  if (contacts_.touch() != nullptr) contacts_.touch()->equations().accelerate(vdot);
+  if (contacts_.touch() != nullptr) add_contacts(t, vdot);
   return true;
+}
+
+// The effect of closed contacts on the vdot of the last solve(). Friction of joints that depends on loads follows the
+// forces of contacts, and these follow it: with the former as loads, the latter are solved for again.
+void Formulation::add_contacts(double t, double* vdot) {
+  constexpr int most_corrections = 40;
+  constexpr double enough = 1e-13, rounding = 1e-10;  // changes of forces that end it; that may be rounding
+  TouchEquations& touch = contacts_.touch()->equations();
+  touch.accelerate(vdot);
+  LoadDependence& loads = dynamics_.branching().loads();
+  if (loads.empty() || touch.closed().empty()) return;
+  double change = INFINITY, before = INFINITY;
+  for (int k = 0; k < most_corrections && change > enough && !(change <= rounding && change >= before); ++k) {
+    wrenches_.assign(mechanism_.links.size(), Spatial::Force{});
+    add_wrenches(touch, touch.forces_of(touch.multipliers()), wrenches_);
+    dynamics_.branching().contact_rows().apply_forces(wrenches_.data(), nullptr);
+    solve(t, vdot);
+    before = std::exchange(change, touch.accelerate(vdot, true));
+  }
+  dynamics_.branching().contact_rows().apply_forces(nullptr, nullptr);
+  if (!(change <= rounding)) loads.set_undetermined();
 }
 
 void Formulation::solve(double /*t*/, double* vdot) { dynamics_.solve(drives_.u().data(), vdot); }
@@ -193,7 +213,7 @@ bool Formulation::jacobian_by_differences(double t, const double* y, Eigen::Map<
   std::vector<double> at(y, y + size());
   std::vector<double> rates(at.size());
   TouchEquations& touch = contacts_.touch()->equations();
-  touch.begin_differences(size(), ydot_.data() + mechanism_.nq, contacts_.touch()->since_step_began(t));
+  touch.begin_differences(size(), ydot_.data() + mechanism_.nq, modes_.since_step_began(t));
   takes_differences_ = true;
   bool is_finite = true;
   for (std::size_t k = 0; k < at.size() && is_finite; ++k) {
@@ -253,48 +273,44 @@ void Formulation::solve_at(double t, const double* y, double* vdot) {
   projector().factors_changed();
   dynamics_.set_velocity(y + mechanism_.nq);
   solve(t, vdot);
-  if (contacts_.touch() != nullptr) contacts_.touch()->equations().accelerate(vdot);
+  if (contacts_.touch() != nullptr) add_contacts(t, vdot);
 }
 
 void Formulation::output_accelerations(double t, const double* y, double* vdot) {
   if (contacts_.are_used()) {
     drives_.go_to_outputs(t);
-    const ImpulseSteps::AppliedForces forces(contacts_.steps());
+    const ImpulseSteps::AppliedForces forces(contacts_.steps(), y);
     solve_at(t, y, vdot);
-    return modes_.record_outputs(contacts_.steps().lock_forces());
+    return modes_.outputs().record(contacts_.steps().lock_forces());
   }
   if (contacts_.touch() != nullptr) return output_touched_accelerations(t, y, vdot);
-  const ModePreview preview(modes_.locks(), t, y);
+  const ModePreview preview(modes_, t, y);
   drives_.go_to_outputs(t);
   solve_at(t, y, vdot);
-  modes_.record_outputs();
+  modes_.outputs().record();
   if (!dynamics_.branching().is_redundant()) return;
   solve_at(t, y, vdot);
-  modes_.apply_recorded_forces();
+  modes_.outputs().apply();
 }
 
 // Contact forces are applied as loads, so that reactions show them.
 void Formulation::output_touched_accelerations(double t, const double* y, double* vdot) {
   TouchOutputs& touched = contacts_.touch()->outputs();
-  touched.keep_modes();
-  const LockModes::State present_locks = modes_.locks().state();
-  contacts_.touch()->preview(t, y);
+  const ModePreview preview(modes_, t, y);
   drives_.go_to_outputs(t);
   solve_at(t, y, vdot);
   {
     const Raised reading(reads_outputs_);
-    contacts_.touch()->record_outputs(t, y);
+    modes_.changes().record_outputs(t, y);
   }
   dynamics_.branching().contact_rows().apply_forces(touched.wrenches(), nullptr);
   solve_at(t, y, vdot);
-  modes_.record_outputs();
+  modes_.outputs().record();
   if (dynamics_.branching().is_redundant()) {
     solve_at(t, y, vdot);
-    modes_.apply_recorded_forces();
+    modes_.outputs().apply();
   }
   dynamics_.branching().contact_rows().apply_forces(nullptr, nullptr);
-  touched.return_to_modes();
-  if (!modes_.locks().empty()) modes_.locks().set_state(present_locks);
 }
 
 bool Formulation::holds_by_modes() const {
@@ -309,7 +325,7 @@ LawAudit Formulation::law_audit(const double* y) {
   if (contacts_.touch() != nullptr) out = contacts_.touch()->outputs().audit();
   if (!modes_.locks().any_at_rest()) return out;
   dynamics_.set_position(y);
-  out.add(audit_locks(dynamics_.branching(), modes_.recorded_forces(), y + mechanism_.nq, mechanism_.nv));
+  out.add(audit_locks(dynamics_.branching(), modes_.outputs().forces(), y + mechanism_.nq, mechanism_.nv));
   return out;
 }
 
@@ -318,14 +334,18 @@ void Formulation::start(const std::vector<double>& cut_q, double t, const double
   revolutions_.count_from(cut_q, t, y);
   singularity_monitor_.restart(t);
   contacts_.start();
-  if (!contacts_.are_used()) modes_.locks().start(t, y);
+  if (contacts_.are_used()) {
+    modes_.release();
+  } else {
+    modes_.start(t, y);
+  }
 }
 
 void Formulation::serialize(Archive& archive) {
   revolutions_.serialize(archive);
   if (mechanism_.rows > 0) singularity_monitor_.serialize(archive);
   events_.serialize(archive);
-  modes_.locks().serialize(archive);
+  modes_.serialize(archive);
   contacts_.serialize(archive);
   archive.serialize(jacobian_count_);
   if (!archive.reading()) return;

@@ -17,17 +17,17 @@
 #include "dynamics/dynamics.h"
 #include "event/event_log.h"
 #include "event/singularity_monitor.h"
+#include "event_driven/event_modes.h"
+#include "event_driven/mode_equations.h"
+#include "event_driven/run_counts.h"
 #include "formulation/constraint_projector.h"
 #include "formulation/contact_motion.h"
 #include "formulation/drives.h"
 #include "formulation/equations.h"
 #include "formulation/revolution_counter.h"
 #include "formulation/row_domain.h"
-#include "modes/event_modes.h"
-#include "modes/law_audit.h"
-#include "modes/limit_correction.h"
-#include "modes/run_counts.h"
-#include "touch/touched_equations.h"
+#include "nonsmooth/law_audit.h"
+#include "nonsmooth/limit_correction.h"
 #include "util/archive.h"
 
 namespace gelenk {
@@ -51,7 +51,7 @@ struct FormulationContext {
   FormulationOptions options{};
 };
 
-class Formulation : public Equations, private ModeEquations, private TouchedEquations {
+class Formulation : public Equations, private ModeEquations {
  public:
   explicit Formulation(const FormulationContext& context);
 
@@ -123,9 +123,8 @@ class Formulation : public Equations, private ModeEquations, private TouchedEqua
   std::string describe_dead_center();
   void mode_changed() override {}
   bool bring_inputs(double t) final;
-  void touch_changed() override {}
   void accelerations_at(double t, const double* y, double* vdot) final;
-  void touched_accelerations(double t, const double* y, double* vdot) final { accelerations_at(t, y, vdot); }
+  void add_contacts(double t, double* vdot);
   void output_touched_accelerations(double t, const double* y, double* vdot);
   bool jacobian_by_differences(double t, const double* y, Eigen::Map<Eigen::MatrixXd>& out);
   void solve_at(double t, const double* y, double* vdot);
@@ -144,6 +143,7 @@ class Formulation : public Equations, private ModeEquations, private TouchedEqua
   bool takes_differences_ = false;
   bool reads_outputs_ = false;  // targets are as outputs show them
   std::vector<double> dv_, ydot_;
+  std::vector<Spatial::Force> wrenches_;  // of contacts, by link
 };
 
 struct FormulationKind {

@@ -34,6 +34,7 @@ void ImpulseSteps::start(double t, double h, const double* y) {
   trial_.assign(y, y + with_.mechanism.nq + with_.mechanism.nv);
   stepper_->forget();
   step(t, h, trial_.data());
+  stepper_->keep_forces_alone();
 }
 
 bool ImpulseSteps::step(double t, double h, double* y) {
@@ -99,10 +100,19 @@ void ImpulseSteps::serialize(Archive& archive) {
   archive.serialize(vibration_);
 }
 
-ImpulseSteps::AppliedForces::AppliedForces(ImpulseSteps& steps)
+ImpulseSteps::AppliedForces::AppliedForces(ImpulseSteps& steps, const double* y)
     : rows_(steps.with_.dynamics.branching().contact_rows()) {
   const ContactState& state = steps.stepper_->state();
-  rows_.apply_forces(steps.are_required() ? state.wrenches.data() : nullptr, state.along.data());
+  if (steps.are_required()) {
+    steps.with_.dynamics.set_position(y);
+    StateReadings& readings = steps.with_.dynamics.readings();
+    readings.set_root_poses();
+    wrenches_ = state.wrenches;
+    for (std::size_t i = 0; i < wrenches_.size(); ++i) {
+      if (!wrenches_[i].f.isZero(0)) wrenches_[i].n += readings.link_pose(static_cast<int>(i)).p.cross(wrenches_[i].f);
+    }
+  }
+  rows_.apply_forces(steps.are_required() ? wrenches_.data() : nullptr, state.along.data());
 }
 
 ImpulseSteps::AppliedForces::~AppliedForces() { rows_.apply_forces(nullptr, nullptr); }

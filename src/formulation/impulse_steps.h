@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "contact/time_stepper.h"
+#include "event_driven/lock_modes.h"
 #include "formulation/drives.h"
-#include "modes/lock_modes.h"
+#include "time_stepping/time_stepper.h"
 
 namespace gelenk {
 
@@ -60,16 +60,17 @@ class ImpulseSteps {
   ContactReadings* readings() const { return stepper_.get(); }
   void serialize(Archive& archive);
 
-  // During its lifetime, solve() applies the mean forces of the last step.
+  // During its lifetime, solve() applies the mean forces of the last step to the bodies at y.
   class AppliedForces {
    public:
-    explicit AppliedForces(ImpulseSteps& steps);
+    AppliedForces(ImpulseSteps& steps, const double* y);
     ~AppliedForces();
     AppliedForces(const AppliedForces&) = delete;
     AppliedForces& operator=(const AppliedForces&) = delete;
 
    private:
     ContactRows& rows_;
+    std::vector<Spatial::Force> wrenches_;  // by link, about the origin of the root frame
   };
 
  private:

@@ -7,9 +7,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "event_driven/contact_modes.h"
 #include "formulation/branch_acceleration.h"
 #include "formulation/formulation.h"
-#include "touch/touch_modes.h"
 
 namespace gelenk {
 namespace {
@@ -119,7 +119,6 @@ class Projection final : public Formulation {
   void start(const std::vector<double>& cut_q, double t, const double* y) override;
   void inputs_changed(double t, const double* y) override;
   void mode_changed() override { recorded_ = 0; }  // accelerations have jumped
-  void touch_changed() override { recorded_ = 0; }
   void serialize(Archive& archive) override;
 
  private:

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "modes/law_audit.h"
+#include "nonsmooth/law_audit.h"
 #include "scene/scene.h"
 
 namespace gelenk {

@@ -6,7 +6,7 @@
 #include <set>
 
 #include "assembly/loop_closure.h"
-#include "contact/contact_finder.h"
+#include "contact_geometry/contact_finder.h"
 #include "kinematics/branching_forces.h"
 #include "preparation/doubts.h"
 #include "scene/element_numbers.h"

@@ -301,10 +301,10 @@ void Island::realize(Stage stage) {
 // Again when the integrator has decided whether steps are made with impulses.
 void Island::make_reading() {
   const RevolutionCounter& turns = equations_->revolutions();
-  const EventModes& modes = equations_->modes();
+  EventModes& modes = equations_->modes();
   reading_.emplace(Reading{dynamics_->readings(), y_.data(), y_.data() + mechanism().nq, vdot_.data(),
-                           turns.coordinates().data(), turns.speeds().data(), modes.recorded_forces().data(),
-                           modes.recorded_sides().data(), &equations_->contacts().readings()});
+                           turns.coordinates().data(), turns.speeds().data(), modes.outputs().forces().data(),
+                           modes.outputs().sides().data(), &equations_->contacts().readings()});
 }
 
 std::vector<MotionLaw::Derivatives> Island::targets() const {

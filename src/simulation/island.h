@@ -12,7 +12,7 @@
 #include "formulation/formulation.h"
 #include "integrator/integrator.h"
 #include "kinematics/loads.h"
-#include "modes/run_counts.h"
+#include "event_driven/run_counts.h"
 #include "outputs/outputs.h"
 #include "preparation/preparation.h"
 #include "simulation/replay.h"

@@ -169,7 +169,7 @@ void Placement::realize_in_present_modes(Island& of) {
   const double* vdot = modes.locks().accelerations(of.time_, of.y_.data());
   if (vdot == nullptr || of.dynamics_->branching().is_redundant()) return;
   std::copy_n(vdot, of.vdot_.size(), of.vdot_.begin());
-  modes.record_outputs();
+  modes.outputs().record();
   of.dynamics_->readings().set_root_poses();
   of.dynamics_->set_acceleration(of.vdot_.data());
   of.realized_ = Stage::acceleration;

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "contact/recorded_problem.h"
+#include "time_stepping/recorded_problem.h"
 #include "derivatives/jacobians.h"
 #include "formulation/equations.h"
 #include "simulation/simulation.h"

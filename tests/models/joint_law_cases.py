@@ -110,11 +110,13 @@ def clutch() -> Case:
     )
 
 
-def loop(**fields: Any) -> Case:
+def loop(bearing: dict[str, Any] | None = None, **fields: Any) -> Case:
     """A four-bar with dry friction in all joints, whose crank is driven and brakes."""
     source = four_bar(damping=0.0)
     for name, coulomb in zip("ABCD", (0.4, 0.3, 0.5, 0.2), strict=True):
         source["joints"][name]["friction"] = {"coulomb": coulomb}
+        if bearing is not None:
+            source["joints"][name]["friction"]["bearing"] = bearing
     source["joints"]["A"]["start"]["w"] = 4.0
     return Case({**source, **fields}, 0.5, {"drive.tau": lambda t: 9.0 if t < 0.2 else 4.0})
 
@@ -123,6 +125,25 @@ def between_stops(**law: Any) -> Case:
     """A block that two stops throw back, the second of which it then rests on."""
     stop = {"lower": -0.17, "upper": 0.11, "stiffness": 400.0, **law}
     return block(lambda t: 0.3 if t < 0.5 else -2.0, v=1.2, stop=stop)
+
+
+def geared(ratio: float = 3.0, **losses: Any) -> Case:
+    """A motor drives a disc by a gear with losses, is switched off, and brakes it."""
+    about = {"axis": [0, 0, 1], "start": {"phi": 0.0, "w": 0.0, "fixed": True}}
+    source = scene(
+        {"pinion": body(1.0, [0.1, 0.1, 0.02]), "wheel": body(1.0, [0.2, 0.2, 0.3])},
+        {
+            "A": joint("revolute", frame("ground"), frame("pinion"), friction={"coulomb": 0.02}, **about),
+            "B": joint("revolute", frame("ground"), frame("wheel"), axis=[0, 0, 1], damping=0.1),
+        },
+    )
+    source["constraints"] = {"mesh": {"type": "gear", "joint": "A", "with": "B", "ratio": ratio, **losses}}
+    source["motors"] = {"drive": {"joint": "A"}, "load": {"joint": "B"}}
+    inputs = {
+        "drive.tau": lambda t: (0.4, 0.05, -0.3)[min(2, int(t / 0.35))],
+        "load.tau": lambda t: -0.5 if t < 0.6 else 0.2,
+    }
+    return Case(source, 1.0, inputs)
 
 
 CASES: dict[str, Callable[[], Case]] = {
@@ -163,6 +184,25 @@ CASES: dict[str, Callable[[], Case]] = {
         one_way={"free": "positive"}, friction={"coulomb": 0.2, "static": 0.4}
     ),
     "one-way clutch of a guide": lambda: block(pulses, v=0.21, one_way={"free": "positive"}),
+    "one-way clutch and limits": lambda: turned_disc(
+        one_way={"free": "positive"}, limit={"lower": -0.1, "upper": 0.3}
+    ),
+    "one-way clutch, limits and friction": lambda: turned_disc(
+        one_way={"free": "positive"},
+        limit={"lower": -0.1, "upper": 0.15, "restitution": 0.4},
+        friction={"coulomb": 0.1, "static": 0.2},
+    ),
+    "friction of a guide under load": lambda: block(
+        pulses, v=0.21, friction={"coulomb": 0.1, "bearing": {"coefficient": 0.04, "static": 0.06}}
+    ),
+    "friction of a bearing under load": lambda: turned_disc(
+        friction={"coulomb": 0.0, "bearing": {"coefficient": 0.1, "static": 0.14, "radius": 0.2}}
+    ),
+    "friction of bearings in a loop": lambda: loop(
+        bearing={"coefficient": 0.2, "radius": 0.05, "reaction": "least_norm"}
+    ),
+    "gear with losses": lambda: geared(efficiency=0.7),
+    "gear with losses, backwards": lambda: geared(ratio=-0.4, efficiency=0.8),
     "stops": between_stops,
     "damped stops": lambda: between_stops(damping=5.0),
     "stops of limited damping": lambda: between_stops(damping=30.0, law="limited"),

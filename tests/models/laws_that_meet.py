@@ -104,7 +104,22 @@ def driven_wheel() -> Case:
     return contact_case(source, 0.9, error=ERROR, inputs={"motor.tau": lambda t: at(t, torque)})
 
 
-def box_on_a_cart() -> Case:
+def loaded_axle() -> Case:
+    """A wheel turns in a bearing that carries the load; brakes so hard that it skids, and rolls again."""
+    bearing = {"coefficient": 0.15, "static": 0.2, "radius": 0.03}
+    source = car(1.0, 0.3, {"friction": {"coulomb": 0.05, "bearing": bearing}})
+    return contact_case(
+        source,
+        0.9,
+        error=ERROR,
+        inputs={
+            "motor.tau": lambda t: at(t, (0.5, -2.5, 0.0, 1.0)),
+            "push.f": lambda t: at(t, (0.0, 3.0, -2.0)),
+        },
+    )
+
+
+def box_on_a_cart(friction: SceneData | None = None) -> Case:
     """A cart with dry friction in its guide; a box on it slides, sticks, and slides the other way."""
     bodies = {
         "cart": {
@@ -120,7 +135,7 @@ def box_on_a_cart() -> Case:
     }
     start = {"r": [0, 0, 0.4], "v": [0.4, 0, 0], "fixed": True}
     joints = {
-        "P": guided("cart", ALONG, friction={"coulomb": 4.0, "static": 6.0}),
+        "P": guided("cart", ALONG, friction=friction or {"coulomb": 4.0, "static": 6.0}),
         "J": {"type": "free", "parent": "ground", "child": "box", "start": start},
     }
     contacts = {"top": {"between": ["wood", "steel"], "friction": 0.2, "static": 0.3}}
@@ -181,6 +196,10 @@ CASES: dict[str, Callable[[], Case]] = {
     "brake of a wheel on the ground": braked_wheel,
     "one-way clutch that drives a wheel on the ground": driven_wheel,
     "friction of a guide beside a box that slides": box_on_a_cart,
+    "friction of a guide under a box that slides": lambda: box_on_a_cart(
+        {"coulomb": 0.5, "bearing": {"coefficient": 0.1, "static": 0.15}}
+    ),
+    "bearing of a wheel on the ground": loaded_axle,
     "unlike restitutions of two feet": lambda: landing(0.8, 0.2),
     "unlike restitutions of two feet, the other way": lambda: landing(0.2, 0.9),
     "like restitutions of two feet": lambda: landing(0.5, 0.5),

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cone/cone.h"
+#include "complementarity/cone.h"
 
 #include <Eigen/Core>
 #include <memory>
 #include <string>
 #include <vector>
 
-#include "cone/projection.h"
+#include "complementarity/projection.h"
 #include "units.h"
 
 namespace nb = nanobind;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <stdexcept>
 
-#include "modes/law_audit.h"
+#include "nonsmooth/law_audit.h"
 #include "units.h"
 
 namespace nb = nanobind;

@@ -26,7 +26,8 @@ def test_ball_on_a_ball_keeps_its_energy(law: dict[str, Any], inertia: float) ->
         run = gelenk.simulate(scene, stop=0.3, step=0.1)
         x, z, vx, vz = (run[f"J.{name}"][-1] for name in ("r[1]", "r[3]", "v[1]", "v[3]"))
         assert run["floor.mode"][-1] > 0
-        assert np.hypot(x, z) == pytest.approx(R + r, abs=step**2)
+        # m, by the cube of the step: 1.8 is observed; surfaces touch at the ends of steps.
+        assert np.hypot(x, z) == pytest.approx(R + r, abs=3 * step**3)
         gained = (1 + inertia) * (vx * vx + vz * vz - v0 * v0) / 2
-        # m2/s2, by the square of the step: 0.3 and 0.5 are observed.
-        assert gained == pytest.approx(G * (R + r - z), abs=0.6 * step**2)
+        # m2/s2, by the square of the step: -0.7 and -0.36 are observed.
+        assert gained == pytest.approx(G * (R + r - z), abs=0.8 * step**2)

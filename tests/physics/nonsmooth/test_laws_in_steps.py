@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from models import registered_laws
 from models.both_schemes import assert_steps_converge, located
-from models.joint_law_cases import CASES, block, braked, chain
+from models.joint_law_cases import CASES, braked, chain
 
 import gelenk
 
@@ -31,16 +31,8 @@ def compared_settings() -> set[registered_laws.Setting]:
 
 
 def test_every_field_of_the_laws_of_joints_is_compared() -> None:
-    """All numbers and words of the registry, but for those of bearings, which steps refuse."""
-    missing = registered_laws.wanted("joints") - compared_settings()
-    assert {path[:2] for path, _ in missing} == {("friction", "bearing")}
-
-
-def test_bearings_are_refused_in_steps() -> None:
-    bearing = {"coefficient": 0.1, "static": 0.12}
-    case = block(lambda _: 1.0, friction={"coulomb": 0.5, "bearing": bearing})
-    with pytest.raises(gelenk.SceneError, match="bearing"):
-        gelenk.Simulation(case.scene("moreau-jean", 1e-3))
+    """All numbers and words of the registry."""
+    assert registered_laws.wanted("joints") - compared_settings() == set()
 
 
 def test_every_input_of_the_laws_of_joints_varies() -> None:

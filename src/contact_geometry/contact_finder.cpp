@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "contact_geometry/contact_finder.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "collision/convex.h"
+#include "mechanism/touching.h"
+
+namespace gelenk {
+
+ContactFinder::ContactFinder(const Mechanism& mechanism, std::size_t contacts)
+    : mechanism_(mechanism),
+      poses_(mechanism.shapes.size()),
+      reach_(mechanism.shapes.size()),
+      boxes_(mechanism.shapes.size()),
+      gaps_(contacts),
+      gap_poses_(poses_.size()) {
+  // The first body of a kind allocates what all share.
+  for (const LinkShape& shape : mechanism.shapes)
+    if (kind_of(*shape.is).bounded) ConvexBody(*shape.is, shape.X_LS);
+}
+
+int ContactFinder::contact_of(int a, int b) const {
+  const auto& shapes = mechanism_.shapes;
+  return contact_between(mechanism_.contact_table, shapes[static_cast<std::size_t>(a)],
+                         shapes[static_cast<std::size_t>(b)]);
+}
+
+void ContactFinder::place(const Readings<double>& readings) {
+  for (std::size_t i = 0; i < poses_.size(); ++i) {
+    const LinkShape& shape = mechanism_.shapes[i];
+    poses_[i] = shape.link == 0 ? shape.X_LS : readings.link_pose(shape.link) * shape.X_LS;
+  }
+}
+
+ContactFinder::Found ContactFinder::points_of(int& a, int& b) const {
+  Found out;
+  out.contact = contact_of(a, b);
+  if (out.contact < 0) return out;
+  const auto& shapes = mechanism_.shapes;
+  if (!mechanism_.contact_table.is_first(out.contact, shapes[static_cast<std::size_t>(a)].surface)) std::swap(a, b);
+  const auto i = static_cast<std::size_t>(a);
+  const auto j = static_cast<std::size_t>(b);
+  const double reach = reach_[i] + reach_[j];
+  out.count = find_contacts(*shapes[i].is, poses_[i], *shapes[j].is, poses_[j], reach, out.points.data());
+  return out;
+}
+
+const std::vector<TouchPoint>& ContactFinder::find(const Readings<double>& readings, double time, double speed,
+                                                   double distance) {
+  place(readings);
+  for (std::size_t i = 0; i < poses_.size(); ++i) {
+    const LinkShape& shape = mechanism_.shapes[i];
+    reach_[i] = distance;
+    if (shape.link != 0) {
+      const Spatial::Motion V = readings.link_velocity(shape.link);
+      const double arm = shape.X_LS.p.norm() + size_of(*shape.is);
+      reach_[i] += time * (speed + V.v.norm() + V.w.norm() * arm);
+    }
+    boxes_[i] = bounds(*shape.is, poses_[i]).grown(reach_[i]);
+  }
+  points_.clear();
+  for (auto [a, b] : broad_phase_.pairs(boxes_)) {
+    const Found found = points_of(a, b);
+    for (int k = 0; k < found.count; ++k) {
+      const ContactPoint& at = found.points[static_cast<std::size_t>(k)];
+      points_.push_back({a, b, found.contact, at.p, at.normal, at.gap, at.feature});
+    }
+  }
+  std::ranges::sort(points_, {}, &TouchPoint::key);
+  return points_;
+}
+
+const std::vector<double>& ContactFinder::smallest_gaps(const Readings<double>& readings) {
+  place(readings);
+  const auto same = [](const Pose3& a, const Pose3& b) { return a.R == b.R && a.p == b.p; };
+  if (has_gaps_ && std::ranges::equal(poses_, gap_poses_, same)) return gaps_;
+  std::ranges::copy(poses_, gap_poses_.begin());
+  has_gaps_ = true;
+  std::ranges::fill(gaps_, std::numeric_limits<double>::infinity());
+  std::ranges::fill(reach_, std::numeric_limits<double>::infinity());
+  for (int i = 0; i < static_cast<int>(poses_.size()); ++i) {
+    for (int j = i + 1; j < static_cast<int>(poses_.size()); ++j) {
+      int a = i;
+      int b = j;
+      const Found found = points_of(a, b);
+      for (int k = 0; k < found.count; ++k) {
+        double& gap = gaps_[static_cast<std::size_t>(found.contact)];
+        gap = std::min(gap, found.points[static_cast<std::size_t>(k)].gap);
+      }
+    }
+  }
+  return gaps_;
+}
+
+int closed_contact(const Mechanism& mechanism, const Readings<double>& readings, std::size_t contacts) {
+  if (mechanism.shapes.empty()) return -1;
+  ContactFinder finder(mechanism, contacts);
+  const std::vector<double>& gaps = finder.smallest_gaps(readings);
+  const auto closed = std::ranges::find_if(gaps, [](double gap) { return gap <= touch_tolerance; });
+  return closed == gaps.end() ? -1 : static_cast<int>(closed - gaps.begin());
+}
+
+Eigen::Matrix3d contact_axes(const Eigen::Vector3d& n) {
+  Eigen::Matrix3d out = rotation_taking_z_to(n);
+  const Eigen::Vector3d z = out.col(2);
+  out.col(2) = out.col(1);
+  out.col(1) = out.col(0);
+  out.col(0) = z;
+  return out;
+}
+
+}  // namespace gelenk

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "contact_geometry/spot_features.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace gelenk {
+namespace {
+
+using Eigen::Vector3d;
+
+// Normals up to this beyond those of a face belong to its edge, too: faces that lie on each other touch at their edges.
+constexpr double angle_rounding = 1e-9;
+// Depths below this are rounding [natural units of length].
+constexpr double depth_rounding = 1e-9;
+// Below this sine, the direction of the tilt is arbitrary.
+constexpr double no_tilt = 1e-12;
+
+// The least cosine of the angles between n and the normals of the faces at an edge: n points between them if it is
+// positive.
+double least_cosine(const SolidEdge& edge, const Eigen::Matrix3d& R, const Vector3d& n) {
+  if (!edge.is_sharp()) return 1;
+  return std::min(n.dot(R * edge.normals[0]), n.dot(R * edge.normals[1]));
+}
+
+}  // namespace
+
+Spots::Crossing Spots::crossing(const Spot& spot) const {
+  const SolidEdge& tip = spot.tip_edge;
+  const SolidEdge& core = spot.core_edge;
+  const Pose3& X_tip = pose(spot.tip_link);
+  const Pose3& X_core = pose(spot.core_link);
+  Crossing out;
+  out.a = X_tip.R * tip.direction;
+  out.b = X_core.R * core.direction;
+  out.d = X_tip.point(tip.center) - X_core.point(core.center);
+  out.c = out.a.cross(out.b);
+  out.sine = out.c.norm();
+  if (!(out.sine > no_tilt)) {
+    out.left = -1;
+    out.n = Vector3d::UnitZ();
+    out.p_a = X_tip.point(tip.center);
+    out.p_b = X_core.point(core.center);
+    out.gap = spot.size;
+    return out;
+  }
+  Vector3d outward = out.d;
+  if (core.is_sharp()) {
+    outward = X_core.R * (core.normals[0] + core.normals[1]);
+  } else if (tip.is_sharp()) {
+    outward = -(X_tip.R * (tip.normals[0] + tip.normals[1]));
+  }
+  out.sign = out.c.dot(outward) < 0 ? -1 : 1;
+  out.n = out.sign / out.sine * out.c;
+  const double k = out.a.dot(out.b);
+  const double D = out.sine * out.sine;
+  const double d_a = out.d.dot(out.a);
+  const double d_b = out.d.dot(out.b);
+  out.s = (k * d_b - d_a) / D;
+  out.t = (d_b - k * d_a) / D;
+  out.p_a = X_tip.point(tip.center) + out.s * out.a;
+  out.p_b = X_core.point(core.center) + out.t * out.b;
+  out.gap = out.n.dot(out.d) - tip.radius - core.radius;
+  out.left = std::min(tip.half - std::abs(out.s), core.half - std::abs(out.t));
+  const double least = std::min(least_cosine(core, X_core.R, out.n), least_cosine(tip, X_tip.R, -out.n));
+  // Where faces lie on each other, edges may be deep in the direction of one of their faces, but not of the other.
+  out.is_outside = least >= -angle_rounding && (out.gap > -depth_rounding || -out.gap * least > depth_rounding);
+  return out;
+}
+
+bool Spots::is_near(const Spot& spot, const Crossing& at) const {
+  if (!at.is_outside) return false;
+  if (at.gap > -depth_rounding || !spot.core_edge.is_sharp()) return true;
+  // Edges on far sides of both solids seem to be deep inside.
+  const Pose3 X_0S = pose(spot.core_link) * spot.X_LS;
+  const Vector3d x = X_0S.R.transpose() * (at.p_a - spot.tip_edge.radius * at.n - X_0S.p);
+  return ((x.cwiseAbs() - spot.box.half).array() <= near_tolerance).all();
+}
+
+SpotState Spots::state_of_edges(const Spot& spot) const {
+  const Crossing at = crossing(spot);
+  const Spatial::Motion& V_a = velocity(spot.tip_link);
+  const Spatial::Motion& V_b = velocity(spot.core_link);
+  SpotState out;
+  out.gap = at.gap;
+  out.n = at.n;
+  out.p = at.p_b + (spot.core_edge.radius + at.gap / 2) * at.n;
+  const auto velocity_of = [](const Spatial::Motion& V, const Vector3d& p) { return Vector3d(V.v + V.w.cross(p)); };
+  out.rate = at.n.dot(velocity_of(V_a, at.p_a) - velocity_of(V_b, at.p_b));
+  out.n_dot.setZero();
+  out.p_dot.setZero();
+  if (!(at.sine > no_tilt)) return out;
+  const Vector3d a_dot = V_a.w.cross(at.a);
+  const Vector3d b_dot = V_b.w.cross(at.b);
+  const Vector3d c_dot = a_dot.cross(at.b) + at.a.cross(b_dot);
+  out.n_dot = at.sign / at.sine * (c_dot - at.n.dot(c_dot) * at.n);
+  // The rates of s and t, from (d + s a - t b) . a = 0 and (d + s a - t b) . b = 0.
+  const Vector3d center_a = at.p_a - at.s * at.a;
+  const Vector3d center_b = at.p_b - at.t * at.b;
+  const Vector3d d_dot = velocity_of(V_a, center_a) - velocity_of(V_b, center_b);
+  const Vector3d r = at.p_a - at.p_b;
+  const Vector3d r_dot = d_dot + at.s * a_dot - at.t * b_dot;
+  const double right_a = -(r_dot.dot(at.a) + r.dot(a_dot));
+  const double right_b = -(r_dot.dot(at.b) + r.dot(b_dot));
+  const double k = at.a.dot(at.b);
+  const double D = at.sine * at.sine;
+  const double t_dot = (k * right_a - right_b) / D;
+  const Vector3d p_b_dot = velocity_of(V_b, center_b) + t_dot * at.b + at.t * b_dot;
+  out.p_dot = p_b_dot + (spot.core_edge.radius + at.gap / 2) * out.n_dot + out.rate / 2 * at.n;
+  return out;
+}
+
+Spots::Lowest Spots::lowest(const Spot& spot) const {
+  const Pose3& X_tip = pose(spot.tip_link);
+  const Pose3 X_0S = pose(spot.core_link) * spot.X_LS;
+  Lowest out;
+  out.n = X_0S.R.col(2);
+  out.axis = X_tip.R * spot.tip_edge.direction;
+  out.c = X_tip.point(spot.tip_edge.center);
+  const Vector3d across = out.n - out.n.dot(out.axis) * out.axis;
+  out.sine = across.norm();
+  out.e = out.sine > no_tilt ? Vector3d(across / out.sine) : Vector3d(out.axis.unitOrthogonal());
+  out.gap = out.n.dot(out.c - X_0S.p) - spot.radius * out.sine - spot.crown;
+  return out;
+}
+
+SpotState Spots::state_of_rim(const Spot& spot) const {
+  const Lowest at = lowest(spot);
+  const Spatial::Motion& V_tip = velocity(spot.tip_link);
+  const Spatial::Motion& V_core = velocity(spot.core_link);
+  SpotState out;
+  out.gap = at.gap;
+  out.n = at.n;
+  out.n_dot = V_core.w.cross(at.n);
+  const Vector3d lowest_point = at.c - spot.radius * at.e;
+  const double arm = spot.crown + at.gap / 2;
+  out.p = lowest_point - arm * at.n;
+  const auto relative = [&](const Vector3d& p) {
+    return Vector3d(V_tip.v + V_tip.w.cross(p) - V_core.v - V_core.w.cross(p));
+  };
+  out.rate = at.n.dot(relative(lowest_point));
+  Vector3d e_dot = Vector3d::Zero();
+  if (at.sine > no_tilt) {
+    const Vector3d axis_dot = V_tip.w.cross(at.axis);
+    const double cosine_rate = out.n_dot.dot(at.axis) + at.n.dot(axis_dot);
+    const Vector3d across_dot = out.n_dot - cosine_rate * at.axis - at.n.dot(at.axis) * axis_dot;
+    e_dot = (across_dot - at.e.dot(across_dot) * at.e) / at.sine;
+  }
+  out.p_dot = V_tip.v + V_tip.w.cross(at.c) - spot.radius * e_dot - out.rate / 2 * at.n - arm * out.n_dot;
+  return out;
+}
+
+}  // namespace gelenk

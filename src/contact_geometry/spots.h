@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The spots at which shapes of a mechanism can touch, each with a gap that is a smooth function of time: the tips of
+// one shape on the core of another (shape/rounded.h), corners on faces, edges on edges, rims on planes.
+#pragma once
+
+#include <Eigen/Core>
+#include <cmath>
+#include <vector>
+
+#include "dynamics/dynamics.h"
+#include "shape/features.h"
+#include "shape/rounded.h"
+
+namespace gelenk {
+
+struct Spot {
+  // corner: a tip on one face of a box.
+  enum class Kind { tip, corner, edges, rim };
+
+  Kind kind = Kind::tip;
+  int core = 0, tip = 0;  // shapes of the mechanism
+  int core_link = 0, tip_link = 0;
+  int pair = 0;            // of shapes: those of a pair follow each other
+  int contact = 0;         // of the scene
+  int feature = 0;         // of the tip
+  double sign = 1;         // -1: the shape of the tip has the first surface of the contact
+  Pose3 X_LS, X_tip;       // of the core and of the shape of the tip in their links
+  RoundedBox box;          // the core, in S
+  Eigen::Vector3d center;  // of the tip in its link [m]
+  Eigen::Vector3d way;     // to it from the middle of all tips of its shape [m]
+  double radius = 0;       // of the tip or the rim [m]
+  double crown = 0;        // about the rim [m]
+  double size = 0;         // of the smaller shape [m]
+  int face = 0;            // of the box: the axis of its normal, plus 3 for the negative one
+  SolidEdge core_edge;     // in the link of the core
+  SolidEdge tip_edge;      // in the link of the tip; of a rim, center and axis
+  Eigen::Matrix3d R_belt;  // from the shape with the second surface to its link
+};
+
+// Where and how the shapes of a spot touch or nearly do, in the root frame.
+struct SpotState {
+  Eigen::Vector3d p, p_dot;  // m, m/s: the point of contact
+  Eigen::Vector3d n, n_dot;  // unit normal, from the core to the tip; 1/s
+  double gap = 0, rate = 0;  // m, m/s
+};
+
+// Motion of the tip's link relative to the core's, about the origin of the root frame; the acceleration is that without
+// generalized accelerations.
+struct RelativeMotion {
+  Spatial::Motion V, A;
+
+  Eigen::Vector3d velocity(const Eigen::Vector3d& p) const { return V.v + V.w.cross(p); }
+  // The rate of velocity(p), where p moves.
+  Eigen::Vector3d acceleration(const Eigen::Vector3d& p, const Eigen::Vector3d& p_dot) const {
+    return A.v + A.w.cross(p) + V.w.cross(p_dot);
+  }
+};
+
+class Spots {
+ public:
+  // located: otherwise there are none.
+  Spots(const Mechanism& mechanism, bool located);
+
+  int count() const { return static_cast<int>(spots_.size()); }
+  const Spot& operator[](int spot) const { return spots_[static_cast<std::size_t>(spot)]; }
+
+  // Reads the present position of `dynamics`, and its velocity and bias accelerations.
+  void read_position(Dynamics& dynamics);
+  void read_motion(Dynamics& dynamics);
+
+  // After read_position(): whether the balls about the two shapes meet, without which nothing touches; after
+  // read_motion(), otherwise: their distance and its rate, shown by the first spot of a pair alone.
+  bool is_close(int spot) const { return pair_of(spot).is_close; }
+  bool shows_distance(int spot) const { return pair_of(spot).first == spot; }
+  double distance(int spot, double& rate) const;
+
+  // Pairs of shapes, and their spots.
+  int pairs() const { return static_cast<int>(pairs_.size()); }
+  struct Range {
+    int first = 0, last = 0;  // spot; the one after the last
+  };
+  Range range(int pair) const;
+  // After read_motion(): the motion of one shape of a pair, that with the tips or the core, as seen from the other one,
+  // in the frame of its link: that of the origin of the shape's frame, and its angular velocity.
+  struct Approach {
+    Eigen::Vector3d p = Eigen::Vector3d::Zero();  // m: that origin
+    Eigen::Vector3d v = Eigen::Vector3d::Zero();  // m/s
+    Eigen::Vector3d w = Eigen::Vector3d::Zero();  // rad/s
+    double arm = 0;  // m: the largest distance of its points from that origin; infinite if it is not bounded
+  };
+  Approach approach(int pair, bool of_tip) const;
+  // Whether the shape with the tips is that whose points are nearer to the origin of its frame.
+  bool tip_is_smaller(int pair) const;
+  // After read_position(): of a link, in the root frame.
+  const Pose3& pose(int link) const { return poses_[static_cast<std::size_t>(link)]; }
+  // After read_position(). Of a feature beyond its ends, as if it were longer.
+  double gap(int spot) const;
+  // How far the point of contact is from the ends of a feature, negative beyond them; positive for what has none.
+  double margin(int spot) const;
+  // Whether this feature is where the shapes touch if their gap is zero.
+  bool is_near(int spot) const;
+  // After read_motion().
+  SpotState state(int spot) const;
+  RelativeMotion motion(int spot) const;
+  // A vector fixed to the link of the second surface, and its rate, both in the root frame.
+  Eigen::Vector3d belt(int spot, const Eigen::Vector3d& velocity, Eigen::Vector3d& rate) const;
+
+ private:
+  // Two shapes in balls, the second with the tips.
+  struct Pair {
+    int first = 0;  // spot
+    int core_link = 0, tip_link = 0;
+    Eigen::Vector3d core, tip;                       // centers in their links [m]
+    double reach = INFINITY;                         // m: sum of the radii
+    double core_arm = INFINITY, tip_arm = INFINITY;  // m: largest distances of points from the centers
+    bool is_close = true;
+  };
+  const Pair& pair_of(int spot) const { return pairs_[static_cast<std::size_t>((*this)[spot].pair)]; }
+  Eigen::Vector3d between(const Pair& pair) const;
+  void begin_pair(const Mechanism& mechanism, int tip, int core);
+  struct Line {  // from the nearest point of the core's box to the center of the tip, in S
+    Eigen::Vector3d x, normal;
+    Eigen::Vector3d free;  // 1 where the nearest point does not follow the center, else 0
+    double distance = 0;
+  };
+  // Spots of the tips of one shape on the core of another; both: numbers of shapes.
+  void add_pair(const Mechanism& mechanism, int contact, int tip, int core);
+  void add_edges(const Mechanism& mechanism, int contact, int tip, int core);
+  void add_rims(const Mechanism& mechanism, int contact, int tip, int core);
+  Spot spot_between(const Mechanism& mechanism, int contact, int tip, int core);
+  void add_corner(const Spot& spot);
+  Line line(const Spot& spot) const;
+  Eigen::Vector3d center(const Spot& spot) const;      // of the tip, in S
+  Eigen::Vector3d way_to_tip(const Spot& spot) const;  // Spot::way, in S
+  struct Crossing;
+  Crossing crossing(const Spot& spot) const;
+  bool is_near(const Spot& spot, const Crossing& at) const;
+  SpotState state_of_edges(const Spot& spot) const;
+  struct Lowest;
+  Lowest lowest(const Spot& spot) const;
+  SpotState state_of_rim(const Spot& spot) const;
+  const Spatial::Motion& velocity(int link) const { return V_[static_cast<std::size_t>(link)]; }
+
+  std::vector<Spot> spots_;
+  std::vector<Pair> pairs_;
+  std::vector<int> links_;              // with shapes
+  std::vector<Pose3> poses_;            // by link, in the root frame
+  std::vector<Spatial::Motion> V_, A_;  // by link, in and about the root frame
+};
+
+}  // namespace gelenk

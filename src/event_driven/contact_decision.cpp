@@ -1,0 +1,310 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "event_driven/contact_decision.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "event_driven/decision_limits.h"
+#include "math/bounds.h"
+
+namespace gelenk {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+// Relative accelerations of what breaks away at this instant are larger than this fraction of the largest.
+constexpr double least_acceleration = 1e-12;
+// Error of accelerations of a solution of the cone problem, relative to the largest.
+constexpr double decision_cone_tolerance = 1e-13;
+// Repetitions with the friction of what slides, which follows from the normal forces.
+constexpr int most_repetitions = 200;
+// The first of these begin with static friction, since what can hold does.
+constexpr int most_fresh_starts = 20;
+constexpr int decision_cone_iterations = 500;
+constexpr std::size_t most_tried_locks = 4;
+
+// A vector with these components along the axes of a group.
+Eigen::Vector3d in_space(const TouchEquations::Entry& entry, int group, const VectorXd& part) {
+  Eigen::Vector3d out = Eigen::Vector3d::Zero();
+  for (Index k = 0; k < part.size(); ++k) out += part[k] * entry.axes.col((group == 1 ? 0 : 1) + k);
+  return out;
+}
+
+void symmetrize(Eigen::MatrixXd& G) { G = Eigen::MatrixXd((G + G.transpose()) / 2); }
+
+}  // namespace
+
+ContactDecision::ContactDecision(TouchEquations& touch)
+    : touch_(touch), solver_(make_cone_solver(cone_solver_kinds().front().name)) {}
+
+// What has let go has no force, at first.
+void ContactDecision::set_cones(const std::vector<Trigger>& triggered) {
+  cones_.clear();
+  for (std::size_t i = 0; i < rows_.entries.size(); ++i) {
+    const TouchEquations::Entry& entry = rows_.entries[i];
+    std::array<double, contact_groups> coefficients{};
+    for (int group = 0; group < contact_groups; ++group) {
+      const auto g = static_cast<std::size_t>(group);
+      coefficients[g] = touch_.coefficient(entry.spot, group, slides_[i][g]);
+      if (triggered[static_cast<std::size_t>(entry.spot)].groups[g]) coefficients[g] *= 1 - break_away_fraction;
+    }
+    const Cone cone = cone_of(entry, coefficients);
+    if (opens_[i] == 0) {
+      cones_.push_back(cone);
+    } else {
+      for (int k = 0; k < cone.size(); ++k) cones_.push_back(Cone::within(cone.first + k, 0, 0));
+    }
+  }
+  set_lock_cones();
+}
+
+void ContactDecision::set_lock_cones() {
+  const auto& locks = problem_->locks;
+  const double part = problem_->breaks_away() ? 1 - break_away_fraction : 1;
+  for (std::size_t i = 0; i < locks.size(); ++i) {
+    const DirectedLimit& friction = slips_[i] != 0 ? locks[i].slipping : locks[i].sticking;
+    cones_.push_back(Cone::within(first_lock_ + static_cast<int>(i), locks[i].lower(friction, part),
+                                  locks[i].upper(friction, part)));
+  }
+}
+
+// What is at a limit and is accelerated against it.
+void ContactDecision::answer_locks() {
+  const VectorXd a = G_ * x_ + C_ * normal_forces() + b_;
+  for (std::size_t i = 0; i < problem_->locks.size(); ++i) {
+    LockProblem::Lock& lock = problem_->locks[i];
+    const int row = first_lock_ + static_cast<int>(i);
+    const Cone& cone = cones_[cones_.size() - problem_->locks.size() + i];
+    const double slack = limit_fraction * std::max(lock.sticking.largest(), least_force * x_.cwiseAbs().maxCoeff());
+    lock.direction = 0;
+    if (x_[row] >= cone.upper - slack) lock.direction = -1;
+    if (x_[row] <= cone.lower + slack && (lock.direction == 0 || a[row] > 0)) lock.direction = 1;
+    // What exceeds its limit by more than rounding leaves, however fast others are accelerated.
+    const double noticed = std::min(lock.noticed, limit_fraction * scale_);
+    const double least = lock.triggered ? std::min(noticed, least_acceleration * scale_)
+                                        : std::max(noticed, least_acceleration * scale_);
+    lock.leaves = lock.direction * a[row] > least;
+  }
+}
+
+// Static friction of joints that does not hold becomes sliding friction; returns whether that is less.
+bool ContactDecision::let_locks_slip() {
+  bool changed = false;
+  for (std::size_t i = 0; i < problem_->locks.size(); ++i) {
+    const LockProblem::Lock& lock = problem_->locks[i];
+    if (!lock.leaves || slips_[i] != 0) continue;
+    slips_[i] = 1;
+    changed = changed || lock.slipping.largest() < lock.sticking.largest();
+  }
+  return changed;
+}
+
+// normal: the normal forces from which the friction of what slides follows.
+void ContactDecision::solve_cones(const VectorXd& normal) {
+  const VectorXd b = b_ + C_ * normal;
+  ConeOptions options;
+  options.tolerance = decision_cone_tolerance * scale_;
+  options.max_iterations = decision_cone_iterations;
+  const DenseConeOperator G(G_);
+  const std::span<const double> right(b.data(), static_cast<std::size_t>(b.size()));
+  solver_->solve({G, right, cones_, true}, options, x_.data());
+}
+
+std::vector<SpotMode> ContactDecision::modes_of_solution(const std::vector<SpotMode>& tentative,
+                                                         const std::vector<Trigger>& triggered) const {
+  std::vector<SpotMode> next = tentative;
+  const VectorXd normal = normal_forces();
+  const double largest = std::max(0.0, normal.maxCoeff());
+  const VectorXd a = G_ * x_ + C_ * normal + b_;
+  for (std::size_t i = 0; i < spots_.size(); ++i) {
+    const TouchEquations::Entry& entry = rows_.entries[i];
+    SpotMode& mode = next[static_cast<std::size_t>(spots_[i])];
+    const double n = x_[entry.first];
+    mode.closed = n > least_force * largest || (opens_[i] == 0 && a[entry.first] <= limit_fraction * scale_);
+    if (!mode.closed) continue;
+    for (int group = 0; group < contact_groups; ++group) {
+      const auto g = static_cast<std::size_t>(group);
+      if (entry.rows[g] < 0) continue;
+      mode.groups[g].moves = false;
+      mode.groups[g].direction.setZero();
+      const bool is_triggered = triggered[static_cast<std::size_t>(entry.spot)].groups[g];
+      if (n > least_force * largest) {
+        find_motion(i, group, a, is_triggered, mode);
+      } else if (const VectorXd part = a.segment(entry.rows[g], entry.kept(group));
+                 part.norm() > limit_fraction * scale_) {
+        mode.groups[g] = {true, in_space(entry, group, part / part.norm())};  // without a force, there is no friction
+      }
+    }
+  }
+  return next;
+}
+
+// Whether friction of a group is at its limit, and what moves against it.
+void ContactDecision::find_motion(std::size_t i, int group, const VectorXd& a, bool is_triggered,
+                                  SpotMode& mode) const {
+  const TouchEquations::Entry& entry = rows_.entries[i];
+  const auto g = static_cast<std::size_t>(group);
+  const auto part = x_.segment(entry.rows[g], entry.kept(group));
+  const double limit = touch_.coefficient(entry.spot, group, slides_[i][g]) * x_[entry.first];
+  const double size = part.norm();
+  if (!(size >= limit * (1 - 2 * break_away_fraction) && size > 0)) return;
+  // Redundant forces may be at their limits although nothing moves.
+  const double along = -part.dot(a.segment(entry.rows[g], entry.kept(group))) / size;
+  if (!(along > (is_triggered ? least_acceleration : limit_fraction) * scale_)) return;
+  mode.groups[g] = {true, in_space(entry, group, -part / size)};
+}
+
+VectorXd ContactDecision::normal_forces() const {
+  VectorXd out(static_cast<Index>(spots_.size()));
+  for (std::size_t i = 0; i < spots_.size(); ++i) out[static_cast<Index>(i)] = x_[rows_.entries[i].first];
+  return out;
+}
+
+// Static friction that does not hold becomes sliding friction, which may be less; returns whether it is.
+bool ContactDecision::let_slide(const std::vector<SpotMode>& tentative, const std::vector<SpotMode>& next) {
+  bool changed = let_locks_slip();
+  for (std::size_t i = 0; i < spots_.size(); ++i) {
+    const int spot = spots_[i];
+    const auto at = static_cast<std::size_t>(spot);
+    for (std::size_t g = 0; g < contact_groups; ++g) {
+      const bool begins = next[at].closed && next[at].groups[g].moves && !tentative[at].groups[g].moves;
+      if (!begins || slides_[i][g]) continue;
+      slides_[i][g] = true;
+      const int group = static_cast<int>(g);
+      changed = changed || touch_.coefficient(spot, group, true) != touch_.coefficient(spot, group, false);
+    }
+    if (opens_[i] == 0) continue;
+    const double leaving = (G_ * x_ + C_ * normal_forces() + b_)[rows_.entries[i].first];
+    if (leaving >= -acceleration_tolerance * scale_) continue;
+    opens_[i] = 0;
+    changed = true;
+  }
+  return changed;
+}
+
+// The rows of locks follow those of contacts.
+void ContactDecision::add_lock_rows() {
+  first_lock_ = static_cast<int>(rows_.R.rows());
+  const auto& locks = problem_->locks;
+  slips_.assign(locks.size(), 0);
+  if (locks.empty()) return;
+  const auto all = first_lock_ + static_cast<Index>(locks.size());
+  rows_.R.conservativeResize(all, Eigen::NoChange);
+  rows_.rates.conservativeResize(all);
+  for (std::size_t i = 0; i < locks.size(); ++i) {
+    const Index row = first_lock_ + static_cast<Index>(i);
+    rows_.R.row(row) = locks[i].row;
+    rows_.rates[row] = 0;
+  }
+}
+
+void ContactDecision::set_up(const std::vector<SpotMode>& tentative, const std::vector<Trigger>& triggered,
+                             const double* vdot) {
+  touch_.build(spots_, tentative, true, rows_);
+  add_lock_rows();
+  TouchEquations::RowMatrix Z;
+  touch_.respond(rows_.R, Z);
+  G_ = rows_.R * Z;
+  symmetrize(G_);
+  C_.setZero(rows_.R.rows(), static_cast<Index>(spots_.size()));
+  if (rows_.any_moves()) {
+    touch_.respond(rows_.D, Z);
+    C_ = rows_.R * Z;
+  }
+  const Eigen::Map<const VectorXd> free(vdot, rows_.R.cols());
+  b_ = rows_.R * free + rows_.rates;
+  scale_ = std::max(b_.cwiseAbs().maxCoeff(), (rows_.R.cwiseAbs() * free.cwiseAbs()).maxCoeff());
+  slides_.assign(spots_.size(), {});
+  opens_.assign(spots_.size(), 0);
+  for (std::size_t i = 0; i < spots_.size(); ++i) {
+    opens_[i] = triggered[static_cast<std::size_t>(spots_[i])].leaves ? 1 : 0;
+  }
+  x_.setZero(b_.size());
+}
+
+// Whether a joint has used up its limit, which with other normal forces it might not.
+bool ContactDecision::uses_any_up() const {
+  return std::ranges::any_of(problem_->locks, [](const LockProblem::Lock& lock) { return lock.direction != 0; });
+}
+
+// Static friction of joints holds again.
+void ContactDecision::hold_all() { std::ranges::fill(slips_, 0); }
+
+// Where friction of what slides makes a joint that friction holds move the other way (as in Painleve's paradox), the
+// forces above do not settle although one motion obeys the laws: each combination of rest and both directions is tried.
+bool ContactDecision::try_locks(const std::vector<Trigger>& triggered, const double* vdot,
+                                std::vector<SpotMode>& next) {
+  const std::size_t count = problem_->locks.size();
+  if (count == 0 || count > most_tried_locks) return false;
+  const std::vector<SpotMode> first = next;
+  const std::vector<LockProblem::Lock> answers = problem_->locks;
+  std::size_t combinations = 1;
+  for (std::size_t i = 0; i < count; ++i) combinations *= 3;
+  for (std::size_t k = 0; k < combinations; ++k) {
+    std::size_t rest = k;
+    for (LockProblem::Lock& lock : problem_->locks) {
+      lock.direction = std::array{0, 1, -1}[rest % 3];  // what can remain at rest does
+      lock.leaves = lock.direction != 0;
+      rest /= 3;
+    }
+    next = first;
+    const bool possible = std::ranges::none_of(
+        problem_->locks, [](const auto& lock) { return lock.contact != 0 && lock.direction == lock.contact; });
+    if (possible && refine(vdot, next) && !exceeds_limits(triggered)) return true;
+  }
+  next = first;
+  problem_->locks = answers;
+  return false;
+}
+
+// NOLINTNEXTLINE(readability-function-cognitive-complexity): one loop, whose exits share its state
+ContactDecision::Outcome ContactDecision::decide(const std::vector<int>& spots, const std::vector<Trigger>& triggered,
+                                                 const double* vdot, std::vector<SpotMode>& next,
+                                                 LockProblem& problem) {
+  const std::vector<SpotMode> tentative = next;
+  spots_ = spots;
+  problem_ = &problem;
+  set_up(tentative, triggered, vdot);
+  VectorXd normal = VectorXd::Zero(static_cast<Index>(spots.size()));
+  Outcome outcome = Outcome::none;
+  // Modes that obey the laws although something might hold with the normal forces in them.
+  std::vector<SpotMode> possible;
+  std::vector<LockProblem::Lock> possible_locks;
+  for (int k = 0; k < most_repetitions; ++k) {
+    set_cones(triggered);
+    solve_cones(normal);
+    next = modes_of_solution(tentative, triggered);
+    answer_locks();
+    if (let_slide(tentative, next)) continue;
+    if (refine(vdot, next)) {
+      const VectorXd found = normal_forces_in_modes();
+      const double change = (found - normal).cwiseAbs().maxCoeff();
+      const bool same = !rows_.any_moves() || change <= limit_fraction * found.cwiseAbs().maxCoeff();
+      if (same && rows_.any_moves() && locks_exceed_limits()) break;
+      const bool obeys_all = same || !exceeds_limits(triggered);
+      if (same || (obeys_all && !uses_any_up())) return is_indeterminate(next) ? Outcome::ambiguous : Outcome::found;
+      if (obeys_all && possible.empty()) {
+        possible = next;
+        possible_locks = problem.locks;
+      }
+      normal = found;
+      if (k < most_fresh_starts) hold_all();
+      continue;
+    }
+    const VectorXd before = normal;
+    normal = normal_forces();
+    if (!normal.allFinite()) break;
+    if ((normal - before).cwiseAbs().maxCoeff() > limit_fraction * normal.cwiseAbs().maxCoeff()) continue;
+    outcome = Outcome::ambiguous;
+    break;
+  }
+  if (possible.empty()) return try_locks(triggered, vdot, next) ? Outcome::found : outcome;
+  next = std::move(possible);
+  problem.locks = std::move(possible_locks);
+  return Outcome::found;
+}
+
+}  // namespace gelenk

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The equations of an impact: rows of everything that is struck at the same instant, contacts of shapes and bounds of
+// joints. Friction of joints exerts no impulses.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "event_driven/joint_impacts.h"
+#include "event_driven/touch_equations.h"
+#include "nonsmooth/impact.h"
+
+namespace gelenk {
+
+class ContactImpact {
+ public:
+  // At the state of the last solve() of `dynamics`, of which v are the velocities; with contacts, nothing is kept at
+  // rest in it. Contacts come first, in the order of `spots`; speeds up to `slow` are rest.
+  ContactImpact(TouchEquations& touch, Branching& forces, const std::vector<int>& spots,
+                const std::vector<JointImpacts::Struck>& joints, const double* v, double slow);
+
+  Impact& law() { return *law_; }
+  const Impact& law() const { return *law_; }
+  // Accelerations away from what is struck, by number, of the accelerations vdot of that solve().
+  Eigen::VectorXd accelerations(const double* vdot) const;
+  // v after it.
+  void apply(double* v) const;
+
+ private:
+  Struck contact(const TouchEquations& touch, const TouchEquations::Entry& entry, double slow) const;
+  Struck joint(const JointImpacts::Struck& at, Eigen::Index row) const;
+
+  Branching& forces_;
+  TouchEquations::Rows rows_;    // of contacts
+  TouchEquations::RowMatrix Z_;  // their effect on velocities
+  std::vector<int> locks_;
+  std::vector<double> signs_;  // by lock: of the motion away from its bound
+  std::optional<Impact> law_;
+};
+
+// The cone of the forces of a contact with these coefficients.
+Cone cone_of(const TouchEquations::Entry& entry, const std::array<double, contact_groups>& coefficients);
+
+}  // namespace gelenk

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "event_driven/event_modes.h"
+
+#include <algorithm>
+
+#include "event_driven/contact_modes.h"
+#include "event_driven/mode_changes.h"
+#include "kinematics/branches.h"
+#include "kinematics/loads.h"
+#include "mechanism/mechanism.h"
+
+namespace gelenk {
+
+EventModes::EventModes(const Context& context)
+    : dynamics_(context.dynamics),
+      forces_(context.dynamics.branching()),
+      nq_(context.mechanism.nq),
+      log_(context.log),
+      sides_(static_cast<std::size_t>(forces_.count()), branch_of_state),
+      present_sides_(sides_.size()),
+      g_(2 * sides_.size()),
+      gdot_(g_.size()),
+      locks_(context.equations, dynamics_, nq_, context.mechanism.nv, log_, sides_),
+      outputs_(dynamics_, locks_, sides_),
+      contacts_(std::make_unique<ContactModes>(ContactModes::Context{context.mechanism, dynamics_, context.loads,
+                                                                     context.equations, context.locates_contacts})),
+      changes_(std::make_unique<ModeChanges>(ModeChanges::Context{context.mechanism, dynamics_, context.equations, log_,
+                                                                  locks_, *contacts_, own_indicators()})) {}
+
+EventModes::~EventModes() = default;
+
+int EventModes::contact_indicators() const { return contacts_->indicators(); }
+
+double EventModes::touch_within(double t0, const double* y0, double t1, const double* y1) {
+  return contacts_->touch_within(t0, y0, t1, y1);
+}
+
+void EventModes::keep_directions_below(double speed) { contacts_->equations().keep_directions_below(speed); }
+
+void EventModes::indicator_values(double t, const double* y, double* g, double* gdot) {
+  const double* vdot = locks_.accelerations(t, y);
+  dynamics_.set_position(y);
+  dynamics_.set_velocity(y + nq_);
+  locks_.indicators(vdot, g, gdot);
+  forces_.loads().indicators(g + own_indicators());
+  std::fill_n(gdot + own_indicators(), forces_.loads().signed_count(), NAN);
+  if (!contacts_->any()) return;
+  const int first = smooth_indicators();
+  contacts_->indicator_values(t, y, g + first, gdot + first);
+  changes_->redistribute(t, y, g, g + first);
+}
+
+void EventModes::start(double t, const double* y) {
+  contacts_->start();
+  changes_->start(t, y);
+}
+
+void EventModes::release() {
+  contacts_->start();
+  if (!locks_.empty()) locks_.release();
+}
+
+bool EventModes::recall_mode(double t, double* y) { return changes_->recall(t, y); }
+
+void EventModes::change_mode(double t, double* y) {
+  hold_mode(t, nullptr);  // stops and signs of loads follow from the state, at which the others are decided on
+  changes_->change(t, y);
+}
+
+EventModes::Present EventModes::present(double t, const double* y, FrictionTreatment friction) {
+  if (locks_.empty()) return {};
+  const ModePreview preview(*this, t, y);
+  const int boundary = locks_.treat(friction, t, y);
+  return {sides_, boundary};
+}
+
+void EventModes::remembered_mode(bool* positive) const {
+  for (std::size_t i = 0; i < sides_.size(); ++i) {
+    if (!locks_.owns(static_cast<int>(i))) continue;
+    positive[2 * i] = sides_[i] == 1;
+    positive[2 * i + 1] = sides_[i] == -1;
+  }
+  contacts_->remembered_mode(positive + smooth_indicators());
+}
+
+void EventModes::hold_mode(double t, const bool* positive) {
+  held_ = positive != nullptr;
+  held_from_ = t;
+  mode_exit_time_ = INFINITY;
+  for (std::size_t i = 0; i < sides_.size(); ++i) {
+    if (locks_.owns(static_cast<int>(i))) continue;
+    sides_[i] = !held_ ? branch_of_state : positive[2 * i] ? 1 : positive[2 * i + 1] ? -1 : 0;
+  }
+  forces_.hold(held_ || !locks_.empty() ? sides_.data() : nullptr);
+  forces_.loads().hold_signs(held_ ? positive + own_indicators() : nullptr);
+}
+
+void EventModes::check(double t, const double* v) {
+  dynamics_.set_velocity(v);
+  forces_.sides(present_sides_.data());
+  for (std::size_t i = 0; i < sides_.size(); ++i) {
+    if (locks_.keeps_mode(static_cast<int>(i), v)) present_sides_[i] = sides_[i];
+  }
+  if ((present_sides_ != sides_ && is_outside()) || contacts_->any_penetrates()) mode_exit_time_ = t;
+}
+
+bool EventModes::are_overloaded() const {
+  const bool any = locks_.are_overloaded() || contacts_->equations().are_overloaded();
+  return any && changes_->are_forces_unique();
+}
+
+// At the boundary of the mode a state belongs to either side, as rounding decides.
+bool EventModes::is_outside() {
+  locks_.indicators(nullptr, g_.data(), gdot_.data());
+  for (std::size_t i = 0; i < g_.size(); ++i) {
+    if (present_sides_[i / 2] == sides_[i / 2]) continue;
+    const bool held = sides_[i / 2] == (i % 2 == 0 ? 1 : -1);
+    if (held ? g_[i] < 0 : g_[i] > 0) return true;
+  }
+  return false;
+}
+
+std::string EventModes::refusal() const {
+  if (const int limit = locks_.state().unstoppable; limit >= 0) {
+    return log_.report({0, limit, true}).text +
+           ", where no force can stop it: closed loops or prescribed motions determine its motion, which leads beyond";
+  }
+  if (const std::string& why = changes_->refusal(); !why.empty()) return why;
+  return log_.too_many();
+}
+
+std::string EventModes::indeterminacy() const {
+  const int friction = forces_.loads().undetermined();
+  if (friction < 0) return {};
+  const std::string text = log_.report({0, 2 * friction, true}).text;
+  return "the friction of " + text.substr(0, text.find(" slips")) +
+         " depends so much on the load of its bearing, guide or gear that no motion, or more than one, agrees with it";
+}
+
+void EventModes::found_event(double t, int indicator, bool positive) {
+  if (indicator >= smooth_indicators()) {
+    changes_->found_contact_event(indicator - smooth_indicators(), positive);
+  } else if (indicator < own_indicators() && !locks_.found_event(indicator)) {
+    log_.add({t, indicator, positive});
+  }  // where the load of friction changes its sign, no mode changes
+}
+
+void EventModes::serialize(Archive& archive) {
+  locks_.serialize(archive);
+  contacts_->serialize(archive);
+  changes_->serialize(archive);
+}
+
+ModePreview::ModePreview(EventModes& modes, double t, const double* y) : modes_(modes) {
+  if (!modes_.locks().empty()) before_ = modes_.locks().state();
+  if (modes_.contacts().any()) modes_.contacts().outputs().keep_modes();
+  if (!modes_.locks().empty() || modes_.contacts().any()) modes_.changes().preview(t, y);
+}
+
+ModePreview::~ModePreview() {
+  if (modes_.contacts().any()) modes_.contacts().outputs().return_to_modes();
+  if (!modes_.locks().empty()) modes_.locks().set_state(before_);
+}
+
+}  // namespace gelenk

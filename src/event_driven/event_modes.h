@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The modes of everything that has several, held from one event to the next: stops, friction and limits of joints,
+// contacts of shapes. The mode of a stop follows from the state; the others are remembered, and change at events.
+#pragma once
+
+#include <cmath>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "event/event_log.h"
+#include "event/event_source.h"
+#include "event_driven/joint_outputs.h"
+#include "event_driven/lock_modes.h"
+
+namespace gelenk {
+
+class ContactModes;
+class ModeChanges;
+struct Loads;
+struct Mechanism;
+
+class EventModes final : public EventSource {
+ public:
+  struct Context {
+    const Mechanism& mechanism;
+    Dynamics& dynamics;
+    const Loads& loads;
+    ModeEquations& equations;
+    EventLog& log;
+    bool locates_contacts = false;
+  };
+  explicit EventModes(const Context& context);
+  ~EventModes() override;
+
+  // Two indicators for each force with modes. A stop or limit: for its upper and its lower bound, positive while it is
+  // in contact. Friction: of motion in the positive and in the negative direction, positive during it. There follow
+  // those of the signs of loads of friction, and those of contacts.
+  int indicators() const override { return smooth_indicators() + contact_indicators(); }
+  int own_indicators() const { return 2 * static_cast<int>(sides_.size()); }
+  void indicator_values(double t, const double* y, double* g, double* gdot) override;
+  bool recall_mode(double t, double* y) override;
+  void remembered_mode(bool* positive) const override;
+  void hold_mode(double t, const bool* positive) override;
+  double mode_exit_time() const override { return mode_exit_time_; }
+  void found_event(double t, int indicator, bool positive) override;
+  void change_mode(double t, double* y) override;
+  std::string refusal() const override;
+  // Why the last accelerations are not determined; otherwise empty.
+  std::string indeterminacy() const;
+
+  // Records whether an evaluation at t with velocities v, at the position of `dynamics`, is outside the held mode.
+  void watch(double t, const double* v) {
+    if (held_ && t > held_from_ && t < mode_exit_time_) check(t, v);
+  }
+  // The same after the accelerations have been solved for: whether what is kept at rest, or closed, can no longer be.
+  void watch_forces(double t) {
+    if (held_ && t > held_from_ && t < mode_exit_time_ && are_overloaded()) mode_exit_time_ = t;
+  }
+  double since_step_began(double t) const { return held_ ? t - held_from_ : 0; }
+
+  // Determines the modes from the state alone.
+  void start(double t, const double* y);
+  // Friction, limits and contacts are without effect until start().
+  void release();
+
+  LockModes& locks() { return locks_; }
+  const LockModes& locks() const { return locks_; }
+  ContactModes& contacts() { return *contacts_; }
+  ModeChanges& changes() { return *changes_; }
+  // The modes of all forces with modes in which derivatives are taken at (t, y), the present state: those in which a
+  // step would begin; empty: those of the state. boundary: see LockModes::treat().
+  struct Present {
+    std::vector<int> sides;
+    int boundary = -1;
+  };
+  Present present(double t, const double* y, FrictionTreatment friction);
+  // What outputs show.
+  JointOutputs& outputs() { return outputs_; }
+  void serialize(Archive& archive);
+
+ private:
+  int smooth_indicators() const override { return own_indicators() + forces_.loads().signed_count(); }
+  int contact_indicators() const;
+  double touch_within(double t0, const double* y0, double t1, const double* y1) override;
+  void keep_directions_below(double speed) override;
+  void check(double t, const double* v);
+  bool is_outside();
+  bool are_overloaded() const;
+
+  Dynamics& dynamics_;
+  Branching& forces_;
+  int nq_;
+  EventLog& log_;
+  std::vector<int> sides_, present_sides_;  // of the forces: held, and those of the present state
+  std::vector<double> g_, gdot_;            // indicators
+  bool held_ = false;                       // a mode is held
+  double held_from_ = 0;                    // s: start of the held mode
+  double mode_exit_time_ = INFINITY;        // s: see EventSource
+  LockModes locks_;
+  JointOutputs outputs_;
+  std::unique_ptr<ContactModes> contacts_;
+  std::unique_ptr<ModeChanges> changes_;
+};
+
+// During its lifetime the modes are those in which a step at (t, y) would begin with the present inputs; reading
+// outputs does not change the run.
+class ModePreview {
+ public:
+  ModePreview(EventModes& modes, double t, const double* y);
+  ~ModePreview();
+  ModePreview(const ModePreview&) = delete;
+  ModePreview& operator=(const ModePreview&) = delete;
+
+ private:
+  EventModes& modes_;
+  LockModes::State before_;
+};
+
+}  // namespace gelenk

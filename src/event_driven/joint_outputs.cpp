@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "event_driven/joint_outputs.h"
+
+#include <algorithm>
+
+namespace gelenk {
+
+JointOutputs::JointOutputs(Dynamics& dynamics, LockModes& locks, const std::vector<int>& sides)
+    : dynamics_(dynamics),
+      forces_(dynamics.branching()),
+      locks_(locks),
+      sides_(sides),
+      recorded_sides_(sides.size()),
+      recorded_forces_(sides.size()),
+      holding_(sides.size()),
+      recorded_holding_(static_cast<std::size_t>(forces_.locks())) {}
+
+void JointOutputs::record() {
+  if (locks_.empty()) return;
+  recorded_sides_ = sides_;
+  recorded_holding_ = locks_.distribute_holding_forces();
+  share_holding_forces(forces_, sides_.data(), recorded_holding_.data(), holding_.data());
+  dynamics_.readings().branching_forces(forces_.inputs().data(), sides_.data(), holding_.data(),
+                                        recorded_forces_.data());
+}
+
+void JointOutputs::record(std::span<const LockForces> locks) {
+  if (locks_.empty()) return;
+  recorded_sides_ = sides_;
+  std::ranges::fill(holding_, 0.0);
+  for (std::size_t i = 0; i < locks.size(); ++i) {
+    const Branching::Lock lock = forces_.lock(static_cast<int>(i));
+    if (lock.friction >= 0) {
+      recorded_sides_[static_cast<std::size_t>(lock.friction)] = locks[i].motion;
+      holding_[static_cast<std::size_t>(lock.friction)] = locks[i].friction;
+    }
+    if (lock.limit < 0) continue;
+    recorded_sides_[static_cast<std::size_t>(lock.limit)] = locks[i].contact;
+    holding_[static_cast<std::size_t>(lock.limit)] = locks[i].limit;
+  }
+  dynamics_.readings().branching_forces(forces_.inputs().data(), sides_.data(), holding_.data(),
+                                        recorded_forces_.data());
+}
+
+}  // namespace gelenk

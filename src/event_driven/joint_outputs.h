@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What outputs show of friction and limits of joints: their forces and modes.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "event_driven/lock_modes.h"
+
+namespace gelenk {
+
+class JointOutputs {
+ public:
+  // All must outlive it. sides: the held modes of all forces with modes.
+  JointOutputs(Dynamics& dynamics, LockModes& locks, const std::vector<int>& sides);
+
+  // Records them after the accelerations have been solved for in a ModePreview.
+  void record();
+  // The same of forces that steps have determined, by lock.
+  void record(std::span<const LockForces> locks);
+  // Makes constraint forces follow the recorded forces, after another solve() at the same state.
+  void apply() { forces_.holding_forces().redistribute(recorded_holding_); }
+  // By force with modes.
+  const std::vector<double>& forces() const { return recorded_forces_; }
+  const std::vector<int>& sides() const { return recorded_sides_; }
+
+ private:
+  Dynamics& dynamics_;
+  Branching& forces_;
+  LockModes& locks_;
+  const std::vector<int>& sides_;
+  std::vector<int> recorded_sides_;
+  std::vector<double> recorded_forces_, holding_;  // by force
+  std::vector<double> recorded_holding_;           // by lock
+};
+
+}  // namespace gelenk

@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "event_driven/mode_decisions.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "kinematics/loads.h"
+#include "mechanism/mechanism.h"
+#include "nonsmooth/rounding.h"
+
+namespace gelenk {
+
+using Eigen::VectorXd;
+
+namespace {
+
+// Decisions where limits depend on loads, and the relative change of limits at which they are repeated no more.
+constexpr int most_decisions = 60;
+constexpr double load_tolerance = 1e-13;
+
+}  // namespace
+
+bool is_lost_contact(double speed, double acceleration) {
+  return rises_no_higher(lowest_rebound * touch_tolerance, speed, acceleration);
+}
+
+bool differ(const std::vector<SpotMode>& a, const std::vector<SpotMode>& b) {
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    bool same = a[i].closed == b[i].closed;
+    for (std::size_t k = 0; k < contact_groups; ++k) same = same && a[i].groups[k].moves == b[i].groups[k].moves;
+    if (!same) return true;
+  }
+  return false;
+}
+
+ModeDecisions::ModeDecisions(const Context& context)
+    : mechanism_(context.mechanism),
+      dynamics_(context.dynamics),
+      equations_(context.equations),
+      modes_(context.joints),
+      contacts_(context.contacts),
+      touch_(context.contacts.equations()),
+      joints_(context.joints),
+      decision_(touch_),
+      vdot_(static_cast<std::size_t>(context.mechanism.nv)) {}
+
+ModeDecisions::Modes ModeDecisions::decide(double t, const double* y, Asked asked,
+                                           const std::vector<Trigger>& triggered) {
+  if (dynamics_.branching().loads().empty() || modes_.empty()) return find(t, y, asked, triggered);
+  return find_with_loads(t, y, asked, triggered);
+}
+
+// With the limits of friction at the last solve(), in the present modes, which are entered again.
+ModeDecisions::Modes ModeDecisions::find(double t, const double* y, Asked asked,
+                                         const std::vector<Trigger>& triggered) {
+  const std::vector<SpotMode> present = touch_.modes();
+  std::vector<SpotMode> next = present;
+  const bool asks_contacts = asked == Asked::all && contacts_.any();
+  if (asks_contacts) {
+    next.assign(present.size(), {});
+    touch_.set_modes(next);
+  }
+  dynamics_.set_position(y);
+  joints_.begin(t, y);
+  if (asks_contacts || !joints_.problem().locks.empty()) equations_.accelerations_at(t, y, vdot_.data());
+  if (asks_contacts && joints_.add_returning(y, vdot_.data())) equations_.accelerations_at(t, y, vdot_.data());
+  outcome_ = ContactDecision::Outcome::found;
+  decided_spot_ = -1;
+  if (asks_contacts) find_contact_modes(t, y, triggered, next);
+  if (decided_spot_ < 0 && !joints_.problem().locks.empty())
+    decide_on_joints(dynamics_.branching(), vdot_.data(), joints_.problem());
+  if (asks_contacts) {
+    touch_.set_modes(present);
+    dynamics_.set_position(y);
+  }
+  return {joints_.end(), std::move(next)};
+}
+
+// Where the limits of friction depend on the modes that they decide on, the decision is repeated with the limits in the
+// modes decided on, until both agree. It begins with all joints at rest, since what can remain at rest does.
+ModeDecisions::Modes ModeDecisions::find_with_loads(double t, const double* y, Asked asked,
+                                                    const std::vector<Trigger>& triggered) {
+  const Modes before{modes_.state(), touch_.modes()};
+  dynamics_.set_position(y);
+  Modes next{joints_.all_at_rest(t, y), before.contacts};
+  LoadDependence& loads = dynamics_.branching().loads();
+  std::vector<double> known;
+  for (int round = 0; round < most_decisions; ++round) {
+    joints_.forget_doubts();
+    set_joints(next.joints);
+    touch_.set_modes(next.contacts);
+    joints_.find_loads(t, y);
+    const std::vector<double> now = joints_.limits();
+    set_joints(before.joints);
+    touch_.set_modes(before.contacts);
+    const Modes decided = std::move(next);
+    loads.freeze(true);
+    next = find(t, y, asked, triggered);
+    loads.freeze(false);
+    double change = known.empty() ? INFINITY : 0, largest = 0;
+    for (std::size_t i = 0; i < known.size(); ++i) change = std::max(change, std::abs(now[i] - known[i]));
+    for (const double limit : now) largest = std::max(largest, limit);
+    if (next.joints == decided.joints && !differ(next.contacts, decided.contacts) && change <= load_tolerance * largest)
+      return next;
+    known = now;
+  }
+  joints_.doubt_all();
+  return next;
+}
+
+// The spots that touch and remain closed if forces keep them so, at the state of the last solve() with the
+// accelerations vdot_: those with a normal velocity of zero, or one so low that they would return before they have left
+// the rounding of their positions.
+std::vector<int> ModeDecisions::lasting(double rest) {
+  std::vector<int> touching;
+  for (int i = 0; i < touch_.spots().count(); ++i) {
+    if (contacts_.may_touch(i)) touching.push_back(i);
+  }
+  std::vector<int> out;
+  TouchEquations::Rows rows;
+  touch_.build(touching, touch_.modes(), false, rows);
+  const Eigen::Map<const VectorXd> vdot(vdot_.data(), mechanism_.nv);
+  for (const TouchEquations::Entry& entry : rows.entries) {
+    const double rate = entry.at.rate;
+    const double fall = -rows.rates[entry.first] - rows.R.row(entry.first).dot(vdot);
+    const bool returns = rate > 0 && is_lost_contact(rate, fall);
+    if (std::abs(rate) <= rest || returns) out.push_back(entry.spot);
+  }
+  return out;
+}
+
+// next: out, with the accelerations vdot_ of what is free.
+void ModeDecisions::find_contact_modes(double t, const double* y, const std::vector<Trigger>& triggered,
+                                       std::vector<SpotMode>& next) {
+  contacts_.go_to(y);
+  for (int i = 0; i < touch_.spots().count(); ++i) {
+    if (contacts_.may_touch(i))
+      next[static_cast<std::size_t>(i)].leaves_from = leaving_depth(-touch_.spots().gap(i), touch_tolerance);
+  }
+  const double rest = contacts_.slow(y + mechanism_.nq);
+  const std::vector<int> spots = lasting(rest);
+  if (spots.empty()) return;
+  TouchEquations::Rows rows;
+  touch_.build(spots, next, false, rows);
+  for (const TouchEquations::Entry& entry : rows.entries) {
+    SpotMode& mode = next[static_cast<std::size_t>(entry.spot)];
+    mode.closed = true;
+    for (std::size_t k = 0; k < contact_groups; ++k) {
+      const double speed = entry.slip[k].norm();
+      mode.groups[k].moves = entry.rows[k] >= 0 && speed > rest;
+      if (mode.groups[k].moves) mode.groups[k].direction = entry.slip[k] / speed;
+    }
+  }
+  set_accelerations(t, y);
+  decided_spot_ = spots.front();
+  outcome_ = decision_.decide(spots, triggered, vdot_.data(), next, joints_.problem());
+}
+
+// Of the problem of joints.
+void ModeDecisions::set_accelerations(double t, const double* y) {
+  joints_.problem().accelerate = [this, t, y](double* vdot) {
+    dynamics_.set_position(y);
+    joints_.try_answers();
+    equations_.accelerations_at(t, y, vdot);
+    joints_.read_forces();
+  };
+}
+
+bool ModeDecisions::hold_by_others(double t, const double* y) {
+  const std::vector<SpotMode> present = touch_.modes();
+  const LockModes::State present_joints = modes_.state();
+  const std::vector<int> spots(touch_.closed().begin(), touch_.closed().end());
+  LoadDependence& loads = dynamics_.branching().loads();
+  loads.freeze(true);
+  touch_.set_modes(std::vector<SpotMode>(present.size()));
+  joints_.begin_check();
+  equations_.accelerations_at(t, y, vdot_.data());
+  std::vector<SpotMode> next = present;
+  set_accelerations(t, y);
+  const auto outcome =
+      decision_.decide(spots, std::vector<Trigger>(present.size()), vdot_.data(), next, joints_.problem());
+  loads.freeze(false);
+  touch_.set_modes(present);
+  set_joints(present_joints);
+  bool holds = outcome == ContactDecision::Outcome::found;
+  for (const int spot : spots) {
+    const auto i = static_cast<std::size_t>(spot);
+    holds = holds && next[i].closed;
+    for (std::size_t k = 0; k < contact_groups; ++k)
+      holds = holds && (present[i].groups[k].moves || !next[i].groups[k].moves);
+  }
+  return holds && std::ranges::none_of(joints_.problem().locks, &LockProblem::Lock::leaves);
+}
+
+}  // namespace gelenk

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Impacts, and what contacts do after them: the part of ModeChanges that changes velocities.
+#include <algorithm>
+
+#include "event_driven/mode_changes.h"
+#include "mechanism/mechanism.h"
+#include "nonsmooth/rounding.h"
+
+namespace gelenk {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+// Part of the fastest approach with which something may still approach after an impact.
+constexpr double approaching_fraction = 1e-3;
+
+}  // namespace
+
+// The impulses of everything that is struck. returning: joints that stop as well. before: their modes before all that
+// happens at this instant.
+void ModeChanges::strike(double t, double* y, const std::vector<int>& returning, const LockModes::State& before) {
+  double* const v = y + mechanism_.nq;
+  const double rest = contacts_.slow(v);
+  contacts_.any() ? contacts_.go_to(y) : dynamics_.set_position(y);
+  std::vector<int> spots;
+  bool any = false;
+  for (int i = 0; i < touch_.spots().count(); ++i) {
+    const bool closed = contacts_.mode_of(i).closed;
+    if (!closed && !contacts_.may_touch(i)) continue;
+    spots.push_back(i);
+    any = any || (touch_.spots().state(i).rate < -rest && !closed);
+  }
+  const std::vector<JointImpacts::Struck> joints = joint_impacts_.struck(y, returning, before);
+  any = any || !returning.empty() || std::ranges::any_of(joints, &JointImpacts::Struck::approaches);
+  if (!any) return;
+  equations_.accelerations_at(t, y, vdot_.data());
+  const std::vector<double> at_rest = vdot_;  // with what is kept at rest
+  const std::vector<double> holding = joint_impacts_.holding_forces();
+  const std::vector<SpotMode> present = touch_.modes();
+  const LockModes::State present_joints = joints_.state();
+  LoadDependence& loads = dynamics_.branching().loads();
+  loads.freeze(true);  // friction of joints exerts no impulses
+  if (!spots.empty()) {
+    touch_.set_modes(std::vector<SpotMode>(present.size()));
+    joint_impacts_.let_go();
+    equations_.accelerations_at(t, y, vdot_.data());
+  }
+  ContactImpact impact(touch_, dynamics_.branching(), spots, joints, v, rest);
+  bool found = impact.law().solve(decisions_.solver());
+  found = end_series(joints, at_rest.data(), holding, impact) && found;
+  loads.freeze(false);
+  if (!spots.empty()) {
+    touch_.set_modes(present);
+    joints_.set_state(present_joints);
+  }
+  impact.apply(v);
+  record_impacts(t, y, spots, impact, found);
+  std::vector<double> rebounds;
+  for (std::size_t i = spots.size(); i < impact.law().count(); ++i) rebounds.push_back(impact.law().rebound(i));
+  joint_impacts_.finish(t, y, joints, rebounds, found);
+  equations_.mode_changed();
+}
+
+void ModeChanges::record_impacts(double t, const double* y, const std::vector<int>& spots, const ContactImpact& impact,
+                                 bool found) {
+  if (!found) ++counts_.ambiguous;
+  if (spots.empty()) return;
+  // Impulses that miss their laws by little are used; none is found at all where what touches still approaches.
+  double fastest = 0, least_rebound = INFINITY;
+  for (std::size_t i = 0; i < impact.law().count(); ++i) {
+    fastest = std::max(fastest, std::abs(impact.law().approach(i)));
+    if (i < spots.size()) least_rebound = std::min(least_rebound, impact.law().rebound(i));
+  }
+  constexpr int per_spot = ContactModes::per_spot;
+  if (!found && least_rebound < -approaching_fraction * fastest) {
+    refusal_ = log_.report({t, first_indicator_ + per_spot * spots.front(), true}).text +
+               ", and no impulses were found that agree with the laws of impact (as where a heavy body strikes one of "
+               "far less mass)";
+  }
+  const double rest = contacts_.slow(y + mechanism_.nq);
+  for (std::size_t i = 0; i < spots.size(); ++i) {
+    if (!(impact.law().approach(i) < -rest)) continue;
+    ++counts_.impacts;
+    log_.add({t, first_indicator_ + per_spot * spots[i], true, !found});
+  }
+}
+
+// What would rebound so little that it is lost in rounding, with the accelerations vdot, has no restitution; a bound of
+// a joint that others throw off so slowly stays closed: it would return, throw them off, and so on. holding: the forces
+// in vdot that keep joints at rest. Returns false if no impulses are found then.
+bool ModeChanges::end_series(const std::vector<JointImpacts::Struck>& joints, const double* vdot,
+                             const std::vector<double>& holding, ContactImpact& impact) {
+  Impact& law = impact.law();
+  const std::size_t contacts = law.count() - joints.size();
+  bool found = true;
+  for (bool closed = true; closed;) {
+    closed = false;
+    const VectorXd falls = impact.accelerations(vdot);
+    for (std::size_t i = 0; i < law.count(); ++i) {
+      const double rebound = law.rebound(i);
+      if (!(rebound > 0)) continue;
+      if (i < contacts) {
+        if (law.restitution(i) == 0 || !is_lost_contact(rebound, -falls[static_cast<Index>(i)])) continue;
+        law.set_inelastic(i);
+        counts_.closed_series += law.approach(i) < 0 ? 1 : 0;
+      } else {
+        const JointImpacts::Struck& at = joints[i - contacts];
+        if (law.is_held(i) || !joint_impacts_.is_lost(at, rebound, vdot, holding, law.mobility(i))) continue;
+        law.restitution(i) == 0 ? law.hold(i) : law.set_inelastic(i);
+        joint_impacts_.count_closed_series(at);
+      }
+      closed = true;
+    }
+    if (closed) found = law.solve(decisions_.solver());
+  }
+  return found;
+}
+
+// What is closed does not approach, and what is at rest, or begins to move from there, does not move.
+void ModeChanges::finish(double* y) {
+  std::ranges::fill(triggered_, Trigger{});
+  joints_.finish(y);
+  if (touch_.closed().empty()) return;
+  double* const v = y + mechanism_.nq;
+  const double rest = contacts_.slow(v);
+  contacts_.go_to(y);
+  const std::vector<SpotMode> modes = touch_.modes();
+  std::vector<SpotMode> stopped = modes;
+  TouchEquations::Rows rows;
+  touch_.build(touch_.closed(), modes, false, rows);
+  for (const TouchEquations::Entry& entry : rows.entries) {
+    for (std::size_t k = 0; k < contact_groups; ++k) {
+      bool& moves = stopped[static_cast<std::size_t>(entry.spot)].groups[k].moves;
+      moves = moves && entry.slip[k].norm() > rest;
+    }
+  }
+  touch_.set_modes(stopped);
+  touch_.close_velocity(v);
+  touch_.set_modes(modes);
+}
+
+}  // namespace gelenk

@@ -1,0 +1,366 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "event_driven/touch_equations.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "contact_geometry/contact_finder.h"
+#include "kinematics/loads.h"
+#include "mechanism/mechanism.h"
+
+namespace gelenk {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+// Pivots below this fraction of the largest are redundant forces.
+constexpr double rank_threshold = 1e-11;
+// Weight of redundant moments.
+constexpr double least_moment = 1e-3;
+// Rounding of gaps, relative to lengths of order 1; and the most repetitions that remove them.
+constexpr double gap_rounding = 1e-15;
+constexpr int most_corrections = 8;
+// Cosine between a row and its response below which it is rounding.
+constexpr double blocked_cosine = 1e-12;
+// Of the sum of normal forces: what an evaluation may miss of a limit in its mode.
+constexpr double overload_rounding = 1e-9;
+
+// Drops the rows along which what is held, or constraint equations, permit no motion: their response is rounding,
+// which must not become a divisor.
+void drop_blocked(const TouchEquations::RowMatrix& R, const TouchEquations::RowMatrix& Z, MatrixXd& G,
+                  VectorXd& right) {
+  for (Index i = 0; i < G.rows(); ++i) {
+    if (std::abs(G(i, i)) > blocked_cosine * R.row(i).norm() * Z.col(i).norm()) continue;
+    G.row(i).setZero();
+    G.col(i).setZero();
+    right[i] = 0;
+  }
+}
+
+}  // namespace
+
+TouchEquations::TouchEquations(const Mechanism& mechanism, Dynamics& dynamics, const Loads& loads, bool located)
+    : mechanism_(mechanism),
+      dynamics_(dynamics),
+      loads_(loads),
+      spots_(mechanism, located),
+      modes_(static_cast<std::size_t>(spots_.count())),
+      least_norm_(rank_threshold),
+      sharing_(rank_threshold),
+      closing_gaps_(rank_threshold),
+      closing_speeds_(rank_threshold) {}
+
+const ContactLaw& TouchEquations::law(int spot) const {
+  return loads_.contacts[static_cast<std::size_t>(spots_[spot].contact)];
+}
+
+double TouchEquations::coefficient(int spot, int group, bool moves) const {
+  const ContactLaw& of = law(spot);
+  if (group == 0) return moves ? of.sliding_friction : of.static_friction;
+  return group == 1 ? of.spinning : of.rolling;
+}
+
+void TouchEquations::set_modes(const std::vector<SpotMode>& modes) {
+  if (&modes != &modes_) modes_ = modes;
+  keeps_directions_ = false;  // also where derivatives by differences have been given up
+  closed_.clear();
+  for (int i = 0; i < spots_.count(); ++i) {
+    if (modes_[static_cast<std::size_t>(i)].closed) closed_.push_back(i);
+  }
+}
+
+void TouchEquations::add_row(const Entry& entry, const Vector3d& d, bool turns, double* out) const {
+  const Spot& spot = spots_[entry.spot];
+  dynamics_.branching().contact_rows().row(spot.core_link, spot.tip_link, entry.at.p, d, turns, out);
+}
+
+// Direction against which friction acts. Within a step that extends beyond a stop, the velocity's component along the
+// direction `before` the stop is mirrored, so that the equations are continuous there and what slips across it is still
+// slowed down. Along the opposite of the velocity it would be accelerated: stages of implicit methods would have a
+// second solution, in which the body veers off instead of stopping.
+Vector3d TouchEquations::moving_direction(const Entry& entry, int group, const std::vector<SpotMode>& modes) const {
+  const auto g = static_cast<std::size_t>(group);
+  const Vector3d& before = modes[static_cast<std::size_t>(entry.spot)].groups[g].direction;
+  const Vector3d& slip = entry.slip[g];
+  const double speed = slip.norm();
+  if (speed <= (keeps_directions_ ? slow_sliding : no_direction_)) return before;
+  const double along = slip.dot(before);
+  if (along >= 0) return slip / speed;
+  if (group == 1) return -slip / speed;  // about the normal
+  const Vector3d mirrored = slip - 2 * along * before;
+  return (mirrored - mirrored.dot(entry.at.n) * entry.at.n).normalized();
+}
+
+// Numbers the rows and allocates them.
+void TouchEquations::number_rows(const std::vector<SpotMode>& modes, bool by_modes, Rows& out) const {
+  int kept = 0;
+  int moving = 0;
+  for (Entry& entry : out.entries) {
+    entry.first = kept++;
+    for (int group = 0; group < contact_groups; ++group) {
+      const auto g = static_cast<std::size_t>(group);
+      entry.rows[g] = entry.moving[g] = -1;
+      if (!(coefficient(entry.spot, group, false) > 0)) continue;
+      if (by_modes && modes[static_cast<std::size_t>(entry.spot)].groups[g].moves) {
+        entry.moving[g] = moving++;
+      } else {
+        entry.rows[g] = kept;
+        kept += entry.kept(group);
+      }
+    }
+  }
+  out.R.resize(kept, mechanism_.nv);
+  out.rates.resize(kept);
+  out.demanded.setZero(kept);
+  out.S.resize(moving, mechanism_.nv);
+  out.moving_rates.resize(moving);
+  out.D.setZero(moving > 0 ? static_cast<Index>(out.entries.size()) : 0, mechanism_.nv);
+}
+
+void TouchEquations::set_group(const std::vector<SpotMode>& modes, int group, const RelativeMotion& motion,
+                               Entry& entry, Rows& out) {
+  const auto g = static_cast<std::size_t>(group);
+  const SpotState& at = entry.at;
+  entry.slip[g].setZero();
+  entry.along[g].setZero();
+  if (entry.rows[g] < 0 && entry.moving[g] < 0) return;
+  const bool turns = group > 0;
+  const bool about_normal = group == 1;
+  Vector3d velocity = turns ? motion.V.w : motion.velocity(at.p);
+  Vector3d acceleration = turns ? motion.A.w : motion.acceleration(at.p, at.p_dot);
+  Vector3d belt = Vector3d::Zero();
+  if (!turns && !law(entry.spot).belt_velocity.isZero(0)) {
+    Vector3d rate;
+    belt = spots_.belt(entry.spot, law(entry.spot).belt_velocity, rate);
+    velocity += belt;
+    acceleration += rate - belt.dot(at.n) * at.n_dot;
+  }
+  const double along_normal = at.n.dot(velocity);
+  entry.slip[g] = about_normal ? Vector3d(along_normal * at.n) : Vector3d(velocity - along_normal * at.n);
+  const auto rate_along = [&](const Vector3d& d) {
+    return d.dot(acceleration) + (about_normal ? d.dot(at.n) * at.n_dot.dot(velocity) : 0);
+  };
+  if (entry.moving[g] >= 0) {
+    entry.along[g] = moving_direction(entry, group, modes);
+    add_row(entry, entry.along[g], turns, out.S.row(entry.moving[g]).data());
+    out.moving_rates[entry.moving[g]] = rate_along(entry.along[g]);
+    out.D.row(&entry - out.entries.data()) -= coefficient(entry.spot, group, true) * out.S.row(entry.moving[g]);
+    return;
+  }
+  for (Index k = 0; k < entry.kept(group); ++k) {
+    const Index row = entry.rows[g] + k;
+    const Vector3d d = entry.axes.col((about_normal ? 0 : 1) + k);
+    add_row(entry, d, turns, out.R.row(row).data());
+    out.rates[row] = rate_along(d);
+    out.demanded[row] = d.dot(belt);
+  }
+}
+
+void TouchEquations::build(std::span<const int> spots, const std::vector<SpotMode>& modes, bool by_modes, Rows& out) {
+  out.entries.resize(spots.size());
+  for (std::size_t i = 0; i < spots.size(); ++i) out.entries[i].spot = spots[i];
+  number_rows(modes, by_modes, out);
+  spots_.read_motion(dynamics_);
+  for (Entry& entry : out.entries) {
+    entry.at = spots_.state(entry.spot);
+    entry.axes = contact_axes(entry.at.n);
+    const RelativeMotion motion = spots_.motion(entry.spot);
+    add_row(entry, entry.at.n, false, out.R.row(entry.first).data());
+    out.rates[entry.first] = entry.at.n.dot(motion.acceleration(entry.at.p, entry.at.p_dot)) +
+                             entry.at.n_dot.dot(motion.velocity(entry.at.p));
+    for (int group = 0; group < contact_groups; ++group) set_group(modes, group, motion, entry, out);
+  }
+}
+
+void TouchEquations::respond(const RowMatrix& F, RowMatrix& Z) {
+  Z = F.transpose();
+  zero_.assign(static_cast<std::size_t>(std::max(1, mechanism_.rows) * F.rows()), 0.0);
+  dynamics_.solve_linear_columns(Z.data(), zero_.data(), static_cast<int>(F.rows()));
+}
+
+// Of a force in a norm: moments count as the forces with the same effect, and where several contacts can exert those
+// forces, moments, which have narrow limits, are hardly used.
+double TouchEquations::weight(const Entry& entry, int group) const {
+  if (group == 0) return 1;
+  const Index n = entry.first;
+  const Index r = entry.rows[static_cast<std::size_t>(group)];
+  const double of_moments = std::abs(G_(r, r));
+  const double of_forces = std::abs(G_(n, n));
+  if (!(of_moments > 0 && of_forces > 0)) return 1;  // what joints do not permit to turn
+  return (rows_.entries.size() > 1 ? least_moment : 1) * std::sqrt(of_forces / of_moments);
+}
+
+double TouchEquations::accelerate(double* vdot, bool again) {
+  if (closed_.empty()) return 0;
+  if (!again) {
+    solve_for_forces(vdot);
+    return 1;
+  }
+  const VectorXd before = x_;
+  solve_for_forces(vdot);
+  const double change = x_.cwiseAbs().maxCoeff();
+  x_ += before;
+  right_ = G_ * x_;
+  const double size = x_.cwiseAbs().maxCoeff();
+  return size > 0 ? change / size : 0;
+}
+
+// x_ <- the forces that are missing in vdot, which are added to it.
+void TouchEquations::solve_for_forces(double* vdot) {
+  build(closed_, modes_, true, rows_);
+  B_ = rows_.R;
+  if (rows_.any_moves()) {
+    for (std::size_t i = 0; i < rows_.entries.size(); ++i)
+      B_.row(rows_.entries[i].first) += rows_.D.row(static_cast<Index>(i));
+  }
+  respond(B_, Z_);
+  // Products without blocking: the matrices are small.
+  G_ = rows_.R.lazyProduct(Z_);
+  Eigen::Map<VectorXd> a(vdot, mechanism_.nv);
+  right_ = -rows_.rates;
+  right_ -= rows_.R.lazyProduct(a);
+  drop_blocked(rows_.R, Z_, G_, right_);
+  scale_.setOnes(right_.size());
+  for (const Entry& entry : rows_.entries) {
+    for (int group = 1; group < contact_groups; ++group) {
+      const int row = entry.rows[static_cast<std::size_t>(group)];
+      if (row >= 0) scale_.segment(row, entry.kept(group)).setConstant(weight(entry, group));
+    }
+  }
+  least_norm_.solve_weighted(G_, right_, scale_, x_);
+  a += Z_.lazyProduct(x_);
+  add_holding_forces();
+}
+
+// What contacts do to the forces that keep coordinates of joints at rest.
+void TouchEquations::add_holding_forces() {
+  Branching& branching = dynamics_.branching();
+  if (branching.locks() == 0) return;
+  force_ = B_.transpose().lazyProduct(x_);
+  zero_.assign(static_cast<std::size_t>(std::max(1, mechanism_.rows)), 0.0);
+  holding_.resize(static_cast<std::size_t>(branching.locks()));
+  std::ranges::fill(holding_, 0.0);
+  dynamics_.solve_linear(force_.data(), zero_.data(), nullptr, holding_.data());
+  branching.holding_forces().add(holding_);
+}
+
+// Where friction is redundant, as at the corners of a box, it is shared in proportion to the normal forces.
+const VectorXd& TouchEquations::shared() {
+  if (closed_.empty() || rows_.entries.size() <= 1 || x_.size() <= static_cast<Index>(rows_.entries.size())) return x_;
+  double largest = 0;
+  for (const Entry& entry : rows_.entries) largest = std::max(largest, x_[entry.first]);
+  weights_ = scale_;
+  for (const Entry& entry : rows_.entries) {
+    const double share = largest > 0 ? std::sqrt(std::max(1e-6, x_[entry.first] / largest)) : 1;
+    for (int group = 0; group < contact_groups; ++group) {
+      const int row = entry.rows[static_cast<std::size_t>(group)];
+      if (row >= 0) weights_.segment(row, entry.kept(group)) *= share;
+    }
+  }
+  weighted_ = G_;  // by columns alone
+  for (Index j = 0; j < weighted_.cols(); ++j) weighted_.col(j) *= weights_[j];
+  sharing_.solve_singular(weighted_, right_, shared_);
+  shared_.array() *= weights_.array();
+  return shared_;
+}
+
+const std::vector<TouchEquations::SpotForce>& TouchEquations::forces_of(const VectorXd& x) {
+  forces_.clear();
+  if (closed_.empty()) return forces_;
+  for (const Entry& entry : rows_.entries) {
+    SpotForce& out = forces_.emplace_back();
+    out.normal = x[entry.first];
+    out.force = out.normal * entry.at.n;
+    out.moment.setZero();
+    for (int group = 0; group < contact_groups; ++group) {
+      const auto g = static_cast<std::size_t>(group);
+      Vector3d& on = group == 0 ? out.force : out.moment;
+      const int row = entry.rows[g];
+      if (row >= 0) {
+        const auto part = x.segment(row, entry.kept(group));
+        out.held[g] = part.norm();
+        for (Index k = 0; k < part.size(); ++k) on += part[k] * entry.axes.col((group == 1 ? 0 : 1) + k);
+      } else {
+        on -= coefficient(entry.spot, group, true) * out.normal * entry.along[g];
+      }
+    }
+  }
+  return forces_;
+}
+
+bool TouchEquations::are_overloaded() const {
+  if (closed_.empty() || !least_norm_.was_unique()) return false;
+  double slack = 0;
+  for (const Entry& entry : rows_.entries) slack += overload_rounding * std::abs(x_[entry.first]);
+  for (const Entry& entry : rows_.entries) {
+    const double normal = x_[entry.first];
+    if (normal < -slack) return true;
+    for (int group = 0; group < contact_groups; ++group) {
+      const int row = entry.rows[static_cast<std::size_t>(group)];
+      if (row < 0) continue;
+      if (x_.segment(row, entry.kept(group)).norm() > coefficient(entry.spot, group, false) * normal + slack)
+        return true;
+    }
+  }
+  return false;
+}
+
+// x <- the least multipliers, in the metric of the mass, that change N v by `left`; Z <- the response to N.
+void TouchEquations::close(const RowMatrix& N, Closing& of) {
+  respond(N, of.Z);
+  of.G = N.lazyProduct(of.Z);
+  drop_blocked(N, of.Z, of.G, of.left);
+  of.solver.solve(of.G, of.left, of.x);
+}
+
+bool TouchEquations::close_position(double* q) {
+  if (closed_.empty()) return false;
+  bool moved = false;
+  VectorXd& gaps = closing_gaps_.left;
+  gaps.resize(static_cast<Index>(closed_.size()));
+  for (int attempt = 0; attempt < most_corrections; ++attempt) {
+    dynamics_.set_position(q);
+    spots_.read_position(dynamics_);
+    for (std::size_t i = 0; i < closed_.size(); ++i) gaps[static_cast<Index>(i)] = spots_.gap(closed_[i]);
+    if (!(gaps.cwiseAbs().maxCoeff() > gap_rounding) || !gaps.allFinite()) break;
+    build(closed_, modes_, true, kept_);
+    closing_gaps_.N.resize(gaps.size(), mechanism_.nv);
+    for (std::size_t i = 0; i < closed_.size(); ++i)
+      closing_gaps_.N.row(static_cast<Index>(i)) = kept_.R.row(kept_.entries[i].first);
+    close(closing_gaps_.N, closing_gaps_);
+    closing_gaps_.change = closing_gaps_.Z.lazyProduct(closing_gaps_.x);
+    closing_gaps_.change = -closing_gaps_.change;
+    dynamics_.displace(q, closing_gaps_.change.data());
+    moved = true;
+    if (gaps.cwiseAbs().maxCoeff() < 1e-9) break;  // the error that remains is its square
+  }
+  return moved;
+}
+
+void TouchEquations::close_velocity(double* v) {
+  if (closed_.empty()) return;
+  dynamics_.set_velocity(v);
+  build(closed_, modes_, true, kept_);
+  Eigen::Map<VectorXd> speeds(v, mechanism_.nv);
+  closing_speeds_.left = kept_.demanded;
+  closing_speeds_.left += kept_.R.lazyProduct(speeds);
+  if (closing_speeds_.left.isZero(0)) return;
+  close(kept_.R, closing_speeds_);
+  speeds -= closing_speeds_.Z.lazyProduct(closing_speeds_.x);
+}
+
+void add_wrenches(const TouchEquations& touch, const std::vector<TouchEquations::SpotForce>& forces,
+                  std::vector<Spatial::Force>& out) {
+  for (std::size_t i = 0; i < forces.size(); ++i) {
+    const TouchEquations::Entry& entry = touch.rows().entries[i];
+    const Spot& spot = touch.spots()[entry.spot];
+    const Spatial::Force on_tip{forces[i].moment + entry.at.p.cross(forces[i].force), forces[i].force};
+    out[static_cast<std::size_t>(spot.tip_link)] += on_tip;
+    out[static_cast<std::size_t>(spot.core_link)] -= on_tip;
+  }
+}
+
+}  // namespace gelenk

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What outputs and events show of contacts between events.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <string>
+#include <vector>
+
+#include "contact_geometry/contact_finder.h"
+#include "event_driven/touch_equations.h"
+#include "nonsmooth/contact_sum.h"
+#include "nonsmooth/law_audit.h"
+
+namespace gelenk {
+
+struct Scene;
+
+class TouchOutputs final : public ContactReadings {
+ public:
+  // Numbers of indicators of a spot: of its contact, of each group of friction, and of the ends of its features.
+  static constexpr int per_spot = 2 + contact_groups;
+  // Far above what events and steps with impulses leave [natural units of length].
+  static constexpr double least_overlap = 100 * touch_tolerance;
+
+  // All must outlive it. contacts: of the scene.
+  TouchOutputs(const Mechanism& mechanism, Dynamics& dynamics, TouchEquations& touch, std::size_t contacts);
+
+  // While outputs are determined, modes are previewed, and then all contacts open, so that the recorded forces act as
+  // loads.
+  void keep_modes() { kept_ = touch_.modes(); }
+  void open_all() { touch_.set_modes(open_); }
+  void return_to_modes() { touch_.set_modes(kept_); }
+  // Records the forces and modes after the accelerations have been solved for. distributed: forces with the same
+  // effect, by row (TouchEquations::forces_of); null: those solved for.
+  void record(const Eigen::VectorXd* distributed);
+  const LawAudit& audit() const { return audit_; }
+  // The recorded forces by link (ContactRows::apply_forces).
+  const Spatial::Force* wrenches() const { return wrenches_.data(); }
+  Eigen::Vector3d force(int contact) const override { return sums_[static_cast<std::size_t>(contact)].force; }
+  int mode(int contact) const override { return sums_[static_cast<std::size_t>(contact)].mode; }
+  double gap(int contact) override;
+  std::vector<ContactForce> forces() override { return forces_; }
+  // Whether shapes overlap at q by more than located contacts do.
+  bool any_overlap(const double* q);
+
+  // By indicator: what happens when it becomes negative, and positive.
+  std::vector<std::array<std::string, 2>> event_texts(const std::vector<std::string>& bodies,
+                                                      const std::vector<std::string>& contacts) const;
+
+ private:
+  void add_to_audit(const TouchEquations::Entry& entry, const TouchEquations::SpotForce& force, double slack);
+
+  const Mechanism& mechanism_;
+  Dynamics& dynamics_;
+  TouchEquations& touch_;
+  ContactFinder finder_;
+  std::vector<ContactSum> sums_;  // by contact of the scene
+  std::vector<ContactForce> forces_;
+  std::vector<Spatial::Force> wrenches_;  // by link
+  std::vector<SpotMode> kept_, open_;
+  LawAudit audit_;  // of the recorded forces
+};
+
+}  // namespace gelenk

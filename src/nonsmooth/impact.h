@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The law of impact: impulses of everything that is struck at the same instant, contacts of shapes and bounds of joints
+// alike. Normal velocities after it are at least -restitution times the approach (Newton's law, as Moreau 1988 states
+// it for several contacts), or impulses are at least 1 + restitution times those of compression, which ends when
+// nothing approaches any more (Poisson's law; Glocker & Pfeiffer 1995); Coulomb's law holds for the velocities after
+// it. Where a law would add energy, as Newton's may with friction (Kane & Levinson 1985) or unlike restitutions,
+// restitution is reduced to what adds none.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "complementarity/cone.h"
+
+namespace gelenk {
+
+// Something that is struck: its first row is that of the velocity along its normal.
+struct Struck {
+  Cone cone;
+  double sign = 1;         // of the motion away from what is struck, in the first row
+  double restitution = 0;  // of this impact
+  bool poisson = false;    // Poisson's law instead of Newton's
+};
+
+class Impact {
+ public:
+  // G: the change of velocities (rows) per impulse along them (columns); speeds: before it, by row.
+  Impact(Eigen::MatrixXd G, Eigen::VectorXd speeds, std::vector<Struck> struck);
+
+  std::size_t count() const { return struck_.size(); }
+  double restitution(std::size_t i) const { return struck_[i].restitution; }
+  void set_inelastic(std::size_t i) { struck_[i].restitution = 0; }
+  // Makes what is struck stop: it neither approaches nor leaves.
+  void hold(std::size_t i);
+  bool is_held(std::size_t i) const;
+  // Finds the impulses. Returns false if none agree with the laws of restitution; they are inelastic then, if such can
+  // be found.
+  bool solve(ConeSolver& solver);
+  const Eigen::VectorXd& impulses() const { return x_; }  // by row
+  // By number: velocities away from what is struck, before and after it.
+  double approach(std::size_t i) const { return struck_[i].sign * speeds_[row(i)]; }
+  double rebound(std::size_t i) const { return struck_[i].sign * (speeds_[row(i)] + G_.row(row(i)).dot(x_)); }
+  // Velocity per impulse along its normal.
+  double mobility(std::size_t i) const { return G_(row(i), row(i)); }
+
+ private:
+  Eigen::Index row(std::size_t i) const { return struck_[i].cone.first; }
+  bool solve(ConeSolver& solver, double part);
+  double solve_cones(ConeSolver& solver, const Eigen::MatrixXd& matrix, const Eigen::VectorXd& b);
+  double solve_boxes(const Eigen::VectorXd& b);
+  double solve_redundant(ConeSolver& solver, const Eigen::VectorXd& b);
+  void find_weights();
+  bool adds_energy() const;
+
+  Eigen::MatrixXd G_;
+  Eigen::VectorXd speeds_, x_;
+  std::vector<Struck> struck_;
+  std::vector<Cone> cones_;      // of struck_
+  bool are_boxes_ = false;       // bounds of single rows, whose problem is solved exactly
+  Eigen::VectorXd weights_;      // by row: of redundant impulses; empty: they are unique
+  Eigen::VectorXd compression_;  // impulses without restitution; empty: not needed
+};
+
+}  // namespace gelenk

@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "time_stepping/joint_rows.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "contact_geometry/contact_finder.h"
+#include "math/bounds.h"
+#include "time_stepping/step_limits.h"
+
+namespace gelenk {
+namespace {
+
+// Part of the static friction from which on it is all of it, as the solver leaves it.
+constexpr double at_bound = 1 - 1e-6;
+// Speed that a projection may give, relative to that which a step without friction would: of the third order in the
+// step, 2e-6 where a prescribed motion of 1.5 Hz is followed in steps of 1 ms.
+constexpr double negligible_part = 3e-5;
+
+}  // namespace
+
+JointRows::JointRows(Branching& branching, int nv)
+    : branching_(branching), beside_(static_cast<std::size_t>(branching.locks()), -1) {
+  std::vector<std::vector<double>> coordinates(beside_.size());
+  std::vector<double> unit(static_cast<std::size_t>(nv));
+  for (int i = 0; i < branching.locks(); ++i) {
+    for (double& v : unit) {
+      v = 1;
+      coordinates[static_cast<std::size_t>(i)].push_back(branching.speed(i, unit.data()));
+      v = 0;
+    }
+  }
+  for (std::size_t i = 0; i < beside_.size(); ++i) {
+    if (!branching.lock(static_cast<int>(i)).one_way) continue;
+    for (std::size_t k = 0; k < beside_.size(); ++k) {
+      if (k != i && coordinates[k] == coordinates[i]) beside_[k] = static_cast<int>(i);
+    }
+  }
+}
+
+void JointRows::add(const Start& at, ContactRows& rows, std::vector<Cone>& cones) {
+  for (int i = 0; i < branching_.locks(); ++i) {
+    const Branching::Lock lock = branching_.lock(i);
+    const double speed = branching_.speed(i, at.v);
+    const double change = at.h * std::abs(branching_.speed(i, at.vdot));
+    if (lock.friction >= 0) {
+      // What friction has held is at rest, but for the speed that a projection may have given it. Where an input jumps,
+      // it is no longer.
+      const LockForces& last = at.last[static_cast<std::size_t>(i)];
+      const bool was_held = last.motion == 0 && last.friction != 0 && std::abs(speed) <= negligible_part * change;
+      const bool slides = !was_held && std::abs(speed) > rest_speed;
+      Row row{.lock = i, .slides = slides ? (speed > 0 ? 1 : -1) : 0};
+      row.at_rest = lock.sticking_limit;
+      row.sliding = slides ? branching_.sliding_limit(i, speed) : row.at_rest;
+      cones.push_back(Cone::within(rows.count(), 0, 0));
+      set_friction_of(row, at.h, cones.back());
+      rows.add_lock(i, lock.sign);
+      rows_.push_back(row);
+    }
+    if (lock.limit < 0) continue;
+    for (const int side : {1, -1}) {
+      const double depth = branching_.depth(i, side).depth;
+      // A bound that other impulses may drive the coordinate to is struck in the next step.
+      if (!(depth + at.h * (std::abs(speed) + change) >= -touch_tolerance)) continue;
+      cones.push_back(side > 0 ? Cone::within(rows.count(), -unlimited, 0) : Cone::within(rows.count(), 0, unlimited));
+      rows.add_lock(i, lock.sign);
+      rows_.push_back({.lock = i, .side = side, .depth = depth, .is_of_speed = lock.one_way});
+    }
+  }
+}
+
+void JointRows::add_passed_limits(double h, const double* v1, ContactRows& rows, std::vector<Cone>& cones) {
+  for (int i = 0; i < branching_.locks(); ++i) {
+    const Branching::Lock lock = branching_.lock(i);
+    if (lock.limit < 0 || lock.one_way) continue;
+    const double speed = branching_.speed(i, v1);
+    const int side = speed > 0 ? 1 : -1;
+    const double depth = branching_.depth(i, side).depth;
+    const auto is_row = [&](const Row& row) { return row.lock == i && row.side == side; };
+    if (!(depth + h / 2 * std::abs(speed) > touch_tolerance) || std::ranges::any_of(rows_, is_row)) continue;
+    cones.push_back(Cone::within(rows.count(), 0, 0));
+    rows.add_lock(i, lock.sign);
+    rows_.push_back({.lock = i, .side = side, .depth = depth});
+  }
+}
+
+// What slides comes to rest before it turns back, and is then held by up to the static friction.
+void JointRows::set_friction_of(const Row& row, double h, Cone& cone) {
+  cone.lower = -h * (row.slides < 0 && !row.turns_back ? row.at_rest : row.sliding).against(1);
+  cone.upper = h * (row.slides > 0 && !row.turns_back ? row.at_rest : row.sliding).against(-1);
+}
+
+bool JointRows::set_sliding_friction(double h, const double* v1, const double* vm, const double* x,
+                                     std::span<Cone> cones) {
+  bool changed = false;
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    Row& row = rows_[i];
+    if (row.side != 0 || row.slides == 0) continue;
+    Cone& cone = cones[i];
+    const double held = row.slides * x[cone.first];
+    row.turns_back = row.turns_back || (row.slides * branching_.speed(row.lock, v1) < -rest_speed &&
+                                        held >= at_bound * h * row.at_rest.against(-row.slides));
+    const Cone before = cone;
+    if (branching_.loads().empty()) row.sliding = branching_.sliding_limit(row.lock, branching_.speed(row.lock, vm));
+    set_friction_of(row, h, cone);
+    changed = changed || std::abs(cone.upper - before.upper) > negligible_change * before.upper ||
+              std::abs(cone.lower - before.lower) > negligible_change * -before.lower;
+  }
+  return changed || have_loads();  // which follow from the velocities, too
+}
+
+bool JointRows::have_loads() const {
+  return !branching_.loads().empty() && std::ranges::any_of(rows_, [](const Row& row) { return row.side == 0; });
+}
+
+void JointRows::read_limits(std::vector<double>& out) const {
+  out.clear();
+  for (const Row& row : rows_) {
+    if (row.side != 0) continue;
+    for (const DirectedLimit& limit : {row.at_rest, row.sliding}) {
+      out.push_back(limit.positive);
+      out.push_back(limit.negative);
+    }
+  }
+}
+
+void JointRows::find_limits(const double* vm, std::vector<double>& out) const {
+  out.clear();
+  for (const Row& row : rows_) {
+    if (row.side != 0) continue;
+    const DirectedLimit at_rest = branching_.lock(row.lock).sticking_limit;
+    const DirectedLimit sliding =
+        row.slides == 0 ? at_rest : branching_.sliding_limit(row.lock, branching_.speed(row.lock, vm));
+    for (const DirectedLimit& limit : {at_rest, sliding}) {
+      out.push_back(limit.positive);
+      out.push_back(limit.negative);
+    }
+  }
+}
+
+void JointRows::set_limits(double h, const double* limits, std::span<Cone> cones) {
+  const auto next = [&] {
+    const DirectedLimit out{.positive = std::max(0.0, limits[0]), .negative = std::max(0.0, limits[1])};
+    limits += 2;
+    return out;
+  };
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    Row& row = rows_[i];
+    if (row.side != 0) continue;
+    row.at_rest = next();
+    row.sliding = next();
+    set_friction_of(row, h, cones[i]);
+  }
+}
+
+// What has stopped at a bound is in contact with it. At rest, a limit pushes, and what pulls is friction.
+void JointRows::remember(double h, const double* v1, const double* x, std::span<const Cone> cones,
+                         std::vector<LockForces>& out) const {
+  std::ranges::fill(out, LockForces{});
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    const Row& row = rows_[i];
+    const double force = x[cones[i].first] / h;
+    const double speed = branching_.speed(row.lock, v1);
+    const bool rests = std::abs(speed) <= rest_speed;
+    LockForces& at = out[static_cast<std::size_t>(row.lock)];
+    if (row.side == 0) {
+      at.friction = force;
+      at.motion = rests ? 0 : speed > 0 ? 1 : -1;
+    } else {
+      at.limit += force;
+      if (rests && (force != 0 || row.depth >= -touch_tolerance)) at.contact = row.side;
+    }
+  }
+  share(out);
+}
+
+// The laws of a coordinate at rest may hold it against each other: what a bound can exert of their sum it exerts, and
+// what none can is friction.
+void JointRows::share(std::vector<LockForces>& out) const {
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    LockForces& at = out[i];
+    LockForces* const clutch = beside_[i] < 0 ? nullptr : &out[static_cast<std::size_t>(beside_[i])];
+    const bool is_held = at.contact != 0 || (clutch != nullptr && clutch->contact != 0);
+    if (!is_held || (clutch == nullptr && branching_.lock(static_cast<int>(i)).friction < 0)) continue;
+    const double sum = at.friction + at.limit + (clutch == nullptr ? 0 : clutch->limit);
+    at.limit = at.contact * sum < 0 ? sum : 0;
+    const bool by_clutch = clutch != nullptr && at.limit == 0 && clutch->contact * sum < 0;
+    if (clutch != nullptr) clutch->limit = by_clutch ? sum : 0;
+    at.friction = by_clutch ? 0 : sum - at.limit;
+  }
+}
+
+}  // namespace gelenk

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Dry friction, limits and one-way clutches of joints in a step of TimeStepper: a row of velocities for each friction
+// and each bound that may be reached, and the impulses that their laws permit.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "complementarity/cone.h"
+#include "dynamics/branching.h"
+
+namespace gelenk {
+
+class JointRows {
+ public:
+  // nv: number of velocities.
+  JointRows(Branching& branching, int nv);
+
+  struct Row {
+    int lock = 0;
+    int side = 0;  // of a limit; 0: friction
+    double depth = 0;
+    bool is_of_speed = false;  // of a one-way clutch, which bounds no position
+    int slides = 0;            // friction in motion, in this direction
+    bool turns_back = false;   // it moves in the other direction at the end of the step
+    DirectedLimit at_rest, sliding;
+  };
+  // What a step of length h begins with: velocities, accelerations without impulses, forces of the last step by lock.
+  struct Start {
+    double h = 0;
+    const double* v = nullptr;
+    const double* vdot = nullptr;
+    const std::vector<LockForces>& last;
+  };
+
+  std::size_t count() const { return rows_.size(); }
+  const Row& operator[](std::size_t i) const { return rows_[i]; }
+  void reserve(std::size_t rows) { rows_.reserve(rows); }
+  void clear() { rows_.clear(); }
+  // Add rows, and their cones.
+  void add(const Start& at, ContactRows& rows, std::vector<Cone>& cones);
+  // Of limits that the velocities v1 at the end of the step lead beyond, although those at its start did not reach
+  // them, as where an impact drives a joint to its limit: without impulses, the position ends at the limit, with the
+  // speed with which the next step strikes it.
+  void add_passed_limits(double h, const double* v1, ContactRows& rows, std::vector<Cone>& cones);
+
+  // Friction of what slides, at the mean velocities vm of the last solution, with v1 at its end and the impulses x;
+  // returns whether it has changed. cones: of these rows.
+  bool set_sliding_friction(double h, const double* v1, const double* vm, const double* x, std::span<Cone> cones);
+  // Whether the friction of any of them depends on loads.
+  bool have_loads() const;
+  // The limits of friction as they are set; and with the loads of the last solve(), at the mean velocities vm.
+  void read_limits(std::vector<double>& out) const;
+  void find_limits(const double* vm, std::vector<double>& out) const;
+  void set_limits(double h, const double* limits, std::span<Cone> cones);
+
+  // out: by lock, the mean forces over the step with the impulses x, and the modes at its end, with velocities v1.
+  void remember(double h, const double* v1, const double* x, std::span<const Cone> cones,
+                std::vector<LockForces>& out) const;
+
+ private:
+  static void set_friction_of(const Row& row, double h, Cone& cone);
+
+  void share(std::vector<LockForces>& out) const;
+
+  Branching& branching_;
+  std::vector<int> beside_;  // by lock: another one of the same coordinate, that of a one-way clutch; -1: there is none
+  std::vector<Row> rows_;
+};
+
+}  // namespace gelenk

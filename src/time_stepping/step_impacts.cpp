@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Impacts within steps of TimeStepper: the laws of restitution, for all that is struck together.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "kinematics/loads.h"
+#include "time_stepping/step_limits.h"
+#include "time_stepping/time_stepper.h"
+
+namespace gelenk {
+namespace {
+
+// What is struck within this part of a step after another is struck together with it: far more than the errors of the
+// positions of bodies that arrive at the same instant.
+constexpr double together = 0.01;
+// The energy that an impact may gain by what is left of the velocities, relative to what it exchanges.
+constexpr double energy_rounding = 1e-9;
+// What approaches faster than gravity makes it in this number of steps strikes; what is slower is pressed.
+constexpr double steps_of_fall = 4;
+// Of the part of the restitution that adds no energy.
+constexpr int most_bisections = 20;
+// Velocities that solutions miss, relative to the largest, beyond which there are none.
+constexpr double impossible_fraction = 1e-3;
+
+}  // namespace
+
+double TimeStepper::restitution(std::size_t cone) const {
+  if (cone < points_.size()) return loads_.contacts[static_cast<std::size_t>(points_[cone].contact)].restitution;
+  const JointRows::Row& row = joints_[cone - points_.size()];
+  return row.side == 0 ? 0 : dynamics_.branching().lock(row.lock).restitution;
+}
+
+bool TimeStepper::is_poisson(std::size_t cone) const {
+  return cone >= points_.size() && dynamics_.branching().lock(joints_[cone - points_.size()].lock).poisson;
+}
+
+// The speed at which the gap of a cone closes at the start of the step; 0: it does not.
+double TimeStepper::approach(std::size_t cone) const {
+  return std::max(-gap_of(cone).sign * speeds_[static_cast<std::size_t>(cones_[cone].first)], 0.0);
+}
+
+// Where something with restitution or friction strikes within the step, all that is struck in it is struck at once. If
+// it were only braked so that it closes its gap at the end of the step, and stopped in the next one, friction would act
+// on two parts of the impulse, which is not the same as on the whole one, and depends on when in the step it strikes.
+void TimeStepper::find_strikes(double h) {
+  strikes_.assign(cones_.size(), 0);
+  strikes_any_ = has_compression_ = false;
+  const auto reaches = [&](std::size_t i, double time) {
+    return gap_of(i).sign != 0 && gap_of(i).gap - time * approach(i) <= touch_tolerance;
+  };
+  const double fall = steps_of_fall * h * loads_.gravity.norm();
+  for (std::size_t i = 0; i < cones_.size() && !strikes_any_; ++i) {
+    const double least = restitution(i) > 0 ? rest_speed : std::max(rest_speed, fall);
+    const bool strikes = restitution(i) > 0 || cones_[i].size() > 1;
+    strikes_any_ = strikes && approach(i) > least && reaches(i, h / 2);
+  }
+  if (!strikes_any_) return;
+  bool any_poisson = false;
+  for (std::size_t i = 0; i < cones_.size(); ++i) {
+    strikes_[i] = reaches(i, (0.5 + together) * h) ? 1 : 0;
+    any_poisson = any_poisson || (strikes_[i] != 0 && restitution(i) > 0 && is_poisson(i) && approach(i) > rest_speed);
+  }
+  if (any_poisson) find_compression();
+}
+
+// Adds to b_ what limits demand.
+void TimeStepper::set_joint_velocities(double h, double part) {
+  for (std::size_t i = 0; i < joints_.count(); ++i) {
+    const JointRows::Row& row = joints_[i];
+    if (row.side == 0) continue;
+    const std::size_t cone = points_.size() + i;
+    const auto r = static_cast<std::size_t>(cones_[cone].first);
+    if (strikes_[cone] != 0) {
+      if (!is_poisson(cone)) b_[r] += row.side * part * restitution(cone) * approach(cone);
+    } else if (-row.depth > touch_tolerance) {
+      b_[r] += row.side * 2 * row.depth / h;
+    }
+  }
+}
+
+// Whether it was struck without restitution and does not leave, at the speeds free_speeds_ after the step.
+bool TimeStepper::remains_struck(std::size_t cone) const {
+  const auto r = static_cast<std::size_t>(cones_[cone].first);
+  return strikes_[cone] != 0 && restitution(cone) == 0 && x_[r] != 0 && std::abs(free_speeds_[r]) <= rest_speed;
+}
+
+// The impulses that end all approaches, without those of other forces; friction of joints exerts none.
+void TimeStepper::find_compression() {
+  has_compression_ = true;
+  correction_cones_.clear();
+  for (std::size_t i = 0; i < cones_.size(); ++i) {
+    if (strikes_[i] != 0) {
+      correction_cones_.push_back(cones_[i]);
+      continue;
+    }
+    for (int k = 0; k < cones_[i].size(); ++k) correction_cones_.push_back(Cone::within(cones_[i].first + k, 0, 0));
+  }
+  for (std::size_t r = 0; r < b_.size(); ++r) b_[r] = speeds_[r] + belts_[r];
+  free_speeds_ = b_;
+  std::ranges::fill(compression_, 0.0);
+  solve(correction_cones_, compression_);
+}
+
+// least_ <- the impulses of Poisson's law, which others may exceed; part: of the restitution.
+void TimeStepper::set_least_impulses(double part) {
+  std::ranges::fill(least_, 0.0);
+  for (std::size_t i = points_.size(); i < cones_.size(); ++i) {
+    if (strikes_[i] == 0 || !is_poisson(i)) continue;
+    const auto r = static_cast<std::size_t>(cones_[i].first);
+    least_[r] = (1 + part * restitution(i)) * compression_[r];
+  }
+}
+
+// That the impulses of contacts and limits add, between the velocities before and after them.
+double TimeStepper::gained_energy() {
+  rows_.apply(x_.data(), after_.data());
+  double gained = 0, exchanged = 0;
+  for (std::size_t i = 0; i < cones_.size(); ++i) {
+    if (i >= points_.size() && joints_[i - points_.size()].side == 0) continue;
+    for (int k = 0; k < cones_[i].size(); ++k) {
+      const std::size_t r = static_cast<std::size_t>(cones_[i].first) + static_cast<std::size_t>(k);
+      const double before = speeds_[r] + belts_[r];
+      const double after = free_speeds_[r] + after_[r];
+      gained += x_[r] * (before + after) / 2;
+      exchanged += std::abs(x_[r]) * (std::abs(before) + std::abs(after));
+    }
+  }
+  return gained > energy_rounding * exchanged ? gained : 0;
+}
+
+// Whether no impulses obey the laws of restitution, as where a limit throws a joint back that a one-way clutch permits
+// no motion back.
+bool TimeStepper::is_impossible() const {
+  bool any_clutch = false;
+  for (std::size_t i = 0; i < joints_.count(); ++i) any_clutch = any_clutch || joints_[i].is_of_speed;
+  return any_clutch && last_residual_ > impossible_fraction * velocity_tolerance() / cone_tolerance_;
+}
+
+// Where the laws would add energy, as where unlike restitutions are struck together, restitution is reduced; where they
+// exclude each other, impacts are inelastic.
+void TimeStepper::reduce_restitution(double h) {
+  double low = 0, high = 1;
+  if (is_impossible()) {
+    std::ranges::fill(x_, 0.0);
+    high = 0;
+  } else if (gained_energy() <= 0) {
+    return;
+  }
+  for (int k = 0; k < most_bisections && high > 0; ++k) {
+    const double middle = (low + high) / 2;
+    set_velocities(h, middle);
+    solve_impulses();
+    (gained_energy() <= 0 ? low : high) = middle;
+  }
+  set_velocities(h, low);
+  solve_impulses();
+}
+
+}  // namespace gelenk

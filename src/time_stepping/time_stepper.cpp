@@ -1,0 +1,396 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "time_stepping/time_stepper.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "kinematics/loads.h"
+#include "math/bounds.h"
+#include "time_stepping/step_limits.h"
+
+namespace gelenk {
+namespace {
+
+// Penetration that is removed within a step, relative to the smaller shape: the displacement is linear in the
+// coordinates.
+constexpr double max_correction = 0.1;
+// Rows up to which the Delassus operator is a matrix: larger ones cost more than they save. Sparse methods, which
+// bodies without loops permit, are as fast with a hundred rows, but their factors ask for memory in every step.
+constexpr int max_dense_rows = 400;
+constexpr int max_dense_rows_with_root = 200;
+// Of each row, relative to that of the bodies; and part of the size of impulses below which others are smaller.
+constexpr double compliance = 1e-4;
+constexpr double less = 1 - 1e-6;
+// Rows for which memory is taken at the start: some MB.
+constexpr std::size_t max_reserved_rows = 200;
+
+}  // namespace
+
+// The Delassus operator of the present rows: a matrix if they are few.
+class TimeStepper::Operator final : public ConeOperator {
+ public:
+  explicit Operator(const ContactRows& rows) : rows_(rows) {}
+
+  void reserve(std::size_t rows) {
+    numbers_.reserve(rows * rows);
+    unit_.reserve(rows);
+  }
+
+  // Call when the rows have changed.
+  void update() {
+    const int n = rows_.count();
+    is_dense_ = n <= (root().first.empty() ? max_dense_rows : max_dense_rows_with_root);
+    if (!is_dense_) return;
+    numbers_.resize(static_cast<std::size_t>(n) * static_cast<std::size_t>(n));
+    unit_.assign(static_cast<std::size_t>(n), 0.0);
+    for (int j = 0; j < n; ++j) {
+      unit_[static_cast<std::size_t>(j)] = 1;
+      rows_.apply(unit_.data(), numbers_.data() + static_cast<std::ptrdiff_t>(n) * j);
+      unit_[static_cast<std::size_t>(j)] = 0;
+    }
+    Eigen::Map<Eigen::MatrixXd> G(numbers_.data(), n, n);
+    for (int j = 0; j < n; ++j) {
+      for (int i = 0; i < j; ++i) G(i, j) = G(j, i) = (G(i, j) + G(j, i)) / 2;
+    }
+  }
+  // Adds this part of it to the diagonal of the matrix, until update().
+  void soften(double part) {
+    Eigen::Map<Eigen::MatrixXd> G(numbers_.data(), size(), size());
+    G.diagonal() *= 1 + part;
+  }
+  // Of impulses: the sum of the energies that each row alone would exchange.
+  double size_of(const std::vector<double>& x) const {
+    double sum = 0;
+    for (int i = 0; i < size(); ++i)
+      sum += matrix()(i, i) * x[static_cast<std::size_t>(i)] * x[static_cast<std::size_t>(i)];
+    return sum;
+  }
+  int size() const override { return rows_.count(); }
+  void apply(const double* x, double* y) const override {
+    if (!is_dense_) return rows_.apply(x, y);
+    const int n = size();
+    Eigen::Map<Eigen::VectorXd>(y, n).noalias() = matrix() * Eigen::Map<const Eigen::VectorXd>(x, n);
+  }
+  void diagonal_block(const Cone& cone, double* out) const override {
+    const int n = cone.size();
+    if (!is_dense_) return rows_.block(cone.first, n, out);
+    for (int i = 0; i < n; ++i) {
+      for (int j = 0; j < n; ++j) out[i * n + j] = matrix()(cone.first + i, cone.first + j);
+    }
+  }
+  const double* dense() const override { return is_dense_ ? numbers_.data() : nullptr; }
+  ConeRoot root() const override {
+    const WhitenedRows rows = rows_.whitened();
+    return {rows.columns, rows.first, rows.column, rows.value};
+  }
+
+ private:
+  Eigen::Map<const Eigen::MatrixXd> matrix() const { return {numbers_.data(), size(), size()}; }
+
+  const ContactRows& rows_;
+  bool is_dense_ = false;
+  std::vector<double> numbers_;  // of the matrix: they keep their memory when its size changes
+  std::vector<double> unit_;
+};
+
+TimeStepper::TimeStepper(const Mechanism& mechanism, Dynamics& dynamics, const Loads& loads, double cone_tolerance)
+    : mechanism_(mechanism),
+      dynamics_(dynamics),
+      loads_(loads),
+      cone_tolerance_(cone_tolerance),
+      rows_(dynamics.branching().contact_rows()),
+      finder_(mechanism, loads.contacts.size()),
+      rotation_(mechanism),
+      joints_(dynamics.branching(), mechanism.nv),
+      operator_(std::make_unique<Operator>(rows_)),
+      solver_(make_cone_solver(cone_solver_kinds().front().name)),
+      v0_(static_cast<std::size_t>(mechanism.nv)),
+      v1_(v0_.size()),
+      vm_(v0_.size()),
+      vdot_(v0_.size()),
+      vdot_before_(v0_.size()),
+      dq_(v0_.size()),
+      starts_(most_halvings + 1, std::vector<double>(static_cast<std::size_t>(mechanism.nq) + v0_.size())) {
+  state_.locks.resize(static_cast<std::size_t>(dynamics.branching().locks()));
+  state_.wrenches.resize(mechanism.links.size());
+  state_.along.resize(v0_.size());
+  state_.sums.resize(loads.contacts.size());
+  kept_ = second_ = state_;
+  reserve();
+}
+
+// Allocates what all contacts at once need if they are few; later growth is geometric.
+void TimeStepper::reserve() {
+  std::size_t points = 0;
+  std::size_t rows = 3 * static_cast<std::size_t>(dynamics_.branching().locks());  // friction and two bounds
+  finder_.each_pair([&](int contact) {
+    const ContactLaw& law = loads_.contacts[static_cast<std::size_t>(contact)];
+    const int size = Cone::contact(0, law.static_friction, law.spinning, law.rolling).size();
+    points += max_contact_points;
+    rows += max_contact_points * static_cast<std::size_t>(size);
+    return rows < max_reserved_rows;
+  });
+  if (rows == 0) return;
+  rows = std::min(rows, max_reserved_rows);
+  points = std::min(points, max_reserved_rows);
+  finder_.reserve(points);
+  points_.reserve(points);
+  frames_.reserve(points);
+  turning_.reserve(points);
+  opens_.reserve(points);
+  for (auto* of : {&state_.contacts, &kept_.contacts, &second_.contacts, &last_contacts_}) of->reserve(points);
+  cones_.reserve(rows);
+  correction_cones_.reserve(rows);
+  joints_.reserve(rows);
+  strikes_.reserve(rows);
+  for (std::vector<double>* of : {&b_, &x_, &speeds_, &free_speeds_, &belts_, &compression_, &least_, &after_,
+                                  &displacing_, &correction_b_, &correction_, &relieved_})
+    of->reserve(rows);
+  correction_rows_.reserve(rows);
+  normal_operator_.reserve(rows);
+  rows_.reserve(static_cast<int>(rows));
+  operator_->reserve(rows);
+  // The solver keeps the memory of the largest problem.
+  const auto n = static_cast<Eigen::Index>(rows);
+  const Eigen::MatrixXd G = Eigen::MatrixXd::Identity(n, n);
+  b_.assign(rows, 0.0);
+  x_.assign(rows, 0.0);
+  cones_.clear();
+  for (int i = 0; i < static_cast<int>(rows); ++i) cones_.push_back(Cone::within(i, 0, 0));
+  const DenseConeOperator identity(G);
+  solver_->solve({identity, b_, cones_, false}, {}, x_.data());
+  cones_.clear();
+}
+
+TimeStepper::~TimeStepper() = default;
+
+// The rows of all points and locks that may be reached within the step.
+void TimeStepper::collect(double h) {
+  rows_.clear();
+  cones_.clear();
+  joints_.clear();
+  frames_.clear();
+  points_.clear();
+  if (!mechanism_.shapes.empty())
+    points_ = finder_.find(dynamics_.readings(), h, h * loads_.gravity.norm(), 2 * touch_tolerance);
+  turning_.assign(points_.size(), Turning::no);
+  opens_.assign(points_.size(), 0.0);
+  for (const TouchPoint& point : points_) add_contact(point);
+  joints_.add({h, v0_.data(), vdot_.data(), state_.locks}, rows_, cones_);
+  for (std::vector<double>* of : all_by_row()) of->assign(static_cast<std::size_t>(rows_.count()), 0.0);
+  strikes_.clear();
+  if (cones_.empty()) return;
+  operator_->update();
+  rows_.speeds(v0_.data(), speeds_.data());
+  set_belts();
+  set_friction();
+  guess(h);
+  find_strikes(h);
+}
+
+// Of limits that the velocities at the end of the step, v1_, lead beyond (JointRows).
+void TimeStepper::add_passed_limits(double h) {
+  const std::size_t before = cones_.size();
+  joints_.add_passed_limits(h, v1_.data(), rows_, cones_);
+  if (cones_.size() == before) return;
+  for (std::vector<double>* of : all_by_row()) of->resize(static_cast<std::size_t>(rows_.count()), 0.0);
+  strikes_.resize(cones_.size(), 0);
+  operator_->update();
+}
+
+void TimeStepper::add_contact(const TouchPoint& point) {
+  const ContactLaw& law = loads_.contacts[static_cast<std::size_t>(point.contact)];
+  const Cone cone = Cone::contact(rows_.count(), law.static_friction, law.spinning, law.rolling);
+  const Eigen::Matrix3d axes = contact_axes(point.normal);
+  const int a = mechanism_.shapes[static_cast<std::size_t>(point.a)].link;
+  const int b = mechanism_.shapes[static_cast<std::size_t>(point.b)].link;
+  rotation_.touch(a);
+  rotation_.touch(b);
+  rows_.add(a, b, point.p, axes.col(0), false);
+  for (int i = 0; i < cone.tangential; ++i) rows_.add(a, b, point.p, axes.col(1 + i), false);
+  if (cone.spin > 0) rows_.add(a, b, point.p, axes.col(0), true);
+  for (int i = 0; i < cone.roll; ++i) rows_.add(a, b, point.p, axes.col(1 + i), true);
+  frames_.push_back(axes);
+  cones_.push_back(cone);
+}
+
+void TimeStepper::set_belts() {
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    const ContactLaw& law = loads_.contacts[static_cast<std::size_t>(points_[i].contact)];
+    if (law.belt_velocity.isZero(0)) continue;
+    const Eigen::Vector3d belt = finder_.pose(points_[i].b).R * law.belt_velocity;
+    const auto first = static_cast<std::size_t>(cones_[i].first) + 1;
+    for (int k = 0; k < cones_[i].tangential; ++k)
+      belts_[first + static_cast<std::size_t>(k)] = frames_[i].col(1 + k).dot(belt);
+  }
+}
+
+// b_ <- the velocities without impulses, plus those that the laws demand; part: of the restitution. What is reached
+// closes its gap at the end of the step. What persists on curved surfaces is apart in the middle of each step, where it
+// touches at its ends: by a quarter of what curvature opens in a step. It is given the velocity that leads from its
+// present gap to that one; if each gap were closed at the end of its step, every other one would be closed twice, and
+// forces would alternate.
+void TimeStepper::set_velocities(double h, double part) {
+  rows_.speeds(v1_.data(), free_speeds_.data());
+  for (std::size_t r = 0; r < b_.size(); ++r) b_[r] = free_speeds_[r] += belts_[r];
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    const auto r = static_cast<std::size_t>(cones_[i].first);
+    if (strikes_[i] != 0) {
+      b_[r] -= part * restitution(i) * approach(i);
+    } else if (opens_[i] > 0) {
+      constexpr double at_ends = 0.75;
+      b_[r] += std::max(0.0, points_[i].gap + at_ends * opens_[i]) / h;
+    } else if (points_[i].gap > touch_tolerance) {
+      b_[r] += 2 * points_[i].gap / h;
+    }
+  }
+  set_joint_velocities(h, part);
+  if (!has_compression_) return;
+  set_least_impulses(part);
+  operator_->apply(least_.data(), after_.data());
+  for (std::size_t r = 0; r < b_.size(); ++r) b_[r] += after_[r];
+}
+
+// x_ <- the impulses of the last step.
+void TimeStepper::guess(double h) {
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    const RememberedContact* before = state_.find(points_[i]);
+    if (before == nullptr) continue;
+    opens_[i] = opening(points_[i].gap, *before, h);
+    const Cone& cone = cones_[i];
+    double* x = x_.data() + cone.first;
+    *x++ = h * frames_[i].col(0).dot(before->force);
+    for (int k = 0; k < cone.tangential; ++k) *x++ = h * frames_[i].col(1 + k).dot(before->force);
+    if (cone.spin > 0) *x++ = h * frames_[i].col(0).dot(before->moment);
+    for (int k = 0; k < cone.roll; ++k) *x++ = h * frames_[i].col(1 + k).dot(before->moment);
+  }
+  for (std::size_t i = 0; i < joints_.count(); ++i) {
+    const Cone& cone = cones_[points_.size() + i];
+    const LockForces& last = state_.locks[static_cast<std::size_t>(joints_[i].lock)];
+    const double force = joints_[i].side == 0 ? last.friction : last.limit;
+    x_[static_cast<std::size_t>(cone.first)] = std::clamp(h * force, cone.lower, cone.upper);
+  }
+}
+
+// Residual of velocities that a solution may leave.
+double TimeStepper::velocity_tolerance() const {
+  double fastest = residual_floor;
+  for (const double speed : speeds_) fastest = std::max(fastest, std::abs(speed));
+  for (const double speed : free_speeds_) fastest = std::max(fastest, std::abs(speed));
+  return cone_tolerance_ * fastest;
+}
+
+void TimeStepper::solve_impulses() {
+  if (has_compression_) {
+    for (std::size_t r = 0; r < x_.size(); ++r) x_[r] -= least_[r];
+  }
+  solve(cones_, x_);
+  if (may_be_prestressed()) relieve();
+  if (has_compression_) {
+    for (std::size_t r = 0; r < x_.size(); ++r) x_[r] += least_[r];
+  }
+}
+
+// x <- the impulses in these cones, for the velocities b_.
+void TimeStepper::solve(const std::vector<Cone>& cones, std::vector<double>& x) {
+  if (recorded_ != nullptr) recorded_->emplace_back(ConeProblem{*operator_, b_, cones, true});
+  const ConeResult result = solve_for(cones, x);
+  last_residual_ = result.residual;
+  solved_.residual = std::max(solved_.residual, result.residual);
+  solved_.iterations = std::max(solved_.iterations, result.iterations);
+}
+
+ConeResult TimeStepper::solve_for(const std::vector<Cone>& cones, std::vector<double>& x) {
+  ConeOptions options;
+  options.tolerance = velocity_tolerance();
+  options.max_iterations = most_cone_iterations;
+  return solver_->solve({*operator_, b_, cones, true}, options, x.data());
+}
+
+// Whether a limit or a one-way clutch and a point with friction push, and one of them has not in the last step. They
+// may push against each other; the friction of such a prestress could hold what would slide without it.
+bool TimeStepper::may_be_prestressed() const {
+  if (operator_->dense() == nullptr) return false;
+  bool any_limit = false, any_point = false, any_new = strikes_any_;
+  for (std::size_t i = 0; i < cones_.size(); ++i) {
+    const Cone& cone = cones_[i];
+    if (x_[static_cast<std::size_t>(cone.first)] == 0) continue;
+    if (i < points_.size()) {
+      any_point = any_point || cone.size() > 1;
+      any_new = any_new || state_.find(points_[i]) == nullptr;
+    } else if (const JointRows::Row& row = joints_[i - points_.size()]; row.side != 0) {
+      any_limit = true;
+      any_new = any_new || state_.locks[static_cast<std::size_t>(row.lock)].limit == 0;
+    }
+  }
+  return any_limit && any_point && any_new;
+}
+
+// Rigid bodies permit any prestress: x_ <- the impulses that are found from those of slightly compliant ones, which
+// have none, if they are smaller.
+void TimeStepper::relieve() {
+  relieved_.assign(x_.size(), 0.0);
+  operator_->soften(compliance);
+  solve_for(cones_, relieved_);
+  operator_->update();
+  const ConeResult result = solve_for(cones_, relieved_);
+  if (!result.converged || operator_->size_of(relieved_) > less * operator_->size_of(x_)) return;
+  x_.swap(relieved_);
+  solved_.iterations = std::max(solved_.iterations, result.iterations);
+}
+
+// The gap that the first row of a cone changes: of a point or, with the sign of its rate, of a limit; friction has
+// none.
+TimeStepper::Gap TimeStepper::gap_of(std::size_t cone) const {
+  if (cone < points_.size()) return {points_[cone].gap, 1};
+  const JointRows::Row& lock = joints_[cone - points_.size()];
+  return {-lock.depth, lock.is_of_speed ? 0 : -lock.side};
+}
+
+// Penetration that is removed within a step [m, rad].
+double TimeStepper::most_corrected(std::size_t cone) const {
+  if (cone >= points_.size()) return unlimited;
+  const auto size = [&](int shape) { return size_of(*mechanism_.shapes[static_cast<std::size_t>(shape)].is); };
+  return max_correction * std::min(size(points_[cone].a), size(points_[cone].b));
+}
+
+// Adds to dq the smallest displacement that ends all penetrations that remain at the end of the step, and all gaps of
+// what has been struck without restitution.
+void TimeStepper::correct_position(double h, double* dq) {
+  if (cones_.empty()) return;
+  rows_.speeds(v1_.data(), free_speeds_.data());
+  correction_cones_.clear();
+  correction_rows_.clear();
+  correction_b_.clear();
+  bool any = false;
+  for (std::size_t i = 0; i < cones_.size(); ++i) {
+    const int first = cones_[i].first;
+    const Gap at = gap_of(i);
+    if (at.sign == 0) continue;
+    const double opens = i < points_.size() ? opens_[i] / 4 : 0;  // in the second half of the step
+    const double end = at.gap + at.sign * h / 2 * free_speeds_[static_cast<std::size_t>(first)] + opens;
+    const double gap = std::max(end, -most_corrected(i));
+    const bool closes = gap > touch_tolerance && remains_struck(i);
+    any = any || closes || gap < -touch_tolerance;
+    correction_b_.push_back(at.sign * gap);
+    correction_cones_.push_back(Cone::within(static_cast<int>(correction_rows_.size()),
+                                             at.sign < 0 || closes ? -unlimited : 0,
+                                             at.sign > 0 || closes ? unlimited : 0));
+    correction_rows_.push_back(first);
+  }
+  if (!any) return;
+  normal_operator_.select(*operator_, correction_rows_);
+  correction_.assign(correction_rows_.size(), 0.0);
+  ConeOptions options;
+  options.tolerance = std::max(touch_tolerance, h * velocity_tolerance()) / 10;
+  options.max_iterations = most_cone_iterations;
+  const ConeResult result =
+      solver_->solve({normal_operator_, correction_b_, correction_cones_, false}, options, correction_.data());
+  solved_.iterations = std::max(solved_.iterations, result.iterations);
+  std::ranges::fill(displacing_, 0.0);
+  for (std::size_t i = 0; i < correction_rows_.size(); ++i)
+    displacing_[static_cast<std::size_t>(correction_rows_[i])] = correction_[i];
+  rows_.strike(displacing_.data(), dq);
+}
+
+}  // namespace gelenk
