@@ -9,10 +9,10 @@
 #include <utility>
 #include <vector>
 
+#include "event_driven/run_counts.h"
 #include "formulation/formulation.h"
 #include "integrator/integrator.h"
 #include "kinematics/loads.h"
-#include "event_driven/run_counts.h"
 #include "outputs/outputs.h"
 #include "preparation/preparation.h"
 #include "simulation/replay.h"

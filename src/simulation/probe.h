@@ -4,10 +4,10 @@
 
 #include <vector>
 
-#include "time_stepping/recorded_problem.h"
 #include "derivatives/jacobians.h"
 #include "formulation/equations.h"
 #include "simulation/simulation.h"
+#include "time_stepping/recorded_problem.h"
 
 namespace gelenk {
 
