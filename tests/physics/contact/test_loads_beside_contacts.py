@@ -114,3 +114,19 @@ def test_belt_that_is_started_slips_below_a_box(integrator: str) -> None:
     plant.step_to(0.05 + TIME)
     assert abs(plant.output("J.v[1]")) == pytest.approx(BETWEEN * G * TIME, rel=1e-6)
     assert plant.output("top.mode") == 2
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+def test_platform_whose_speed_jumps_slips_below_a_box(integrator: str) -> None:
+    """As a belt that is started: the impact that changes its speed has no normal impulse on the box."""
+    moved = box_on_a_cart(integrator)
+    del moved["joints"]["P"]["friction"], moved["joints"]["P"]["start"], moved["motors"]
+    moved["constraints"] = {"drive": {"type": "motion", "joint": "P", "input": "speed"}}
+    plant = gelenk.Simulation(gelenk.load(moved))
+    plant.initialize(tolerance=1e-9)
+    plant.step_to(0.05)
+    plant.set_input("drive.v_ref", 1.5)
+    plant.step_to(0.05 + TIME)
+    assert plant.output("P.v") == pytest.approx(1.5, abs=1e-12)
+    assert plant.output("J.v[1]") == pytest.approx(BETWEEN * G * TIME, rel=1e-6)
+    assert plant.output("top.mode") == 2
