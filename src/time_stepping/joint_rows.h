@@ -23,7 +23,7 @@ class JointRows {
     bool is_of_speed = false;  // of a one-way clutch, which bounds no position
     int slides = 0;            // friction in motion, in this direction
     bool turns_back = false;   // it moves in the other direction at the end of the step
-    DirectedLimit at_rest, sliding;
+    DirectedLimit at_rest{}, sliding{};
   };
   // What a step of length h begins with: velocities, accelerations without impulses, forces of the last step by lock.
   struct Start {
