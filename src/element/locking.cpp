@@ -22,11 +22,6 @@ std::string_view locking_element(const JointForces& forces) {
 
 bool has_friction(const JointForces& forces) { return std::get<std::optional<JointFriction>>(forces).has_value(); }
 
-bool has_bearing(const JointForces& forces) {
-  const auto& friction = std::get<std::optional<JointFriction>>(forces);
-  return friction && friction->bearing;
-}
-
 bool is_loaded_guide(const JointForces& forces) {
   const auto& friction = std::get<std::optional<JointFriction>>(forces);
   return friction && friction->is_guide();

@@ -12,8 +12,7 @@ namespace gelenk {
 std::string_view locking_element(const JointForces& forces);
 
 bool has_friction(const JointForces& forces);
-// Whether the friction depends on the force that the joint transmits; and whether it is one across a guide.
-bool has_bearing(const JointForces& forces);
+// Whether the friction depends on the force across a guide.
 bool is_loaded_guide(const JointForces& forces);
 // Which of its joints has the friction by which a constraint loses power; -1: it loses none.
 int lossy_joint(const AnyConstraint& constraint);

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "complementarity/cone.h"
-#include "event_driven/contact_impact.h"
-#include "event_driven/joint_decision.h"
+#include "event_driven/impact_equations.h"
+#include "event_driven/lock_problem.h"
 #include "event_driven/touch_equations.h"
 
 namespace gelenk {

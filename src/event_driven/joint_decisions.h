@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "event_driven/joint_decision.h"
 #include "event_driven/lock_modes.h"
+#include "event_driven/lock_problem.h"
 
 namespace gelenk {
 

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "event_driven/contact_impact.h"
 #include "event_driven/contact_modes.h"
+#include "event_driven/impact_equations.h"
 #include "event_driven/joint_changes.h"
 #include "event_driven/joint_impacts.h"
 #include "event_driven/mode_decisions.h"
@@ -71,8 +71,8 @@ class ModeChanges {
 
   void strike(double t, double* y, const std::vector<int>& returning, const LockModes::State& before);
   bool end_series(const std::vector<JointImpacts::Struck>& joints, const double* vdot,
-                  const std::vector<double>& holding, ContactImpact& impact);
-  void record_impacts(double t, const double* y, const std::vector<int>& spots, const ContactImpact& impact,
+                  const std::vector<double>& holding, ImpactEquations& impact);
+  void record_impacts(double t, const double* y, const std::vector<int>& spots, const ImpactEquations& impact,
                       bool found);
 
   bool decide(double t, const double* y, Recording records, ModeDecisions::Asked asked = ModeDecisions::Asked::all);

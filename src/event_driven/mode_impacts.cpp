@@ -46,7 +46,7 @@ void ModeChanges::strike(double t, double* y, const std::vector<int>& returning,
     joint_impacts_.let_go();
     equations_.accelerations_at(t, y, vdot_.data());
   }
-  ContactImpact impact(touch_, dynamics_.branching(), spots, joints, v, rest);
+  ImpactEquations impact(touch_, dynamics_.branching(), spots, joints, v, rest);
   bool found = impact.law().solve(decisions_.solver());
   found = end_series(joints, at_rest.data(), holding, impact) && found;
   loads.freeze(false);
@@ -62,8 +62,8 @@ void ModeChanges::strike(double t, double* y, const std::vector<int>& returning,
   equations_.mode_changed();
 }
 
-void ModeChanges::record_impacts(double t, const double* y, const std::vector<int>& spots, const ContactImpact& impact,
-                                 bool found) {
+void ModeChanges::record_impacts(double t, const double* y, const std::vector<int>& spots,
+                                 const ImpactEquations& impact, bool found) {
   if (!found) ++counts_.ambiguous;
   if (spots.empty()) return;
   // Impulses that miss their laws by little are used; none is found at all where what touches still approaches.
@@ -90,7 +90,7 @@ void ModeChanges::record_impacts(double t, const double* y, const std::vector<in
 // a joint that others throw off so slowly stays closed: it would return, throw them off, and so on. holding: the forces
 // in vdot that keep joints at rest. Returns false if no impulses are found then.
 bool ModeChanges::end_series(const std::vector<JointImpacts::Struck>& joints, const double* vdot,
-                             const std::vector<double>& holding, ContactImpact& impact) {
+                             const std::vector<double>& holding, ImpactEquations& impact) {
   Impact& law = impact.law();
   const std::size_t contacts = law.count() - joints.size();
   bool found = true;

@@ -21,6 +21,7 @@ constexpr double largest_number = 1e120;
 
 void ImpulseSteps::use(double cone_tolerance) {
   stepper_ = std::make_unique<TimeStepper>(with_.mechanism, with_.dynamics, with_.loads, cone_tolerance);
+  applied_ = stepper_->state().wrenches;
   if (!with_.locks.empty()) with_.locks.release();
   const auto nv = static_cast<std::size_t>(with_.mechanism.nv);
   for (std::vector<double>* of : {&displacement_, &rest_, &at_rest_}) of->assign(nv, 0.0);
@@ -107,12 +108,13 @@ ImpulseSteps::AppliedForces::AppliedForces(ImpulseSteps& steps, const double* y)
     steps.with_.dynamics.set_position(y);
     StateReadings& readings = steps.with_.dynamics.readings();
     readings.set_root_poses();
-    wrenches_ = state.wrenches;
-    for (std::size_t i = 0; i < wrenches_.size(); ++i) {
-      if (!wrenches_[i].f.isZero(0)) wrenches_[i].n += readings.link_pose(static_cast<int>(i)).p.cross(wrenches_[i].f);
+    steps.applied_ = state.wrenches;  // of the same size, so that nothing is allocated
+    for (std::size_t i = 0; i < steps.applied_.size(); ++i) {
+      Spatial::Force& wrench = steps.applied_[i];
+      if (!wrench.f.isZero(0)) wrench.n += readings.link_pose(static_cast<int>(i)).p.cross(wrench.f);
     }
   }
-  rows_.apply_forces(steps.are_required() ? wrenches_.data() : nullptr, state.along.data());
+  rows_.apply_forces(steps.are_required() ? steps.applied_.data() : nullptr, state.along.data());
 }
 
 ImpulseSteps::AppliedForces::~AppliedForces() { rows_.apply_forces(nullptr, nullptr); }

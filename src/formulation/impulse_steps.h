@@ -70,7 +70,6 @@ class ImpulseSteps {
 
    private:
     ContactRows& rows_;
-    std::vector<Spatial::Force> wrenches_;  // by link, about the origin of the root frame
   };
 
  private:
@@ -79,6 +78,7 @@ class ImpulseSteps {
 
   std::unique_ptr<TimeStepper> stepper_;  // null: only modes between events
   std::vector<double> trial_;
+  std::vector<Spatial::Force> applied_;  // by link, about the origin of the root frame
   // Of the search for the fastest vibration: its mode, the last one a good guess, and workspace.
   std::vector<double> vibration_, displacement_, rest_, at_rest_, displaced_;
 };

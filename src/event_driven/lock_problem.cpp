@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "event_driven/joint_decision.h"
+#include "event_driven/lock_problem.h"
 
 #include <algorithm>
 #include <cmath>

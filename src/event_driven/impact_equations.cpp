@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "event_driven/contact_impact.h"
+#include "event_driven/impact_equations.h"
 
 #include <utility>
 
@@ -25,8 +25,8 @@ Cone cone_of(const TouchEquations::Entry& entry, const std::array<double, contac
   return cone;
 }
 
-ContactImpact::ContactImpact(TouchEquations& touch, Branching& forces, const std::vector<int>& spots,
-                             const std::vector<JointImpacts::Struck>& joints, const double* v, double slow)
+ImpactEquations::ImpactEquations(TouchEquations& touch, Branching& forces, const std::vector<int>& spots,
+                                 const std::vector<JointImpacts::Struck>& joints, const double* v, double slow)
     : forces_(forces) {
   Index contacts = 0;
   if (!spots.empty()) {
@@ -73,7 +73,7 @@ ContactImpact::ContactImpact(TouchEquations& touch, Branching& forces, const std
   law_.emplace(std::move(G), std::move(speeds), std::move(struck));
 }
 
-Struck ContactImpact::contact(const TouchEquations& touch, const TouchEquations::Entry& entry, double slow) const {
+Struck ImpactEquations::contact(const TouchEquations& touch, const TouchEquations::Entry& entry, double slow) const {
   std::array<double, contact_groups> coefficients{};
   for (int g = 0; g < contact_groups; ++g) {
     const bool slips = entry.slip[static_cast<std::size_t>(g)].norm() > slow;
@@ -82,7 +82,7 @@ Struck ContactImpact::contact(const TouchEquations& touch, const TouchEquations:
   return {.cone = cone_of(entry, coefficients)};
 }
 
-Struck ContactImpact::joint(const JointImpacts::Struck& at, Index row) const {
+Struck ImpactEquations::joint(const JointImpacts::Struck& at, Index row) const {
   const double lower = at.side > 0 || at.stops ? -unlimited : 0;
   const double upper = at.side < 0 || at.stops ? unlimited : 0;
   return {.cone = Cone::within(static_cast<int>(row), lower, upper),
@@ -91,7 +91,7 @@ Struck ContactImpact::joint(const JointImpacts::Struck& at, Index row) const {
           .poisson = at.poisson};
 }
 
-VectorXd ContactImpact::accelerations(const double* vdot) const {
+VectorXd ImpactEquations::accelerations(const double* vdot) const {
   VectorXd out(static_cast<Index>(rows_.entries.size() + locks_.size()));
   Index i = 0;
   for (const TouchEquations::Entry& entry : rows_.entries) {
@@ -102,7 +102,7 @@ VectorXd ContactImpact::accelerations(const double* vdot) const {
   return out;
 }
 
-void ContactImpact::apply(double* v) const {
+void ImpactEquations::apply(double* v) const {
   const VectorXd& x = law_->impulses();
   const Index contacts = rows_.entries.empty() ? 0 : rows_.R.rows();
   if (contacts > 0) Eigen::Map<VectorXd>(v, Z_.rows()) += Z_ * x.head(contacts);

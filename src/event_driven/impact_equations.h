@@ -14,12 +14,12 @@
 
 namespace gelenk {
 
-class ContactImpact {
+class ImpactEquations {
  public:
   // At the state of the last solve() of `dynamics`, of which v are the velocities; with contacts, nothing is kept at
   // rest in it. Contacts come first, in the order of `spots`; speeds up to `slow` are rest.
-  ContactImpact(TouchEquations& touch, Branching& forces, const std::vector<int>& spots,
-                const std::vector<JointImpacts::Struck>& joints, const double* v, double slow);
+  ImpactEquations(TouchEquations& touch, Branching& forces, const std::vector<int>& spots,
+                  const std::vector<JointImpacts::Struck>& joints, const double* v, double slow);
 
   Impact& law() { return *law_; }
   const Impact& law() const { return *law_; }
