@@ -302,6 +302,12 @@ class JointModes final : public Branching {
     });
   }
 
+  const JointLoads& along(int cut) const { return cut < 0 ? state_.loads.tree : state_.loads.cuts[cut]; }
+  typename LockedCoordinates<A>::Row row_of(int cut, int velocity) const {
+    if (cut < 0) return {{velocity, 1}};
+    return turn_of_cut(cut);
+  }
+
   // The rows of all locks; fills found_, lock_of_ and places_.
   std::vector<typename LockedCoordinates<A>::Row> find_locks() {
     std::vector<typename LockedCoordinates<A>::Row> rows;
@@ -312,16 +318,11 @@ class JointModes final : public Branching {
       using Element = std::decay_t<decltype(force.element)>;
       lock_of_.push_back(-1);
       if constexpr (Sticks<Element> || Blocks<Element>) {
-        const JointLoads& along = cut < 0 ? state_.loads.tree : state_.loads.cuts[cut];
-        const bool is_own = BoundsSpeed<Element> && along.bound_position(force.v);
+        const bool is_own = BoundsSpeed<Element> && along(cut).bound_position(force.v);
         const auto [place, is_new] = lock_at.try_emplace({cut, force.v, is_own}, locks());
         if (is_new) {
           found_.emplace_back().sign = force.sign;
-          if (cut < 0) {
-            rows.push_back({{force.v, 1}});
-          } else {
-            rows.push_back(turn_of_cut(cut));
-          }
+          rows.push_back(row_of(cut, force.v));
         }
         lock_of_.back() = place->second;
         (Sticks<Element> ? found_[place->second].friction : found_[place->second].limit) =

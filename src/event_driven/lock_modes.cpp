@@ -16,6 +16,9 @@ using Eigen::VectorXd;
 
 // Speeds up to this fraction of the largest, or of 1, are rest: the rounding of a speed that changes its sign.
 constexpr double rest_tolerance = 1e-12;
+// Of the accelerations to which rounding is relative: half of what a force that exceeds its limit by its slack causes
+// (Branching::slack).
+constexpr double noticed_fraction = 2e-11;
 // Limits that depend on loads depend on how the holding forces are distributed, which depends on the limits.
 constexpr int most_distributions = 60;
 constexpr double distribution_tolerance = 1e-13;  // change of the forces, relative to the largest
@@ -149,6 +152,14 @@ double LockModes::leaving_depth_of(int lock) const {
   if (side == 0 || forces_.lock(lock).one_way) return 0;
   const Branching::Depth at = forces_.depth(lock, side);
   return leaving_depth(at.depth, at.tolerance);
+}
+
+// Larger accelerations than this are no rounding of the last solve().
+double LockModes::noticed_acceleration(int lock) const {
+  Eigen::MatrixXd W;
+  VectorXd scale;
+  forces_.compliance({lock}, W, scale);
+  return noticed_fraction * scale[0];
 }
 
 // Whether a rebound from a bound at this speed, with this acceleration back, would be lost in rounding, or not be

@@ -90,6 +90,7 @@ class LockModes {
   int on_boundary(double t, const double* y);
   int limit_indicator(int lock, int side) const { return 2 * forces_.lock(lock).limit + (side > 0 ? 0 : 1); }
   double leaving_depth_of(int lock) const;
+  double noticed_acceleration(int lock) const;
   bool returns_to(int lock, int side, double resolution, double speed, double back) const;
   void hold();
   void enter(State next, Recording records);

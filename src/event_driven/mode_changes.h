@@ -70,8 +70,15 @@ class ModeChanges {
   bool seize(double t, double* y);
 
   void strike(double t, double* y, const std::vector<int>& returning, const LockModes::State& before);
-  bool end_series(const std::vector<JointImpacts::Struck>& joints, const double* vdot,
-                  const std::vector<double>& holding, ImpactEquations& impact);
+  // What is known before an impact: what is struck of joints, the accelerations with what is kept at rest, of what is
+  // struck away from it, too, and the forces that keep joints at rest.
+  struct BeforeImpact {
+    std::vector<JointImpacts::Struck> joints;
+    std::vector<double> vdot{}, holding{};
+    Eigen::VectorXd accelerations{};
+  };
+  bool is_lost(std::size_t i, const BeforeImpact& before, const ImpactEquations& impact) const;
+  bool end_series(const BeforeImpact& before, ImpactEquations& impact);
   void record_impacts(double t, const double* y, const std::vector<int>& spots, const ImpactEquations& impact,
                       bool found);
 

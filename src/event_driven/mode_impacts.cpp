@@ -31,12 +31,13 @@ void ModeChanges::strike(double t, double* y, const std::vector<int>& returning,
     spots.push_back(i);
     any = any || (touch_.spots().state(i).rate < -rest && !closed);
   }
-  const std::vector<JointImpacts::Struck> joints = joint_impacts_.struck(y, returning, before);
+  BeforeImpact at{.joints = joint_impacts_.struck(y, returning, before)};
+  const std::vector<JointImpacts::Struck>& joints = at.joints;
   any = any || !returning.empty() || std::ranges::any_of(joints, &JointImpacts::Struck::approaches);
   if (!any) return;
   equations_.accelerations_at(t, y, vdot_.data());
-  const std::vector<double> at_rest = vdot_;  // with what is kept at rest
-  const std::vector<double> holding = joint_impacts_.holding_forces();
+  at.vdot = vdot_;
+  at.holding = joint_impacts_.holding_forces();
   const std::vector<SpotMode> present = touch_.modes();
   const LockModes::State present_joints = joints_.state();
   LoadDependence& loads = dynamics_.branching().loads();
@@ -48,7 +49,8 @@ void ModeChanges::strike(double t, double* y, const std::vector<int>& returning,
   }
   ImpactEquations impact(touch_, dynamics_.branching(), spots, joints, v, rest);
   bool found = impact.law().solve(decisions_.solver());
-  found = end_series(joints, at_rest.data(), holding, impact) && found;
+  at.accelerations = impact.accelerations(at.vdot.data());
+  found = end_series(at, impact) && found;
   loads.freeze(false);
   if (!spots.empty()) {
     touch_.set_modes(present);
@@ -86,31 +88,36 @@ void ModeChanges::record_impacts(double t, const double* y, const std::vector<in
   }
 }
 
-// What would rebound so little that it is lost in rounding, with the accelerations vdot, has no restitution; a bound of
-// a joint that others throw off so slowly stays closed: it would return, throw them off, and so on. holding: the forces
-// in vdot that keep joints at rest. Returns false if no impulses are found then.
-bool ModeChanges::end_series(const std::vector<JointImpacts::Struck>& joints, const double* vdot,
-                             const std::vector<double>& holding, ImpactEquations& impact) {
+// Whether a rebound is lost in rounding, with the accelerations of `before`, by number.
+bool ModeChanges::is_lost(std::size_t i, const BeforeImpact& before, const ImpactEquations& impact) const {
+  const Impact& law = impact.law();
+  const std::size_t contacts = law.count() - before.joints.size();
+  const double rebound = law.rebound(i);
+  if (!(rebound > 0)) return false;
+  if (i < contacts)
+    return law.restitution(i) != 0 && is_lost_contact(rebound, -before.accelerations[static_cast<Index>(i)]);
+  return !law.is_held(i) && joint_impacts_.is_lost(before.joints[i - contacts], rebound, before.vdot.data(),
+                                                   before.holding, law.mobility(i));
+}
+
+// What would rebound so little that it is lost in rounding has no restitution; a bound of a joint that others throw off
+// so slowly stays closed: it would return, throw them off, and so on. Returns false if no impulses are found then.
+bool ModeChanges::end_series(const BeforeImpact& before, ImpactEquations& impact) {
   Impact& law = impact.law();
-  const std::size_t contacts = law.count() - joints.size();
+  const std::size_t contacts = law.count() - before.joints.size();
   bool found = true;
   for (bool closed = true; closed;) {
     closed = false;
-    const VectorXd falls = impact.accelerations(vdot);
     for (std::size_t i = 0; i < law.count(); ++i) {
-      const double rebound = law.rebound(i);
-      if (!(rebound > 0)) continue;
-      if (i < contacts) {
-        if (law.restitution(i) == 0 || !is_lost_contact(rebound, -falls[static_cast<Index>(i)])) continue;
-        law.set_inelastic(i);
-        counts_.closed_series += law.approach(i) < 0 ? 1 : 0;
-      } else {
-        const JointImpacts::Struck& at = joints[i - contacts];
-        if (law.is_held(i) || !joint_impacts_.is_lost(at, rebound, vdot, holding, law.mobility(i))) continue;
-        law.restitution(i) == 0 ? law.hold(i) : law.set_inelastic(i);
-        joint_impacts_.count_closed_series(at);
-      }
+      if (!is_lost(i, before, impact)) continue;
       closed = true;
+      const bool is_joint = i >= contacts;
+      is_joint&& law.restitution(i) == 0 ? law.hold(i) : law.set_inelastic(i);
+      if (is_joint) {
+        joint_impacts_.count_closed_series(before.joints[i - contacts]);
+      } else if (law.approach(i) < 0) {
+        ++counts_.closed_series;
+      }
     }
     if (closed) found = law.solve(decisions_.solver());
   }

@@ -26,7 +26,7 @@ void TimeStepper::apply_mean_forces(double h, const double* u) {
   load_x_ = x_;
   for (std::size_t i = 0; i < cones_.size(); ++i) {
     if (strikes_[i] == 0) continue;
-    for (int k = 0; k < cones_[i].size(); ++k) load_x_[static_cast<std::size_t>(cones_[i].first + k)] = 0;
+    std::fill_n(load_x_.begin() + cones_[i].first, cones_[i].size(), 0.0);
   }
   rows_.add_generalized(static_cast<int>(x_.size()) - static_cast<int>(joints_.count()), load_x_.data(), 1 / h,
                         load_along_.data());

@@ -103,8 +103,8 @@ class TimeStepper final : public ContactReadings {
   void respond_to_smooth_forces(double h);
   bool settle_loads(double h, const double* u);
   void apply_mean_forces(double h, const double* u);
-  Spatial::Force force_at(std::size_t point, double h) const;
-  void add_wrench(std::size_t point, double h, std::vector<Spatial::Force>& out) const;
+  Spatial::Force force_at(std::size_t i, double h) const;
+  void add_wrench(std::size_t i, double h, std::vector<Spatial::Force>& out) const;
   void collect(double h);
   void add_contact(const TouchPoint& point);
   void add_passed_limits(double h);
