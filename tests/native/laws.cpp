@@ -31,7 +31,7 @@ class OneCoordinate final : public Branching {
   bool needs_accelerations() const override { never(); }
   void hold(const int*) override { never(); }
   std::span<double> inputs() override { never(); }
-  double sliding_limit(int, double) const override { never(); }
+  gelenk::DirectedLimit sliding_limit(int, double) const override { never(); }
   gelenk::LoadDependence& loads() override { never(); }
   gelenk::ContactRows& contact_rows() override { never(); }
   gelenk::HoldingForces& holding_forces() override { never(); }
