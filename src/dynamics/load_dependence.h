@@ -32,4 +32,16 @@ class LoadDependence {
   virtual int affected_by(const double* multipliers) = 0;
 };
 
+// Keeps friction as it was at the last solve() during its lifetime.
+class FrozenLoads {
+ public:
+  explicit FrozenLoads(LoadDependence& loads) : loads_(loads) { loads_.freeze(true); }
+  ~FrozenLoads() { loads_.freeze(false); }
+  FrozenLoads(const FrozenLoads&) = delete;
+  FrozenLoads& operator=(const FrozenLoads&) = delete;
+
+ private:
+  LoadDependence& loads_;
+};
+
 }  // namespace gelenk

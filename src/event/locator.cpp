@@ -13,9 +13,6 @@ namespace {
 constexpr double resolution_fraction = 5e-14;
 // Resolution of times near t [s].
 double rounding(double t) { return 4 * std::numeric_limits<double>::epsilon() * std::abs(t); }
-// An indicator this close to zero is zero: the rounding of coordinates and velocities of order 1 [natural units]. What
-// crosses zero slowly passes it so soon that its sign would be that of rounding.
-constexpr double indicator_rounding = 4 * std::numeric_limits<double>::epsilon();
 // A step by the rate of an indicator is trusted where the one before has left this part of its value.
 constexpr double newton_progress = 0.1;
 // Limit on repeated steps; bisection alone needs 44.

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -10,6 +11,10 @@
 #include "event/event_source.h"
 
 namespace gelenk {
+
+// An indicator this close to zero is zero: the rounding of coordinates and velocities of order 1 [natural units]. What
+// crosses zero slowly passes it so soon that its sign would be that of rounding.
+inline constexpr double indicator_rounding = 4 * std::numeric_limits<double>::epsilon();
 
 class StepCourse {
  public:

@@ -43,7 +43,7 @@ double ContactModes::slow(const double* v) const {
 void ContactModes::go_to(const double* y) {
   dynamics_.set_position(y);
   dynamics_.set_velocity(y + mechanism_.nq);
-  touch_.spots().read_motion(dynamics_);
+  if (any()) touch_.spots().read_motion(dynamics_);
 }
 
 void ContactModes::begin_step(const double* y) {

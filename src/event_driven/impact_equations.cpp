@@ -34,10 +34,7 @@ ImpactEquations::ImpactEquations(TouchEquations& touch, Branching& forces, const
     touch.respond(rows_.R, Z_);
     contacts = rows_.R.rows();
   }
-  for (const JointImpacts::Struck& at : joints) {
-    locks_.push_back(at.lock);
-    signs_.push_back(at.side > 0 ? -1 : 1);
-  }
+  for (const JointImpacts::Struck& at : joints) locks_.push_back(at.lock);
   const auto bounds = static_cast<Index>(joints.size());
   MatrixXd G(contacts + bounds, contacts + bounds);
   VectorXd speeds(G.rows());
@@ -54,14 +51,11 @@ ImpactEquations::ImpactEquations(TouchEquations& touch, Branching& forces, const
     const JointImpacts::Struck& at = joints[static_cast<std::size_t>(i)];
     const Index row = contacts + i;
     speeds[row] = forces.speed(at.lock, v);
-    if (contacts == 0) continue;
-    // What constraint equations determine moves by no impulse; else it would, by rounding.
-    if (W(i, i) > 0) {
-      G.row(row).head(contacts) = at.row.transpose() * Z_;
-    } else {
-      G.row(row).head(contacts).setZero();
+    for (Index k = 0; k < contacts; ++k) {
+      const VectorXd response = Z_.col(k);
+      // What constraint equations determine moves by no impulse; else it would, by rounding.
+      G(row, k) = G(k, row) = W(i, i) > 0 ? forces.speed(at.lock, response.data()) : 0;
     }
-    G.col(row).head(contacts) = G.row(row).head(contacts).transpose();
   }
   std::vector<Struck> struck;
   for (const TouchEquations::Entry& entry : rows_.entries) struck.push_back(contact(touch, entry, slow));
@@ -98,7 +92,10 @@ VectorXd ImpactEquations::accelerations(const double* vdot) const {
     const Eigen::Map<const VectorXd> a(vdot, rows_.R.cols());
     out[i++] = rows_.R.row(entry.first).dot(a) + rows_.rates[entry.first];
   }
-  for (std::size_t k = 0; k < locks_.size(); ++k) out[i++] = signs_[k] * forces_.speed(locks_[k], vdot);
+  for (const int lock : locks_) {
+    out[i] = law_->sign(static_cast<std::size_t>(i)) * forces_.speed(lock, vdot);
+    ++i;
+  }
   return out;
 }
 

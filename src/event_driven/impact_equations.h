@@ -36,7 +36,6 @@ class ImpactEquations {
   TouchEquations::Rows rows_;    // of contacts
   TouchEquations::RowMatrix Z_;  // their effect on velocities
   std::vector<int> locks_;
-  std::vector<double> signs_;  // by lock: of the motion away from its bound
   std::optional<Impact> law_;
 };
 

@@ -37,11 +37,8 @@ bool JointChanges::find_events_at_start(double t, const double* y) {
     evaluated = true;
     const double acceleration = forces_.speed(i, modes_.vdot_.data());
     LockModes::Trigger& trigger = modes_.triggered_[static_cast<std::size_t>(i)];
-    const bool turns = lock.friction >= 0 && modes_.modes_.motions[i] * acceleration < 0;
-    const bool is_blocked = lock.one_way && modes_.touched_side(i) * acceleration > 0;
-    // What something else holds, as a contact, is accelerated by rounding alone.
-    if ((!turns && !is_blocked) || std::abs(acceleration) <= modes_.noticed_acceleration(i)) continue;
-    trigger = is_blocked ? LockModes::by_limit : LockModes::by_friction;
+    if (lock.friction >= 0 && modes_.modes_.motions[i] * acceleration < 0) trigger = LockModes::by_friction;
+    if (lock.one_way && modes_.touched_side(i) * acceleration > 0) trigger = LockModes::by_limit;
   }
   modes_.dynamics_.set_position(y);
   forget_rebounds(y);

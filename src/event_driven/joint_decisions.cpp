@@ -7,13 +7,22 @@
 #include "kinematics/branches.h"
 
 namespace gelenk {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+// Of the accelerations to which rounding is relative: half of what a force that exceeds its limit by its slack causes
+// (Branching::slack).
+constexpr double noticed_fraction = 2e-11;
+
+}  // namespace
 
 void JointDecisions::add(int lock) {
   const Branching::Lock of = forces_.lock(lock);
   const auto at = static_cast<std::size_t>(lock);
   LockProblem::Lock& out = problem_.locks.emplace_back();
   out.lock = lock;
-  out.row = modes_.rows_[at];
   out.sticking = of.sticking_limit;
   out.slipping = of.slipping_limit;
   out.contact = next_.contacts[at];
@@ -77,9 +86,20 @@ bool JointDecisions::add_returning(const double* y, const double* vdot) {
   return true;
 }
 
+void JointDecisions::add_rows() {
+  for (LockProblem::Lock& at : problem_.locks) at.row = modes_.row(at.lock);
+}
+
 // With the factors of the last solve(), at the same position.
 void JointDecisions::find_noticed_accelerations() {
-  for (LockProblem::Lock& at : problem_.locks) at.noticed = modes_.noticed_acceleration(at.lock);
+  if (problem_.locks.empty()) return;
+  std::vector<int> locks;
+  for (const LockProblem::Lock& at : problem_.locks) locks.push_back(at.lock);
+  Eigen::MatrixXd W;
+  VectorXd scale;
+  forces_.compliance(locks, W, scale);
+  for (std::size_t i = 0; i < locks.size(); ++i)
+    problem_.locks[i].noticed = noticed_fraction * scale[static_cast<Index>(i)];
 }
 
 // What begins to move, or remains at rest.

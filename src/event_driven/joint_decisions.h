@@ -22,6 +22,8 @@ class JointDecisions {
   // with the accelerations vdot; returns whether there are any, for which accelerations have changed.
   bool add_returning(const double* y, const double* vdot);
   LockProblem& problem() { return problem_; }
+  // Adds the rows of the problem, which decisions with contacts need.
+  void add_rows();
   // Enters the modes that the answers mean, for a while.
   void try_answers();
   // The forces in these modes, of the last solve() with the effect of contacts.

@@ -30,8 +30,7 @@ std::vector<JointImpacts::Struck> JointImpacts::struck(const double* y, const st
                    .restitution = returns ? 0 : lock.restitution,
                    .poisson = lock.poisson,
                    .stops = returns,
-                   .approaches = approaches || (returns && side != 0 && before.contacts[i] == 0),
-                   .row = modes_.rows_[static_cast<std::size_t>(i)]});
+                   .approaches = approaches || (returns && side != 0 && before.contacts[i] == 0)});
   }
   return out;
 }

@@ -2,7 +2,6 @@
 // What friction and limits of joints contribute to an impact, at the position of `dynamics`.
 #pragma once
 
-#include <Eigen/Core>
 #include <vector>
 
 #include "event_driven/lock_modes.h"
@@ -21,7 +20,6 @@ class JointImpacts {
     bool poisson = false;    // Poisson's law instead of Newton's
     bool stops = false;      // it does not leave, since it would return at once
     bool approaches = false;
-    Eigen::VectorXd row;  // of the speed of its coordinate, by velocity
   };
   // The limits that are touched, and what stops as well (JointChanges::find_returning); y: before the impact; before:
   // the modes before all that happens at this instant.

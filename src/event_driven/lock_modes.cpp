@@ -16,9 +16,6 @@ using Eigen::VectorXd;
 
 // Speeds up to this fraction of the largest, or of 1, are rest: the rounding of a speed that changes its sign.
 constexpr double rest_tolerance = 1e-12;
-// Of the accelerations to which rounding is relative: half of what a force that exceeds its limit by its slack causes
-// (Branching::slack).
-constexpr double noticed_fraction = 2e-11;
 // Limits that depend on loads depend on how the holding forces are distributed, which depends on the limits.
 constexpr int most_distributions = 60;
 constexpr double distribution_tolerance = 1e-13;  // change of the forces, relative to the largest
@@ -48,15 +45,6 @@ LockModes::LockModes(ModeEquations& equations, Dynamics& dynamics, int nq, int n
     any_friction_ = any_friction_ || lock.friction >= 0 || lock.one_way;
     for (const int force : {lock.friction, lock.limit}) {
       if (force >= 0) lock_of_[static_cast<std::size_t>(force)] = i;
-    }
-  }
-  VectorXd unit = VectorXd::Zero(nv);
-  for (int i = 0; i < count(); ++i) {
-    VectorXd& row = rows_.emplace_back(nv);
-    for (Index k = 0; k < nv; ++k) {
-      unit[k] = 1;
-      row[k] = forces_.speed(i, unit.data());
-      unit[k] = 0;
     }
   }
   if (!empty()) release();
@@ -147,19 +135,23 @@ bool LockModes::exceed(const std::vector<double>& holding) const {
   return false;
 }
 
+// Of the speed of its coordinate, by velocity.
+VectorXd LockModes::row(int lock) const {
+  VectorXd unit = VectorXd::Zero(nv_);
+  VectorXd out(nv_);
+  for (Index k = 0; k < nv_; ++k) {
+    unit[k] = 1;
+    out[k] = forces_.speed(lock, unit.data());
+    unit[k] = 0;
+  }
+  return out;
+}
+
 double LockModes::leaving_depth_of(int lock) const {
   const int side = touched_side(lock);
   if (side == 0 || forces_.lock(lock).one_way) return 0;
   const Branching::Depth at = forces_.depth(lock, side);
   return leaving_depth(at.depth, at.tolerance);
-}
-
-// Larger accelerations than this are no rounding of the last solve().
-double LockModes::noticed_acceleration(int lock) const {
-  Eigen::MatrixXd W;
-  VectorXd scale;
-  forces_.compliance({lock}, W, scale);
-  return noticed_fraction * scale[0];
 }
 
 // Whether a rebound from a bound at this speed, with this acceleration back, would be lost in rounding, or not be

@@ -89,8 +89,8 @@ class LockModes {
   bool exceed(const std::vector<double>& holding) const;
   int on_boundary(double t, const double* y);
   int limit_indicator(int lock, int side) const { return 2 * forces_.lock(lock).limit + (side > 0 ? 0 : 1); }
+  Eigen::VectorXd row(int lock) const;
   double leaving_depth_of(int lock) const;
-  double noticed_acceleration(int lock) const;
   bool returns_to(int lock, int side, double resolution, double speed, double back) const;
   void hold();
   void enter(State next, Recording records);
@@ -105,8 +105,7 @@ class LockModes {
   int nq_, nv_;
   EventLog& log_;
   std::vector<int>& sides_;
-  std::vector<int> lock_of_;           // by force with modes; -1: none
-  std::vector<Eigen::VectorXd> rows_;  // by lock: of the speed of its coordinate, by velocity
+  std::vector<int> lock_of_;  // by force with modes; -1: none
   State modes_;
   std::vector<Trigger> triggered_;  // by lock: which indicator has changed its sign
   std::vector<double> holding_, vdot_;

@@ -14,7 +14,7 @@ namespace gelenk {
 struct LockProblem {
   struct Lock {
     int lock = 0;
-    Eigen::VectorXd row;               // of the speed of its coordinate, by velocity
+    Eigen::VectorXd row;               // of the speed of its coordinate, by velocity; for decisions with contacts
     DirectedLimit sticking, slipping;  // limits of friction
     int contact = 0;                   // 1, -1: with the upper, the lower bound
     bool triggered = false;            // what keeps it at rest has reached its limit

@@ -7,14 +7,11 @@
 #include "kinematics/loads.h"
 
 namespace gelenk {
-
-using Eigen::Index;
-using Eigen::VectorXd;
-
 namespace {
 
 // Of what is let go and comes to rest again at the same instant.
 constexpr int most_returns = 20;
+
 }  // namespace
 
 ModeChanges::ModeChanges(const Context& context)

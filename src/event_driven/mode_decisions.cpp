@@ -84,7 +84,6 @@ ModeDecisions::Modes ModeDecisions::find_with_loads(double t, const double* y, A
   const Modes before{modes_.state(), touch_.modes()};
   dynamics_.set_position(y);
   Modes next{joints_.all_at_rest(t, y), before.contacts};
-  LoadDependence& loads = dynamics_.branching().loads();
   std::vector<double> known;
   for (int round = 0; round < most_decisions; ++round) {
     joints_.forget_doubts();
@@ -95,9 +94,10 @@ ModeDecisions::Modes ModeDecisions::find_with_loads(double t, const double* y, A
     set_joints(before.joints);
     touch_.set_modes(before.contacts);
     const Modes decided = std::move(next);
-    loads.freeze(true);
-    next = find(t, y, asked, triggered);
-    loads.freeze(false);
+    {
+      const FrozenLoads frozen(dynamics_.branching().loads());
+      next = find(t, y, asked, triggered);
+    }
     double change = known.empty() ? INFINITY : 0, largest = 0;
     for (std::size_t i = 0; i < known.size(); ++i) change = std::max(change, std::abs(now[i] - known[i]));
     for (const double limit : now) largest = std::max(largest, limit);
@@ -157,8 +157,9 @@ void ModeDecisions::find_contact_modes(double t, const double* y, const std::vec
   outcome_ = decision_.decide(spots, triggered, vdot_.data(), next, joints_.problem());
 }
 
-// Of the problem of joints.
+// Completes the problem of joints for a decision with contacts.
 void ModeDecisions::set_accelerations(double t, const double* y) {
+  joints_.add_rows();
   joints_.problem().accelerate = [this, t, y](double* vdot) {
     dynamics_.set_position(y);
     joints_.try_answers();
@@ -171,8 +172,7 @@ bool ModeDecisions::hold_by_others(double t, const double* y) {
   const std::vector<SpotMode> present = touch_.modes();
   const LockModes::State present_joints = modes_.state();
   const std::vector<int> spots(touch_.closed().begin(), touch_.closed().end());
-  LoadDependence& loads = dynamics_.branching().loads();
-  loads.freeze(true);
+  const FrozenLoads frozen(dynamics_.branching().loads());
   touch_.set_modes(std::vector<SpotMode>(present.size()));
   joints_.begin_check();
   equations_.accelerations_at(t, y, vdot_.data());
@@ -180,7 +180,6 @@ bool ModeDecisions::hold_by_others(double t, const double* y) {
   set_accelerations(t, y);
   const auto outcome =
       decision_.decide(spots, std::vector<Trigger>(present.size()), vdot_.data(), next, joints_.problem());
-  loads.freeze(false);
   touch_.set_modes(present);
   set_joints(present_joints);
   bool holds = outcome == ContactDecision::Outcome::found;

@@ -22,7 +22,7 @@ constexpr double approaching_fraction = 1e-3;
 void ModeChanges::strike(double t, double* y, const std::vector<int>& returning, const LockModes::State& before) {
   double* const v = y + mechanism_.nq;
   const double rest = contacts_.slow(v);
-  contacts_.any() ? contacts_.go_to(y) : dynamics_.set_position(y);
+  contacts_.go_to(y);
   std::vector<int> spots;
   bool any = false;
   for (int i = 0; i < touch_.spots().count(); ++i) {
@@ -40,8 +40,7 @@ void ModeChanges::strike(double t, double* y, const std::vector<int>& returning,
   at.holding = joint_impacts_.holding_forces();
   const std::vector<SpotMode> present = touch_.modes();
   const LockModes::State present_joints = joints_.state();
-  LoadDependence& loads = dynamics_.branching().loads();
-  loads.freeze(true);  // friction of joints exerts no impulses
+  const FrozenLoads frozen(dynamics_.branching().loads());  // friction of joints exerts no impulses
   if (!spots.empty()) {
     touch_.set_modes(std::vector<SpotMode>(present.size()));
     joint_impacts_.let_go();
@@ -51,7 +50,6 @@ void ModeChanges::strike(double t, double* y, const std::vector<int>& returning,
   bool found = impact.law().solve(decisions_.solver());
   at.accelerations = impact.accelerations(at.vdot.data());
   found = end_series(at, impact) && found;
-  loads.freeze(false);
   if (!spots.empty()) {
     touch_.set_modes(present);
     joints_.set_state(present_joints);
@@ -111,12 +109,15 @@ bool ModeChanges::end_series(const BeforeImpact& before, ImpactEquations& impact
     for (std::size_t i = 0; i < law.count(); ++i) {
       if (!is_lost(i, before, impact)) continue;
       closed = true;
-      const bool is_joint = i >= contacts;
-      is_joint&& law.restitution(i) == 0 ? law.hold(i) : law.set_inelastic(i);
-      if (is_joint) {
+      if (i < contacts) {
+        counts_.closed_series += law.approach(i) < 0 ? 1 : 0;
+      } else {
         joint_impacts_.count_closed_series(before.joints[i - contacts]);
-      } else if (law.approach(i) < 0) {
-        ++counts_.closed_series;
+      }
+      if (i >= contacts && law.restitution(i) == 0) {
+        law.hold(i);
+      } else {
+        law.set_inelastic(i);
       }
     }
     if (closed) found = law.solve(decisions_.solver());

@@ -35,7 +35,7 @@ void ImpulseSteps::start(double t, double h, const double* y) {
   trial_.assign(y, y + with_.mechanism.nq + with_.mechanism.nv);
   stepper_->forget();
   step(t, h, trial_.data());
-  stepper_->keep_forces_alone();
+  stepper_->forget_motion();
 }
 
 bool ImpulseSteps::step(double t, double h, double* y) {

@@ -28,6 +28,7 @@ class Impact {
   Impact(Eigen::MatrixXd G, Eigen::VectorXd speeds, std::vector<Struck> struck);
 
   std::size_t count() const { return struck_.size(); }
+  double sign(std::size_t i) const { return struck_[i].sign; }
   double restitution(std::size_t i) const { return struck_[i].restitution; }
   void set_inelastic(std::size_t i) { struck_[i].restitution = 0; }
   // Makes what is struck stop: it neither approaches nor leaves.

@@ -162,18 +162,19 @@ TimeStepper::Forces TimeStepper::update_forces(double h, const double* u, double
 
 // v1_ <- the velocities at the end of the step, with the accelerations vdot_ of smooth forces.
 bool TimeStepper::respond(double h, const double* u) {
-  respond_to_smooth_forces(h);
-  if (!all_finite(v1_)) return false;
-  return !joints_.have_loads() || settle_loads(h, u);
+  return respond_to_smooth_forces(h) && (!joints_.have_loads() || settle_loads(h, u));
 }
 
-void TimeStepper::respond_to_smooth_forces(double h) {
+// The same with the present limits of friction. Returns false where smooth forces are not finite.
+bool TimeStepper::respond_to_smooth_forces(double h) {
   for (std::size_t k = 0; k < v1_.size(); ++k) v1_[k] = v0_[k] + h * vdot_[k];
-  if (cones_.empty() || !all_finite(v1_)) return;
+  if (!all_finite(v1_)) return false;
+  if (cones_.empty()) return true;
   set_velocities(h, 1);
   solve_impulses();
   if (strikes_any_) reduce_restitution(h);
   rows_.strike(x_.data(), v1_.data());
+  return true;
 }
 
 }  // namespace gelenk

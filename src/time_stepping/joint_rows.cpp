@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 
 #include "contact_geometry/contact_finder.h"
 #include "math/bounds.h"
@@ -17,23 +18,28 @@ constexpr double at_bound = 1 - 1e-6;
 // step, 2e-6 where a prescribed motion of 1.5 Hz is followed in steps of 1 ms.
 constexpr double negligible_part = 3e-5;
 
+// Limits as numbers, in the order in which set_limits() reads them.
+void append(std::initializer_list<DirectedLimit> limits, std::vector<double>& out) {
+  for (const DirectedLimit& limit : limits) out.insert(out.end(), {limit.positive, limit.negative});
+}
+
 }  // namespace
 
 JointRows::JointRows(Branching& branching, int nv)
     : branching_(branching), beside_(static_cast<std::size_t>(branching.locks()), -1) {
-  std::vector<std::vector<double>> coordinates(beside_.size());
   std::vector<double> unit(static_cast<std::size_t>(nv));
-  for (int i = 0; i < branching.locks(); ++i) {
-    for (double& v : unit) {
+  const auto are_same = [&](int a, int b) {
+    return std::ranges::all_of(unit, [&](double& v) {
       v = 1;
-      coordinates[static_cast<std::size_t>(i)].push_back(branching.speed(i, unit.data()));
+      const bool same = branching.speed(a, unit.data()) == branching.speed(b, unit.data());
       v = 0;
-    }
-  }
-  for (std::size_t i = 0; i < beside_.size(); ++i) {
-    if (!branching.lock(static_cast<int>(i)).one_way) continue;
-    for (std::size_t k = 0; k < beside_.size(); ++k) {
-      if (k != i && coordinates[k] == coordinates[i]) beside_[k] = static_cast<int>(i);
+      return same;
+    });
+  };
+  for (int clutch = 0; clutch < branching.locks(); ++clutch) {
+    if (!branching.lock(clutch).one_way) continue;
+    for (int i = 0; i < branching.locks(); ++i) {
+      if (i != clutch && are_same(i, clutch)) beside_[static_cast<std::size_t>(i)] = clutch;
     }
   }
 }
@@ -116,11 +122,7 @@ bool JointRows::have_loads() const {
 void JointRows::read_limits(std::vector<double>& out) const {
   out.clear();
   for (const Row& row : rows_) {
-    if (row.side != 0) continue;
-    for (const DirectedLimit& limit : {row.at_rest, row.sliding}) {
-      out.push_back(limit.positive);
-      out.push_back(limit.negative);
-    }
+    if (row.side == 0) append({row.at_rest, row.sliding}, out);
   }
 }
 
@@ -131,10 +133,7 @@ void JointRows::find_limits(const double* vm, std::vector<double>& out) const {
     const DirectedLimit at_rest = branching_.lock(row.lock).sticking_limit;
     const DirectedLimit sliding =
         row.slides == 0 ? at_rest : branching_.sliding_limit(row.lock, branching_.speed(row.lock, vm));
-    for (const DirectedLimit& limit : {at_rest, sliding}) {
-      out.push_back(limit.positive);
-      out.push_back(limit.negative);
-    }
+    append({at_rest, sliding}, out);
   }
 }
 

@@ -70,13 +70,12 @@ Spatial::Force TimeStepper::force_at(std::size_t i, double h) const {
   return out;
 }
 
-// Adds it to `out`, by link, about the origin of the root frame.
-void TimeStepper::add_wrench(std::size_t i, double h, std::vector<Spatial::Force>& out) const {
-  const TouchPoint& point = points_[i];
-  const Spatial::Force at = force_at(i, h);
-  const Spatial::Force on_b{at.n + point.p.cross(at.f), at.f};
-  out[static_cast<std::size_t>(mechanism_.shapes[static_cast<std::size_t>(point.b)].link)] += on_b;
-  out[static_cast<std::size_t>(mechanism_.shapes[static_cast<std::size_t>(point.a)].link)] -= on_b;
+// Adds such a force to `out`, by link, about the origin of the root frame.
+void TimeStepper::add_wrench(const TouchPoint& point, const Spatial::Force& on_b,
+                             std::vector<Spatial::Force>& out) const {
+  const Spatial::Force wrench{on_b.n + point.p.cross(on_b.f), on_b.f};
+  out[static_cast<std::size_t>(mechanism_.shapes[static_cast<std::size_t>(point.b)].link)] += wrench;
+  out[static_cast<std::size_t>(mechanism_.shapes[static_cast<std::size_t>(point.a)].link)] -= wrench;
 }
 
 void TimeStepper::remember(double h) {
@@ -96,12 +95,13 @@ void TimeStepper::remember(double h) {
     contact.a = point.a;
     contact.b = point.b;
     contact.feature = point.feature;
-    contact.force = force_at(i, h).f;
-    contact.moment = force_at(i, h).n;
+    const Spatial::Force on_b = force_at(i, h);
+    contact.force = on_b.f;
+    contact.moment = on_b.n;
     contact.gap = point.gap;
     contact.gap_rate = free_speeds_[static_cast<std::size_t>(cone.first)];
     contact.slides = cone.tangential == 0 || slip(i, free_speeds_).norm() > slow;
-    add_wrench(i, h, state_.wrenches);
+    add_wrench(point, on_b, state_.wrenches);
     ContactSum& sum = state_.sums[static_cast<std::size_t>(point.contact)];
     sum.force -= mechanism_.X_W0.R * contact.force;
     sum.mode = std::max(sum.mode, contact.slides ? 2 : 1);
@@ -126,7 +126,7 @@ void TimeStepper::remember(double h) {
 void TimeStepper::forget() {
   state_.contacts.clear();
   std::ranges::fill(state_.locks, LockForces{});
-  keep_forces_alone();
+  forget_motion();
 }
 
 std::vector<ContactForce> TimeStepper::forces() {

@@ -34,7 +34,7 @@ void TimeStepper::apply_mean_forces(double h, const double* u) {
   if (has_shapes) {
     std::ranges::fill(load_wrenches_, Spatial::Force{});
     for (std::size_t i = 0; i < points_.size(); ++i) {
-      if (strikes_[i] == 0) add_wrench(i, h, load_wrenches_);
+      if (strikes_[i] == 0) add_wrench(points_[i], force_at(i, h), load_wrenches_);
     }
   }
   rows_.apply_forces(has_shapes ? load_wrenches_.data() : nullptr, load_along_.data());
@@ -65,8 +65,7 @@ bool TimeStepper::settle_loads(double h, const double* u) {
     const AndersonAcceleration::Vector& next = loads_iteration_.next(now, found);
     std::copy_n(next.data(), limits_.size(), limits_.begin());
     joints_.set_limits(h, limits_.data(), joint_cones());
-    respond_to_smooth_forces(h);
-    if (!std::ranges::all_of(v1_, [](double v) { return std::isfinite(v); })) break;
+    if (!respond_to_smooth_forces(h)) break;
   }
   failure_ = undetermined_loads;
   return false;

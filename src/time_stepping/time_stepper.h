@@ -44,7 +44,7 @@ class TimeStepper final : public ContactReadings {
 
   // Forgets all impulses; or how points have moved in the last step, which was a trial.
   void forget();
-  void keep_forces_alone() { state_.step = 0; }
+  void forget_motion() { state_.step = 0; }
   // The forces of the last step, means over it.
   const ContactState& state() const { return state_; }
   // The accelerations by all other forces at the mean velocity of the last step.
@@ -100,11 +100,11 @@ class TimeStepper final : public ContactReadings {
   enum class Forces { as_before, changed, too_fast };
   Forces update_forces(double h, const double* u, double most_turned);
   bool respond(double h, const double* u);
-  void respond_to_smooth_forces(double h);
+  bool respond_to_smooth_forces(double h);
   bool settle_loads(double h, const double* u);
   void apply_mean_forces(double h, const double* u);
   Spatial::Force force_at(std::size_t i, double h) const;
-  void add_wrench(std::size_t i, double h, std::vector<Spatial::Force>& out) const;
+  void add_wrench(const TouchPoint& point, const Spatial::Force& on_b, std::vector<Spatial::Force>& out) const;
   void collect(double h);
   void add_contact(const TouchPoint& point);
   void add_passed_limits(double h);

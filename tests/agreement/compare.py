@@ -120,7 +120,7 @@ class Comparison:
             out.append(
                 Finding(self.seed, "refused", f"at point {len(self.base.values)}: {self.base.refusal}")
             )
-        elif self.base.seconds > 2.0:  # a run that is refused may have used up its evaluations
+        if self.base.seconds > 2.0:
             out.append(Finding(self.seed, "slow", f"{self.base.seconds:.1f} s of CPU"))
         out += [Finding(self.seed, "laws", words) for words in laws_broken(self.trial, self.base)[:1]]
         if self.base.said:

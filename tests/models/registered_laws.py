@@ -3,12 +3,16 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
-from gelenk._core import elements
+from gelenk._core import elements, scene_schema
 
 KINDS: dict[str, list[dict[str, Any]]] = elements.kinds()
+INTEGRATORS: list[str] = json.loads(scene_schema())["properties"]["solver"]["properties"]["integrator"][
+    "enum"
+]
 Path = tuple[str, ...]  # of a field: group, name; of a word or an element: this, too
 Setting = tuple[Path, Any]
 

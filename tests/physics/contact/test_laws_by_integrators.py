@@ -3,15 +3,14 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 
 import pytest
 import warned
 from models import contact_law_cases, joint_law_cases, laws_that_meet
 from models.both_schemes import STEPS, Case, Outputs, deviations, located, run
+from models.registered_laws import INTEGRATORS
 
-from gelenk import _core
 from gelenk.chart.methods import FIXED_STEP
 
 ALL: dict[str, Callable[[], Case]] = {
@@ -38,7 +37,6 @@ CASES = (
     "unlike restitutions of two feet",
     "limit at 0.05 m struck through a contact, 0.6 and 0.5",
 )
-INTEGRATORS = json.loads(_core.scene_schema())["properties"]["solver"]["properties"]["integrator"]["enum"]
 ADAPTIVE = set(INTEGRATORS) - FIXED_STEP - {"auto", "moreau-jean"}
 TOLERANCE = 1e-8
 # Orders of those with fixed steps, and bounds of their errors in the coarse ones, which are largest at stops:

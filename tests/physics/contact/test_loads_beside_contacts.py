@@ -3,15 +3,14 @@
 
 from __future__ import annotations
 
-import json
 from typing import Any
 
 import pytest
+from models.laws_that_meet import ALONG, guided
+from models.registered_laws import INTEGRATORS
 
 import gelenk
-from gelenk import _core
 
-INTEGRATORS = json.loads(_core.scene_schema())["properties"]["solver"]["properties"]["integrator"]["enum"]
 G = 9.81  # m/s2
 CART, BOX = 2.0, 1.0  # kg
 BETWEEN, GUIDE, AT_REST = 0.4, 0.2, 0.25  # coefficients of friction
@@ -20,37 +19,20 @@ TIME, STEP = 0.2, 1e-3  # s
 
 def box_on_a_cart(integrator: str, gravity: float = G) -> dict[str, Any]:
     """A cart in a guide, with friction in proportion to its load; a box stands on it."""
-    bearing = {"coefficient": GUIDE, "static": AT_REST}
+    guide = {"coulomb": 0.0, "bearing": {"coefficient": GUIDE, "static": AT_REST}}
+    top = {"box": [4, 1, 0.2], "surface": "steel"}
+    hull = {"box": [0.2, 0.2, 0.2], "surface": "wood"}
+    start = {"r": [0, 0, 0.2], "fixed": True}
     return {
         "gelenk": 1,
         "gravity": [0, 0, -gravity],
         "bodies": {
-            "cart": {
-                "mass": CART,
-                "inertia": [1, 1, 1],
-                "shapes": {"top": {"box": [4, 1, 0.2], "surface": "steel"}},
-            },
-            "box": {
-                "mass": BOX,
-                "inertia": [0.1, 0.1, 0.1],
-                "shapes": {"hull": {"box": [0.2, 0.2, 0.2], "surface": "wood"}},
-            },
+            "cart": {"mass": CART, "inertia": [1, 1, 1], "shapes": {"top": top}},
+            "box": {"mass": BOX, "inertia": [0.1, 0.1, 0.1], "shapes": {"hull": hull}},
         },
         "joints": {
-            "P": {
-                "type": "prismatic",
-                "parent": "ground",
-                "child": "cart",
-                "axis": [1, 0, 0],
-                "start": {"s": 0.0, "v": 0.0, "fixed": True},
-                "friction": {"coulomb": 0.0, "bearing": bearing},
-            },
-            "J": {
-                "type": "free",
-                "parent": "ground",
-                "child": "box",
-                "start": {"r": [0, 0, 0.2], "fixed": True},
-            },
+            "P": guided("cart", ALONG, start={"v": 0.0}, friction=guide),
+            "J": {"type": "free", "parent": "ground", "child": "box", "start": start},
         },
         "contacts": {"top": {"between": ["steel", "wood"], "friction": BETWEEN}},
         "motors": {"push": {"joint": "P"}},
