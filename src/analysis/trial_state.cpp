@@ -124,12 +124,10 @@ void TrialStates::hold(const TrialState& at) {
   if (locks() == 0) return;
   for (int i = 0; i < locks(); ++i) {
     const Branching::Lock lock = forces().lock(i);
-    if (lock.friction >= 0) {
-      int& side = sides_[static_cast<std::size_t>(lock.friction)];
-      side = friction_holds_ ? at.slips[i] : branch_released;
-      if (!rests(i, at)) side = forces().speed(i, at.v.data()) > 0 ? 1 : -1;
-      if (!(lock.sticking_limit.largest() > 0)) side = branch_released;
-    }
+    int side = friction_holds_ ? at.slips[i] : branch_released;
+    if (!rests(i, at)) side = forces().speed(i, at.v.data()) > 0 ? 1 : -1;
+    if (!(lock.sticking_limit.largest() > 0)) side = branch_released;
+    for (const int law : forces().frictions(i)) sides_[static_cast<std::size_t>(law)] = side;
     if (lock.limit >= 0) sides_[static_cast<std::size_t>(lock.limit)] = at.contacts[i];
   }
   forces().hold(sides_.data());

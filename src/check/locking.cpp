@@ -22,7 +22,7 @@ void check_mesh(const Scene& scene, const Constraint& c, Faults& faults) {
   if (lossy < 0) return;
   const Joint* joint = joint_named(scene, c.joints[static_cast<std::size_t>(lossy)]);
   if (joint == nullptr) return;  // reported already
-  if (std::ranges::any_of(joint->along, has_friction, &Stored<JointForces>::value)) return;
+  if (std::ranges::any_of(joint->along, takes_loads, &Stored<JointForces>::value)) return;
   faults.add("constraints." + text::printable(c.name) + ".efficiency",
              "a joint " + text::quoted(joint->name) + " without friction",
              path_of(*joint) + ".friction, to which the losses of the mesh are added (coulomb: 0 for these alone)");

@@ -115,7 +115,7 @@ class ResidualEvaluatorOf final : public WithReadings<A, ResidualEvaluator<typen
     std::ranges::fill(this->loaded_friction_, T(0));
     int index = 0;
     const auto add = [&](const auto& force, const T* q, const T* v) {
-      if constexpr (Sticks<std::decay_t<decltype(force.element)>>) {
+      if constexpr (TakesLoads<std::decay_t<decltype(force.element)>>) {
         const int side = sides_ == nullptr ? force.side(q, v) : sides_[index];
         for (const FrictionLoad& load : friction_loads_) {
           if (load.force != index || (side != 1 && side != -1)) continue;

@@ -19,6 +19,13 @@ namespace gelenk {
 struct DirectedLimit {
   double positive = 0, negative = 0;
   bool vanishes = false;  // under any load: without friction, or an open clutch or brake
+
+  DirectedLimit& operator+=(const DirectedLimit& other) {
+    positive += other.positive;
+    negative += other.negative;
+    vanishes = vanishes && other.vanishes;
+    return *this;
+  }
   double against(int direction) const { return direction > 0 ? positive : negative; }
   double largest() const { return std::max(positive, negative); }
 };
@@ -52,7 +59,7 @@ class Branching {
 
   // --- coordinates with friction or a limit, by lock: values have the user's signs ---
   struct Lock {
-    int friction = -1, limit = -1;  // indices in all forces with modes; -1: it has none
+    int friction = -1, limit = -1;  // indices in all forces with modes, the first of friction; -1: it has none
     double sign = 1;                // user's speed = sign times the mechanism's
     // See element/joint_forces/coordinate_force.h; 0 without friction, without a limit.
     DirectedLimit sticking_limit, slipping_limit;
@@ -62,6 +69,11 @@ class Branching {
   };
   virtual int locks() const = 0;
   virtual Lock lock(int lock) const = 0;
+  // The laws of its friction, which add up and share one mode: indices in all forces with modes.
+  virtual std::span<const int> frictions(int lock) const = 0;
+  // The part of the friction of its coordinate that one of them exerts: at rest, where they exert it in proportion to
+  // their limits, or in motion in this direction at the present speed.
+  virtual double part_of_friction(int friction, int motion) const = 0;
   // The friction in motion at this speed, in the user's sign; 0 without friction.
   virtual DirectedLimit sliding_limit(int lock, double speed) const = 0;
   // Friction that depends on loads: its limits are those at the last solve().
@@ -106,6 +118,14 @@ inline bool any_can_stick(Branching& branching) {
   return false;
 }
 
+// by_force <- the parts of the laws of a lock of its friction (T), by force with modes.
+template <class T>
+void share_friction(const Branching& branching, int lock, int motion, const T& friction, T* by_force) {
+  const std::span<const int> laws = branching.frictions(lock);
+  for (const int law : laws)
+    by_force[law] = laws.size() == 1 ? friction : T(branching.part_of_friction(law, motion)) * friction;
+}
+
 // The forces of friction and limits at rest, by force with modes, from the holding forces x (T), by lock: a limit
 // pushes, and what pulls is friction. sides: the held modes.
 template <class T>
@@ -118,7 +138,7 @@ void share_holding_forces(const Branching& branching, const int* sides, const T*
     if (contact != 0 && (pushes || lock.friction < 0)) {
       by_force[lock.limit] = x[i];
     } else if (lock.friction >= 0 && sides[lock.friction] == 0) {
-      by_force[lock.friction] = x[i];
+      share_friction(branching, i, 0, x[i], by_force);
     }
   }
 }

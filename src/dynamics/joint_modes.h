@@ -5,14 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
-#include <tuple>
 #include <utility>
 #include <vector>
 
 #include "dynamics/branching.h"
 #include "dynamics/contact_rows_of.h"
 #include "dynamics/force_size.h"
+#include "dynamics/joint_laws.h"
 #include "dynamics/loaded_friction.h"
 #include "dynamics/locked_coordinates.h"
 #include "kinematics/load_kernels.h"
@@ -22,26 +21,20 @@ namespace gelenk {
 template <class A>
 class JointModes final : public Branching {
  public:
-  // The state, as far as modes depend on it. All must outlive it.
-  struct State {
-    const Model<A>& model;
-    const Loads& loads;
-    Workspace<A>& ws;
-    const std::vector<double>&q, &v, &cut_reference;
-  };
+  using State = typename JointLaws<A>::State;
 
+  // All must outlive it.
   JointModes(const State& state, const MassFactor<A>& M, const MassWeightedJacobian<A>& Y)
       : state_(state),
+        laws_(state),
         M_(M),
-        locks_(state.model, state.ws, state.loads.added_inertia, M, Y, find_locks(),
+        locks_(state.model, state.ws, state.loads.added_inertia, M, Y, laws_.rows(),
                friction_loads(state.model, state.loads).empty() ? rank_threshold : rank_threshold_with_loads),
         contact_rows_(state.model, state.ws, M, Y, locks_),
-        holding_(signs()),
-        loaded_(state.model, state.loads, state.ws, static_cast<int>(lock_of_.size())),
+        holding_(laws_.signs()),
+        loaded_(state.model, state.loads, state.ws, laws_.count()),
         force_size_(state.model, state.loads, state.v, M),
-        work_(static_cast<std::size_t>(state.model.nv)) {
-    find_inputs();
-  }
+        work_(static_cast<std::size_t>(state.model.nv)) {}
 
   // The modes in which forces are held, or null: of the tree and the cuts, or from the first cut on.
   const int* held(bool of_cuts = false) const {
@@ -49,17 +42,15 @@ class JointModes final : public Branching {
   }
   // Whether coordinates are locked; if so, the locks are those of the held modes.
   bool locks_any() {
-    if (found_.empty()) return false;
-    for (int i = 0; i < locks(); ++i) locks_.lock(i, is_held(found_[i]));
+    if (locks() == 0) return false;
+    for (int i = 0; i < locks(); ++i) locks_.lock(i, is_held(laws_.lock(i)));
     return locks_.any();
   }
   LockedCoordinates<A>& locked() { return locks_; }
   // Whether accelerations are found with the factor of the mass matrix: not in a tree that is partly at rest.
   bool accelerations_need_mass_factor() { return !locks_any() || !locks_.is_tree(); }
   // Keeps the inputs on which modes depend. u: all inputs of the scene.
-  void set_inputs(const double* u) {
-    for (const int input : input_numbers_) inputs_[static_cast<std::size_t>(input)] = u[input];
-  }
+  void set_inputs(const double* u) { laws_.set_inputs(u); }
   ContactRowsOf<A>& contact_rows() override { return contact_rows_; }
   LoadedFriction<A>& loads() override { return loaded_; }
   // Adds the friction in motion that depends on loads to the generalized forces f. free(vdot, lambda): the solution of
@@ -84,24 +75,25 @@ class JointModes final : public Branching {
     force_size_.set(f);
     if (!loaded_.empty()) loaded_.set_force_size(force_size_.value());
   }
-  int count() const override { return static_cast<int>(lock_of_.size()); }
+  int count() const override { return laws_.count(); }
   void sides(int* sides) const override {
-    each([&](const auto& force, const double* q, const double* v) { *sides++ = force.side(q, v); });
+    laws_.each([&](const auto& force, const double* q, const double* v) { *sides++ = force.side(q, v); });
   }
   void indicators(const std::vector<double>& holding, const double* vdot, double* g, double* gdot) const override {
     int index = 0;
-    each([&](const auto& force, const double* q, const double* v) {
+    laws_.each([&](const auto& force, const double* q, const double* v) {
       using Element = std::decay_t<decltype(force.element)>;
       const double at = force.sign * q[force.q];
       const double speed = force.sign * v[force.v];
       const int side = held_ == nullptr ? force.side(q, v) : held_[index];
-      const int lock = lock_of_[index];
+      const int lock = laws_.lock_of(index);
       if constexpr (Sticks<Element>) {
         const double acceleration = vdot == nullptr ? NAN : this->speed(lock, vdot);
-        const DirectedLimit limit = loaded_.at_rest(index, force.element, inputs_.data() + force.input);
+        const DirectedLimit limit = sticking_limit(lock);
         const std::array<double, 2> limits{limit.positive + slack(lock), limit.negative + slack(lock)};
         force.element.indicators(side, speed, acceleration, holding[lock], limits, g, gdot);
-        if (is_in_contact(lock)) g[0] = g[1] = -1;  // what leaves a contact has overcome friction
+        // What leaves a contact has overcome friction; and one indicator says all of several laws with one mode.
+        if (is_in_contact(lock) || index != laws_.lock(lock).friction) g[0] = g[1] = -1;
       } else if constexpr (Blocks<Element>) {
         const double adhesion = this->lock(lock).sticking_limit.against(-side) + slack(lock);
         if constexpr (BoundsSpeed<Element>) {
@@ -112,7 +104,7 @@ class JointModes final : public Branching {
         }
       } else {
         const bool is_known = vdot != nullptr && force.element.needs_acceleration(at);
-        force.element.indicators(at, speed, is_known ? acceleration(force, index, vdot) : NAN, g, gdot);
+        force.element.indicators(at, speed, is_known ? laws_.acceleration(force, index, vdot) : NAN, g, gdot);
       }
       ++index;
       g += 2;
@@ -121,7 +113,7 @@ class JointModes final : public Branching {
   }
   bool needs_accelerations() const override {
     bool needs = false;
-    each([&](const auto& force, const double* q, const double*) {
+    laws_.each([&](const auto& force, const double* q, const double*) {
       if constexpr (requires { force.element.needs_acceleration(0.0); })
         needs = needs || force.element.needs_acceleration(force.sign * q[force.q]);
     });
@@ -129,14 +121,13 @@ class JointModes final : public Branching {
   }
   void hold(const int* sides) override { held_ = sides; }
 
-  int locks() const override { return static_cast<int>(found_.size()); }
+  int locks() const override { return laws_.locks(); }
   Lock lock(int lock) const override {
-    Lock out = found_[lock];
-    visit_friction(out.friction, [&](const auto& element, const double* u) {
-      out.sticking_limit = loaded_.at_rest(out.friction, element, u);
-      out.slipping_limit = loaded_.at_first(out.friction, element, u);
-    });
-    visit(out.limit, [&](const auto& force) {
+    Lock out = laws_.lock(lock);
+    out.sticking_limit = sticking_limit(lock);
+    out.slipping_limit = sum_of_friction(
+        lock, [&](int i, const auto& law, double q, const double* u) { return loaded_.at_first(i, law, q, u); });
+    laws_.visit(out.limit, [&](const auto& force) {
       if constexpr (Blocks<std::decay_t<decltype(force.element)>>) {
         out.restitution = force.element.restitution;
         out.poisson = force.element.is_poisson();
@@ -146,27 +137,38 @@ class JointModes final : public Branching {
     return out;
   }
   DirectedLimit sliding_limit(int lock, double speed) const override {
-    DirectedLimit out;
-    visit_friction(found_[lock].friction, [&](const auto& element, const double* u) {
-      out = loaded_.in_motion(found_[lock].friction, element, speed, u);
+    return sum_of_friction(lock, [&](int i, const auto& law, double q, const double* u) {
+      return loaded_.in_motion(i, law, q, speed, u);
     });
-    return out;
+  }
+  std::span<const int> frictions(int lock) const override { return laws_.frictions(lock); }
+  double part_of_friction(int friction, int motion) const override {
+    const int lock = laws_.lock_of(friction);
+    const double speed = this->speed(lock, state_.v.data());
+    const auto size = [&](int of) {
+      double out = 0;
+      laws_.visit_friction(of, [&](const auto& law, double q, const double* u) {
+        const DirectedLimit limit =
+            motion == 0 ? loaded_.at_rest(of, law, q, u) : loaded_.in_motion(of, law, q, speed, u);
+        out = limit.largest();
+      });
+      return out;
+    };
+    double sum = 0;
+    for (const int of : frictions(lock)) sum += size(of);
+    return sum > 0 ? size(friction) / sum : 1.0 / static_cast<double>(frictions(lock).size());
   }
   Depth depth(int lock, int side) const override {
     Depth out{-HUGE_VAL, 0};
-    const int limit = found_[lock].limit;
-    visit(limit, [&](const auto& force) {
+    const int limit = laws_.lock(lock).limit;
+    laws_.visit(limit, [&](const auto& force) {
       if constexpr (Blocks<std::decay_t<decltype(force.element)>>) {
-        const int cut = places_[limit].cut;
-        const double q =
-            cut < 0 ? state_.q[force.q]
-                    : kernels::counted_cut_motion(state_.model, state_.ws, cut, state_.cut_reference.data()).q[force.q];
-        out = {force.element.depth(side, force.sign * q), force.element.touch_tolerance(side)};
+        out = {force.element.depth(side, laws_.position(force, limit)), force.element.touch_tolerance(side)};
       }
     });
     return out;
   }
-  double speed(int lock, const double* v) const override { return found_[lock].sign * locks_.speed(lock, v); }
+  double speed(int lock, const double* v) const override { return laws_.lock(lock).sign * locks_.speed(lock, v); }
   HoldingForces& holding_forces() override { return holding_; }
 
   void clear(double* v) override {
@@ -186,24 +188,26 @@ class JointModes final : public Branching {
   }
 
  private:
-  // Of the coordinate of a force, in the user's sign; of a cut joint, that of the last set_acceleration().
-  template <class Force>
-  double acceleration(const Force& force, int index, const double* vdot) const {
-    const int cut = places_[static_cast<std::size_t>(index)].cut;
-    if (cut < 0) return force.sign * vdot[force.v];
-    const auto at = kernels::counted_cut_motion(state_.model, state_.ws, cut, state_.cut_reference.data());
-    double a[max_cut_nv] = {};
-    kernels::cut_accelerations<A>(state_.model.cuts[cut], state_.ws, cut, at.q.data(), at.v.data(), a);
-    return force.sign * a[force.v];
+  // Adds limit(index, law, q, u) of the laws of friction of a lock.
+  template <class LimitOf>
+  DirectedLimit sum_of_friction(int lock, LimitOf limit) const {
+    DirectedLimit out{.vanishes = !frictions(lock).empty()};
+    for (const int i : frictions(lock))
+      laws_.visit_friction(i, [&](const auto& law, double q, const double* u) { out += limit(i, law, q, u); });
+    return out;
+  }
+  DirectedLimit sticking_limit(int lock) const {
+    return sum_of_friction(
+        lock, [&](int i, const auto& law, double q, const double* u) { return loaded_.at_rest(i, law, q, u); });
   }
   // What slips at the present velocities, of the friction that depends on loads; brings its factors up to date.
   const std::vector<typename LoadedFriction<A>::Slipping>& find_slipping() {
     slipping_.clear();
     int index = 0;
-    each([&](const auto& force, const double* q, const double* v) {
-      if constexpr (Sticks<std::decay_t<decltype(force.element)>>) {
+    laws_.each([&](const auto& force, const double* q, const double* v) {
+      if constexpr (TakesLoads<std::decay_t<decltype(force.element)>>) {
         const int side = held_ == nullptr ? force.side(q, v) : held_[index];
-        const double factor = force.element.load_factor(side, force.sign * v[force.v], inputs_.data() + force.input);
+        const double factor = force.element.load_factor(side, force.sign * v[force.v], laws_.inputs_of(force));
         if (loaded_.set_factor(index, factor) && (side == 1 || side == -1)) slipping_.push_back({index, side});
       }
       ++index;
@@ -212,8 +216,8 @@ class JointModes final : public Branching {
   }
   // Adds a multiple of the friction with this index among the forces with modes, in the user's sign, to f.
   void add_along(int force, double size, double* f) const {
-    const int lock = lock_of_[static_cast<std::size_t>(force)];
-    for (const auto& term : locks_.row(lock)) f[term.v] += found_[lock].sign * size * term.factor;
+    const int lock = laws_.lock_of(force);
+    for (const auto& term : locks_.row(lock)) f[term.v] += laws_.lock(lock).sign * size * term.factor;
   }
 
   // Called by users of Branching alone. Without any forces, more than 0.
@@ -237,7 +241,7 @@ class JointModes final : public Branching {
     for (Eigen::Index i = 0; i < size; ++i) {
       locks_.whiten(locks[i], y.col(i).data());
       locks_.permitted_part(y.col(i).data(), z.col(i).data());
-      z.col(i) *= found_[locks[i]].sign;
+      z.col(i) *= laws_.lock(locks[i]).sign;
       scale[i] = force_size_.value() * y.col(i).norm();
     }
     W = z.transpose() * z;
@@ -250,13 +254,13 @@ class JointModes final : public Branching {
     for (std::size_t i = 0; i < locks.size(); ++i) {
       locks_.whiten(locks[i], y.data());
       locks_.permitted_part(y.data(), z.data());
-      w += found_[locks[i]].sign * impulses[static_cast<Eigen::Index>(i)] * z;
+      w += laws_.lock(locks[i]).sign * impulses[static_cast<Eigen::Index>(i)] * z;
     }
     M_.solve(w.data());
     for (Eigen::Index k = 0; k < w.size(); ++k) v[k] += w[k];
   }
 
-  std::span<double> inputs() override { return inputs_; }
+  std::span<double> inputs() override { return laws_.inputs(); }
   bool is_redundant() const override { return locks_.are_redundant(); }
 
   // Of coordinates at rest that constraint equations hardly permit to move. Where friction depends on loads, such a one
@@ -267,130 +271,23 @@ class JointModes final : public Branching {
   static constexpr double slack_fraction = 4e-11;
 
   bool is_in_contact(int lock) const {
-    return held_ != nullptr && found_[lock].limit >= 0 && held_[found_[lock].limit] != 0;
+    return held_ != nullptr && laws_.lock(lock).limit >= 0 && held_[laws_.lock(lock).limit] != 0;
   }
   bool is_held(const Lock& lock) const {
     if (held_ == nullptr) return false;
     return (lock.friction >= 0 && held_[lock.friction] == 0) || (lock.limit >= 0 && held_[lock.limit] != 0);
   }
 
-  // Calls visit(force, q, v) for all forces with modes, with the coordinates and velocities to which they refer.
-  template <class Visit>
-  void each(Visit visit) const {
-    kernels::each_branching(state_.model, state_.loads, state_.ws, state_.q.data(), state_.v.data(),
-                            state_.cut_reference.data(), visit);
-  }
-
-  // Calls visit(force) for one of the forces with modes, by its index; -1: for none.
-  template <class Visit>
-  void visit(int force, Visit visit) const {
-    if (force < 0) return;
-    const Place& at = places_[force];
-    int number = 0;
-    each_list((at.cut < 0 ? state_.loads.tree : state_.loads.cuts[at.cut]).lists, [&](const auto& list) {
-      if constexpr (HasBranches<std::decay_t<decltype(list.front().element)>>) {
-        if (number++ == at.list) visit(list[at.index]);
-      }
-    });
-  }
-
-  // Calls visit(element, u) if this force is friction, with its inputs.
-  template <class Visit>
-  void visit_friction(int force, Visit visit) const {
-    this->visit(force, [&](const auto& at) {
-      if constexpr (Sticks<std::decay_t<decltype(at.element)>>) visit(at.element, inputs_.data() + at.input);
-    });
-  }
-
-  const JointLoads& along(int cut) const { return cut < 0 ? state_.loads.tree : state_.loads.cuts[cut]; }
-  typename LockedCoordinates<A>::Row row_of(int cut, int velocity) const {
-    if (cut < 0) return {{velocity, 1}};
-    return turn_of_cut(cut);
-  }
-
-  // The rows of all locks; fills found_, lock_of_ and places_.
-  std::vector<typename LockedCoordinates<A>::Row> find_locks() {
-    std::vector<typename LockedCoordinates<A>::Row> rows;
-    // By cut (-1: tree) and velocity. A one-way clutch has a lock of its own, as it may hold the coordinate in one
-    // direction where a limit holds it in the other.
-    std::map<std::tuple<int, int, bool>, int> lock_at;
-    const auto look = [&](const auto& force, int cut) {
-      using Element = std::decay_t<decltype(force.element)>;
-      lock_of_.push_back(-1);
-      if constexpr (Sticks<Element> || Blocks<Element>) {
-        const bool is_own = BoundsSpeed<Element> && along(cut).bound_position(force.v);
-        const auto [place, is_new] = lock_at.try_emplace({cut, force.v, is_own}, locks());
-        if (is_new) {
-          found_.emplace_back().sign = force.sign;
-          rows.push_back(row_of(cut, force.v));
-        }
-        lock_of_.back() = place->second;
-        (Sticks<Element> ? found_[place->second].friction : found_[place->second].limit) =
-            static_cast<int>(lock_of_.size()) - 1;
-      }
-    };
-    const auto look_along = [&](const JointLoads& joints, int cut) {
-      int number = 0;
-      each_list(joints.lists, [&](const auto& list) {
-        if constexpr (HasBranches<std::decay_t<decltype(list.front().element)>>) {
-          for (std::size_t i = 0; i < list.size(); ++i) {
-            places_.push_back({cut, number, i});
-            look(list[i], cut);
-          }
-          ++number;
-        }
-      });
-    };
-    look_along(state_.loads.tree, -1);
-    for (int c = 0; c < static_cast<int>(state_.loads.cuts.size()); ++c) look_along(state_.loads.cuts[c], c);
-    return rows;
-  }
-
-  // Fills input_numbers_, and makes room for all inputs up to the last one that a force has, or would have.
-  void find_inputs() {
-    int end = 0;
-    const auto add = [&](const auto& force) {
-      const int own = count_of(own_inputs(force.element));
-      for (int i = 0; i < own; ++i) input_numbers_.push_back(force.input + i);
-      end = std::max(end, force.input + own);
-    };
-    state_.loads.tree.each_branching(add);
-    for (const JointLoads& on : state_.loads.cuts) on.each_branching(add);
-    inputs_.resize(static_cast<std::size_t>(end) + 1);
-  }
-
-  // The coordinate of a cut joint, which is a revolute joint in the plane (mechanism/tree.cpp cuts no other joint with
-  // friction).
-  typename LockedCoordinates<A>::Row turn_of_cut(int cut) const {
-    typename LockedCoordinates<A>::Row out;
-    for (const auto& [v, factor] : turn_of_cut_joint(state_.model, cut, state_.ws)) out.push_back({v, factor});
-    return out;
-  }
-
-  std::vector<double> signs() const {
-    std::vector<double> out;
-    for (const Lock& lock : found_) out.push_back(lock.sign);
-    return out;
-  }
-
   State state_;
+  JointLaws<A> laws_;
   const MassFactor<A>& M_;
   const int* held_ = nullptr;
-  struct Place {
-    int cut, list;  // -1: the tree; number among the lists of forces with modes
-    std::size_t index;
-  };
-  std::vector<Place> places_;  // by force with modes
-  std::vector<Lock> found_;
-  std::vector<int> lock_of_;  // by force with modes; -1: it cannot lock
   LockedCoordinates<A> locks_;
   ContactRowsOf<A> contact_rows_;
   HoldingForces holding_;
   LoadedFriction<A> loaded_;
   std::vector<typename LoadedFriction<A>::Slipping> slipping_;
-  std::vector<int> input_numbers_;  // of the inputs that forces with modes have
-  std::vector<double> inputs_;      // by number
-  ForceSize<A> force_size_;         // of the last solve()
+  ForceSize<A> force_size_;  // of the last solve()
   std::vector<double> work_, difference_, lambda_;
 };
 

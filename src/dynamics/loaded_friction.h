@@ -96,20 +96,26 @@ class LoadedFriction final : public LoadDependence {
     }
     return out;
   }
-  // What it can exert at rest, in a motion that begins, and in motion at this speed. friction: of the element with this
-  // index; u: its inputs.
+  // What it can exert at rest, in a motion that begins, and in motion at this speed. friction: the law with this index;
+  // q: its coordinate, u: its inputs.
   template <class Friction>
-  DirectedLimit at_rest(int force, const Friction& friction, const double* u) const {
-    return limit(force, friction.sticking_limit(u), friction.sticking_load_factor(u));
+  DirectedLimit at_rest(int force, const Friction& friction, double q, const double* u) const {
+    double of_bearing = 0;
+    if constexpr (TakesLoads<Friction>) of_bearing = friction.sticking_load_factor(u);
+    return limit(force, friction.sticking_limit(q, u), of_bearing);
   }
   template <class Friction>
-  DirectedLimit at_first(int force, const Friction& friction, const double* u) const {
-    return limit(force, friction.slipping_limit(u), friction.slipping_load_factor(u));
+  DirectedLimit at_first(int force, const Friction& friction, double q, const double* u) const {
+    double of_bearing = 0;
+    if constexpr (TakesLoads<Friction>) of_bearing = friction.slipping_load_factor(u);
+    return limit(force, friction.slipping_limit(q, u), of_bearing);
   }
   template <class Friction>
-  DirectedLimit in_motion(int force, const Friction& friction, double speed, const double* u) const {
+  DirectedLimit in_motion(int force, const Friction& friction, double q, double speed, const double* u) const {
     const int side = speed < 0 ? -1 : 1;
-    return limit(force, std::abs(friction.held(side, 0.0, speed, u)), friction.load_factor(side, speed, u));
+    double of_bearing = 0;
+    if constexpr (TakesLoads<Friction>) of_bearing = friction.load_factor(side, speed, u);
+    return limit(force, friction.friction(side, q, speed, u), of_bearing);
   }
   // By force with modes: the friction in motion due to loads, in the user's sign.
   const std::vector<double>& torque() const { return torque_; }

@@ -13,18 +13,45 @@
 
 namespace gelenk {
 
-std::string_view locking_element(const JointForces& forces) {
-  if (std::get<std::optional<JointFriction>>(forces)) return JointFriction::group;
-  if (std::get<std::optional<JointLimit>>(forces)) return JointLimit::group;
-  if (std::get<std::optional<JointOneWay>>(forces)) return JointOneWay::group;
-  return {};
+namespace {
+
+template <class E>
+concept MayLock =
+    requires(E& element) { element.reset(); } && (Sticks<typename E::value_type> || Blocks<typename E::value_type>);
+
+// Calls visit(element) for the elements, each in std::optional, that can keep the coordinate at rest.
+template <class Tuple, class Visit>
+void each_locking(Tuple& forces, Visit visit) {
+  const auto look = [&](auto& element) {
+    if constexpr (MayLock<std::remove_cvref_t<decltype(element)>>) {
+      if (element) visit(element);
+    }
+  };
+  std::apply([&](auto&... element) { (look(element), ...); }, forces);
 }
 
-bool has_friction(const JointForces& forces) { return std::get<std::optional<JointFriction>>(forces).has_value(); }
+}  // namespace
+
+std::string_view locking_element(const JointForces& forces) {
+  std::string_view out;
+  each_locking(forces.all(), [&](const auto& element) {
+    if (out.empty()) out = element->group;
+  });
+  return out;
+}
+
+bool takes_loads(const JointForces& forces) {
+  bool any = false;
+  each_locking(forces.all(), [&](const auto& element) { any = any || TakesLoads<std::decay_t<decltype(*element)>>; });
+  return any;
+}
 
 bool is_loaded_guide(const JointForces& forces) {
-  const auto& friction = std::get<std::optional<JointFriction>>(forces);
-  return friction && friction->is_guide();
+  bool any = false;
+  each_locking(forces.all(), [&](const auto& element) {
+    if constexpr (TakesLoads<std::decay_t<decltype(*element)>>) any = any || element->is_guide();
+  });
+  return any;
 }
 
 int lossy_joint(const AnyConstraint& constraint) {
@@ -38,12 +65,14 @@ int lossy_joint(const AnyConstraint& constraint) {
       constraint);
 }
 
-void erase_friction(JointForces& forces) { std::get<std::optional<JointFriction>>(forces).reset(); }
+void erase_friction(JointForces& forces) {
+  each_locking(static_cast<JointForces::tuple&>(forces), [](auto& element) {
+    if constexpr (Sticks<std::decay_t<decltype(*element)>>) element.reset();
+  });
+}
 
 void erase_locking_elements(JointForces& forces) {
-  erase_friction(forces);
-  std::get<std::optional<JointLimit>>(forces).reset();
-  std::get<std::optional<JointOneWay>>(forces).reset();
+  each_locking(static_cast<JointForces::tuple&>(forces), [](auto& element) { element.reset(); });
 }
 
 }  // namespace gelenk

@@ -11,7 +11,8 @@ namespace gelenk {
 // dry friction, a hard limit or a one-way clutch; empty if there is none.
 std::string_view locking_element(const JointForces& forces);
 
-bool has_friction(const JointForces& forces);
+// Whether there is friction to which losses of meshes can be added.
+bool takes_loads(const JointForces& forces);
 // Whether the friction depends on the force across a guide.
 bool is_loaded_guide(const JointForces& forces);
 // Which of its joints has the friction by which a constraint loses power; -1: it loses none.

@@ -15,6 +15,9 @@ constexpr double min_end_distance = 1e-3;
 // In place of a zero of which the sign is known.
 constexpr double smallest = std::numeric_limits<double>::min();
 
+// Whether an indicator neither has a value nor changes, but by rounding.
+bool rests(double g, double gdot) { return std::abs(g) <= indicator_rounding && std::abs(gdot) <= indicator_rounding; }
+
 }  // namespace
 
 StepCourse::StepCourse(EventSource& source) : source_(source) {
@@ -42,7 +45,7 @@ void StepCourse::end(double t, const double* y) {
   // What rests although its own mode would let it move, as a joint with friction that a contact holds, changes its sign
   // by rounding in every step.
   for (std::size_t i = 0; i < size(); ++i) {
-    if (std::max(std::abs(start_g_[i]), std::abs(g_[i])) <= indicator_rounding) after_[i] = before_[i];
+    if (rests(start_g_[i], start_gdot_[i]) && rests(g_[i], gdot_[i])) after_[i] = before_[i];
   }
 }
 

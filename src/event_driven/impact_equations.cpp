@@ -57,17 +57,18 @@ ImpactEquations::ImpactEquations(TouchEquations& touch, Branching& forces, const
       G(row, k) = G(k, row) = W(i, i) > 0 ? forces.speed(at.lock, response.data()) : 0;
     }
   }
-  std::vector<Struck> struck;
+  std::vector<Impact::Struck> struck;
   for (const TouchEquations::Entry& entry : rows_.entries) struck.push_back(contact(touch, entry, slow));
   for (std::size_t i = 0; i < struck.size(); ++i) {
-    Struck& at = struck[i];
+    Impact::Struck& at = struck[i];
     if (speeds[at.cone.first] < -slow) at.restitution = touch.law(spots[i]).restitution;
   }
   for (std::size_t i = 0; i < joints.size(); ++i) struck.push_back(joint(joints[i], contacts + static_cast<Index>(i)));
   law_.emplace(std::move(G), std::move(speeds), std::move(struck));
 }
 
-Struck ImpactEquations::contact(const TouchEquations& touch, const TouchEquations::Entry& entry, double slow) const {
+Impact::Struck ImpactEquations::contact(const TouchEquations& touch, const TouchEquations::Entry& entry,
+                                        double slow) const {
   std::array<double, contact_groups> coefficients{};
   for (int g = 0; g < contact_groups; ++g) {
     const bool slips = entry.slip[static_cast<std::size_t>(g)].norm() > slow;
@@ -76,7 +77,7 @@ Struck ImpactEquations::contact(const TouchEquations& touch, const TouchEquation
   return {.cone = cone_of(entry, coefficients)};
 }
 
-Struck ImpactEquations::joint(const JointImpacts::Struck& at, Index row) const {
+Impact::Struck ImpactEquations::joint(const JointImpacts::Struck& at, Index row) const {
   const double lower = at.side > 0 || at.stops ? -unlimited : 0;
   const double upper = at.side < 0 || at.stops ? unlimited : 0;
   return {.cone = Cone::within(static_cast<int>(row), lower, upper),

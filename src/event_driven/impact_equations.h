@@ -29,8 +29,8 @@ class ImpactEquations {
   void apply(double* v) const;
 
  private:
-  Struck contact(const TouchEquations& touch, const TouchEquations::Entry& entry, double slow) const;
-  Struck joint(const JointImpacts::Struck& at, Eigen::Index row) const;
+  Impact::Struck contact(const TouchEquations& touch, const TouchEquations::Entry& entry, double slow) const;
+  Impact::Struck joint(const JointImpacts::Struck& at, Eigen::Index row) const;
 
   Branching& forces_;
   TouchEquations::Rows rows_;    // of contacts

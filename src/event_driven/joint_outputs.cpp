@@ -29,14 +29,13 @@ void JointOutputs::record(std::span<const LockForces> locks) {
   recorded_sides_ = sides_;
   std::ranges::fill(holding_, 0.0);
   for (std::size_t i = 0; i < locks.size(); ++i) {
-    const Branching::Lock lock = forces_.lock(static_cast<int>(i));
-    if (lock.friction >= 0) {
-      recorded_sides_[static_cast<std::size_t>(lock.friction)] = locks[i].motion;
-      holding_[static_cast<std::size_t>(lock.friction)] = locks[i].friction;
-    }
-    if (lock.limit < 0) continue;
-    recorded_sides_[static_cast<std::size_t>(lock.limit)] = locks[i].contact;
-    holding_[static_cast<std::size_t>(lock.limit)] = locks[i].limit;
+    const auto lock = static_cast<int>(i);
+    for (const int law : forces_.frictions(lock)) recorded_sides_[static_cast<std::size_t>(law)] = locks[i].motion;
+    share_friction(forces_, lock, locks[i].motion, locks[i].friction, holding_.data());
+    const int limit = forces_.lock(lock).limit;
+    if (limit < 0) continue;
+    recorded_sides_[static_cast<std::size_t>(limit)] = locks[i].contact;
+    holding_[static_cast<std::size_t>(limit)] = locks[i].limit;
   }
   dynamics_.readings().branching_forces(forces_.inputs().data(), sides_.data(), holding_.data(),
                                         recorded_forces_.data());

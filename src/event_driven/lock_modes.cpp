@@ -43,9 +43,8 @@ LockModes::LockModes(ModeEquations& equations, Dynamics& dynamics, int nq, int n
   for (int i = 0; i < count(); ++i) {
     const Branching::Lock lock = forces_.lock(i);
     any_friction_ = any_friction_ || lock.friction >= 0 || lock.one_way;
-    for (const int force : {lock.friction, lock.limit}) {
-      if (force >= 0) lock_of_[static_cast<std::size_t>(force)] = i;
-    }
+    for (const int law : forces_.frictions(i)) lock_of_[static_cast<std::size_t>(law)] = i;
+    if (lock.limit >= 0) lock_of_[static_cast<std::size_t>(lock.limit)] = i;
   }
   if (!empty()) release();
 }
@@ -63,7 +62,7 @@ bool LockModes::keeps_mode(int force, const double* v) const {
   if (!owns(force)) return false;
   const int lock = lock_of_[static_cast<std::size_t>(force)];
   const Branching::Lock of = forces_.lock(lock);
-  return rests(lock) || ((of.friction == force || of.one_way) && is_slow(lock, v));
+  return rests(lock) || ((of.limit != force || of.one_way) && is_slow(lock, v));
 }
 
 // The side on which the coordinate is in contact or touches a bound at the position of `dynamics`; otherwise 0.
@@ -189,9 +188,9 @@ bool LockModes::is_doubtful(double t, const double* y, bool jumped) {
 void LockModes::hold() {
   any_at_rest_ = false;
   for (int i = 0; i < count(); ++i) {
-    const Branching::Lock lock = forces_.lock(i);
-    if (lock.friction >= 0) sides_[static_cast<std::size_t>(lock.friction)] = modes_.motions[i];
-    if (lock.limit >= 0) sides_[static_cast<std::size_t>(lock.limit)] = modes_.contacts[i];
+    for (const int law : forces_.frictions(i)) sides_[static_cast<std::size_t>(law)] = modes_.motions[i];
+    const int limit = forces_.lock(i).limit;
+    if (limit >= 0) sides_[static_cast<std::size_t>(limit)] = modes_.contacts[i];
     any_at_rest_ = any_at_rest_ || rests(i);
   }
   forces_.hold(sides_.data());

@@ -43,7 +43,7 @@ std::vector<FrictionLoad> friction_loads(const Model<A>& model, const Loads& loa
   std::vector<FrictionLoad> out;
   int index = 0;
   const auto add = [&](const auto& force, int cut) {
-    if constexpr (Sticks<std::decay_t<decltype(force.element)>>) {
+    if constexpr (TakesLoads<std::decay_t<decltype(force.element)>>) {
       FrictionLoad load{.force = index, .velocity = force.v, .sign = force.sign, .cut = cut};
       for (std::size_t i = 1; i < model.links.size() && cut < 0; ++i) {
         if (model.links[i].iv == force.v && model.links[i].nv == 1) load.link = static_cast<int>(i);

@@ -107,15 +107,6 @@ struct JointLoads {
     return n;
   }
   bool has_branches() const { return branchings() > 0; }
-  // Whether the coordinate of this velocity has hard bounds.
-  bool bound_position(int velocity) const {
-    bool any = false;
-    each_branching([&](const auto& force) {
-      using Element = std::decay_t<decltype(force.element)>;
-      if constexpr (Blocks<Element> && !BoundsSpeed<Element>) any = any || force.v == velocity;
-    });
-    return any;
-  }
   // Calls visit(force) for each force with branches.
   template <class Visit>
   void each_branching(Visit&& visit) const {

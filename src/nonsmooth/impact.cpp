@@ -56,19 +56,12 @@ bool Impact::is_held(std::size_t i) const {
   return is_box(cones_[i]) && cones_[i].lower == -unlimited && cones_[i].upper == unlimited;
 }
 
-// part: of the restitution. Poisson's impulses are at least (1 + restitution) times those of compression, which others
-// may exceed.
+// part: of the restitutions. Others may exceed Poisson's impulses.
 bool Impact::solve(ConeSolver& solver, double part) {
   VectorXd b = speeds_;
   VectorXd least = VectorXd::Zero(x_.size());
-  for (std::size_t i = 0; i < struck_.size(); ++i) {
-    const Struck& at = struck_[i];
-    if (!at.poisson) {
-      b[row(i)] += part * at.restitution * at.sign * std::min(0.0, approach(i));
-    } else if (compression_.size() > 0) {
-      least[row(i)] = (1 + part * at.restitution) * compression_[row(i)];
-    }
-  }
+  restitution_.add_demands(part, b.data());
+  if (compression_.size() > 0) restitution_.set_least_impulses(part, compression_.data(), least.data());
   b += G_ * least;
   x_ -= least;
   const double residual = are_boxes_             ? solve_boxes(b)
@@ -148,9 +141,17 @@ bool Impact::adds_energy() const {
 
 bool Impact::solve(ConeSolver& solver) {
   x_.setZero();
-  const bool any_poisson = std::ranges::any_of(struck_, &Struck::poisson);
-  if (any_poisson) {
-    compression_.resize(0);
+  compression_.resize(0);
+  restitution_.clear();
+  for (std::size_t i = 0; i < struck_.size(); ++i) {
+    const Struck& at = struck_[i];
+    restitution_.add({.row = static_cast<int>(row(i)),
+                      .sign = at.sign,
+                      .restitution = at.restitution,
+                      .approach = std::max(0.0, -approach(i)),
+                      .poisson = at.poisson});
+  }
+  if (restitution_.needs_compression()) {
     if (!solve(solver, 0)) return false;
     compression_ = x_;
   }
@@ -159,13 +160,8 @@ bool Impact::solve(ConeSolver& solver) {
     return false;
   }
   if (!adds_energy()) return true;
-  double low = 0;
-  double high = 1;
-  for (int k = 0; k < most_bisections; ++k) {
-    const double middle = (low + high) / 2;
-    (solve(solver, middle) && !adds_energy() ? low : high) = middle;
-  }
-  return solve(solver, low);
+  return solve(solver,
+               largest_part(most_bisections, [&](double part) { return solve(solver, part) && !adds_energy(); }));
 }
 
 }  // namespace gelenk

@@ -1,29 +1,25 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The law of impact: impulses of everything that is struck at the same instant, contacts of shapes and bounds of joints
-// alike. Normal velocities after it are at least -restitution times the approach (Newton's law, as Moreau 1988 states
-// it for several contacts), or impulses are at least 1 + restitution times those of compression, which ends when
-// nothing approaches any more (Poisson's law; Glocker & Pfeiffer 1995); Coulomb's law holds for the velocities after
-// it. Where a law would add energy, as Newton's may with friction (Kane & Levinson 1985) or unlike restitutions,
-// restitution is reduced to what adds none.
+// A located impact: impulses of everything that is struck at the same instant, contacts of shapes and bounds of joints
+// alike, by the laws of restitution. Coulomb's law holds for the velocities after it.
 #pragma once
 
 #include <Eigen/Core>
 #include <vector>
 
 #include "complementarity/cone.h"
+#include "nonsmooth/restitution.h"
 
 namespace gelenk {
 
-// Something that is struck: its first row is that of the velocity along its normal.
-struct Struck {
-  Cone cone;
-  double sign = 1;         // of the motion away from what is struck, in the first row
-  double restitution = 0;  // of this impact
-  bool poisson = false;    // Poisson's law instead of Newton's
-};
-
 class Impact {
  public:
+  // Something that is struck: its first row is that of the velocity along its normal.
+  struct Struck {
+    Cone cone;
+    double sign = 1;         // of the motion away from what is struck, in the first row
+    double restitution = 0;  // of this impact
+    bool poisson = false;    // Poisson's law instead of Newton's
+  };
   // G: the change of velocities (rows) per impulse along them (columns); speeds: before it, by row.
   Impact(Eigen::MatrixXd G, Eigen::VectorXd speeds, std::vector<Struck> struck);
 
@@ -56,6 +52,7 @@ class Impact {
   Eigen::MatrixXd G_;
   Eigen::VectorXd speeds_, x_;
   std::vector<Struck> struck_;
+  Restitution restitution_;      // of struck_
   std::vector<Cone> cones_;      // of struck_
   bool are_boxes_ = false;       // bounds of single rows, whose problem is solved exactly
   Eigen::VectorXd weights_;      // by row: of redundant impulses; empty: they are unique

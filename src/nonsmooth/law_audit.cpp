@@ -58,8 +58,9 @@ LawAudit audit_locks(const Branching& branching, std::span<const double> forces,
     const double slack = slacks * branching.slack(i) + least_audited_force;
     const double speed = branching.speed(i, v);
     const bool moves = std::abs(speed) > sign_rounding * fastest;
-    if (lock.friction >= 0)
-      audit_friction(lock, forces[static_cast<std::size_t>(lock.friction)], speed, moves, slack, audit);
+    double friction = 0;
+    for (const int law : branching.frictions(i)) friction += forces[static_cast<std::size_t>(law)];
+    if (lock.friction >= 0) audit_friction(lock, friction, speed, moves, slack, audit);
     if (lock.limit >= 0) audit_limit(branching, i, forces[static_cast<std::size_t>(lock.limit)], slack, audit);
   }
   return audit;

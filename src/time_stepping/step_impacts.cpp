@@ -25,14 +25,18 @@ constexpr double impossible_fraction = 1e-3;
 
 }  // namespace
 
-double TimeStepper::restitution(std::size_t cone) const {
-  if (cone < points_.size()) return loads_.contacts[static_cast<std::size_t>(points_[cone].contact)].restitution;
-  const JointRows::Row& row = joints_[cone - points_.size()];
-  return row.side == 0 ? 0 : dynamics_.branching().lock(row.lock).restitution;
-}
-
-bool TimeStepper::is_poisson(std::size_t cone) const {
-  return cone >= points_.size() && dynamics_.branching().lock(joints_[cone - points_.size()].lock).poisson;
+// The law of the restitution with which it is struck.
+Restitution::Struck TimeStepper::restitution_of(std::size_t cone) const {
+  Restitution::Struck out{.row = cones_[cone].first, .approach = approach(cone)};
+  if (cone < points_.size()) {
+    out.restitution = loads_.contacts[static_cast<std::size_t>(points_[cone].contact)].restitution;
+  } else if (const JointRows::Row& row = joints_[cone - points_.size()]; row.side != 0) {
+    const Branching::Lock law = dynamics_.branching().lock(row.lock);
+    out.sign = -row.side;
+    out.restitution = law.restitution;
+    out.poisson = law.poisson;
+  }
+  return out;
 }
 
 // The speed at which the gap of a cone closes at the start of the step; 0: it does not.
@@ -43,6 +47,7 @@ double TimeStepper::approach(std::size_t cone) const {
 // Where something with restitution or friction strikes within the step, all that is struck in it is struck at once. If
 // it were only braked so that it closes its gap at the end of the step, and stopped in the next one, friction would act
 // on two parts of the impulse, which is not the same as on the whole one, and depends on when in the step it strikes.
+// By Poisson's law even what rests may throw back what strikes another.
 void TimeStepper::find_strikes(double h) {
   strikes_.assign(cones_.size(), 0);
   strikes_any_ = has_compression_ = false;
@@ -50,39 +55,30 @@ void TimeStepper::find_strikes(double h) {
     return gap_of(i).sign != 0 && gap_of(i).gap - time * approach(i) <= touch_tolerance;
   };
   const double fall = steps_of_fall * h * loads_.gravity.norm();
+  bool any_poisson = false;
+  for (std::size_t i = points_.size(); i < cones_.size(); ++i) {
+    const Restitution::Struck at = restitution_of(i);
+    any_poisson = any_poisson || (at.poisson && at.restitution > 0);
+  }
   for (std::size_t i = 0; i < cones_.size() && !strikes_any_; ++i) {
-    const double least = restitution(i) > 0 ? rest_speed : std::max(rest_speed, fall);
-    const bool strikes = restitution(i) > 0 || cones_[i].size() > 1;
-    strikes_any_ = strikes && approach(i) > least && reaches(i, h / 2);
+    const Restitution::Struck at = restitution_of(i);
+    const double least = at.restitution > 0 ? rest_speed : std::max(rest_speed, fall);
+    const bool strikes = at.restitution > 0 || cones_[i].size() > 1 || any_poisson;
+    strikes_any_ = strikes && at.approach > least && reaches(i, h / 2);
   }
   if (!strikes_any_) return;
-  bool any_poisson = false;
   for (std::size_t i = 0; i < cones_.size(); ++i) {
     strikes_[i] = reaches(i, (0.5 + together) * h) ? 1 : 0;
-    any_poisson = any_poisson || (strikes_[i] != 0 && restitution(i) > 0 && is_poisson(i) && approach(i) > rest_speed);
+    if (strikes_[i] != 0) restitution_.add(restitution_of(i));
   }
-  if (any_poisson) find_compression();
-}
-
-// Adds to b_ what limits demand.
-void TimeStepper::set_joint_velocities(double h, double part) {
-  for (std::size_t i = 0; i < joints_.count(); ++i) {
-    const JointRows::Row& row = joints_[i];
-    if (row.side == 0) continue;
-    const std::size_t cone = points_.size() + i;
-    const auto r = static_cast<std::size_t>(cones_[cone].first);
-    if (strikes_[cone] != 0) {
-      if (!is_poisson(cone)) b_[r] += row.side * part * restitution(cone) * approach(cone);
-    } else if (-row.depth > touch_tolerance) {
-      b_[r] += row.side * 2 * row.depth / h;
-    }
-  }
+  if (restitution_.needs_compression()) find_compression();
 }
 
 // Whether it was struck without restitution and does not leave, at the speeds free_speeds_ after the step.
 bool TimeStepper::remains_struck(std::size_t cone) const {
   const auto r = static_cast<std::size_t>(cones_[cone].first);
-  return strikes_[cone] != 0 && restitution(cone) == 0 && x_[r] != 0 && std::abs(free_speeds_[r]) <= rest_speed;
+  return strikes_[cone] != 0 && restitution_of(cone).restitution == 0 && x_[r] != 0 &&
+         std::abs(free_speeds_[r]) <= rest_speed;
 }
 
 // The impulses that end all approaches, without those of other forces; friction of joints exerts none.
@@ -100,16 +96,6 @@ void TimeStepper::find_compression() {
   free_speeds_ = b_;
   std::ranges::fill(compression_, 0.0);
   solve(correction_cones_, compression_);
-}
-
-// least_ <- the impulses of Poisson's law, which others may exceed; part: of the restitution.
-void TimeStepper::set_least_impulses(double part) {
-  std::ranges::fill(least_, 0.0);
-  for (std::size_t i = points_.size(); i < cones_.size(); ++i) {
-    if (strikes_[i] == 0 || !is_poisson(i)) continue;
-    const auto r = static_cast<std::size_t>(cones_[i].first);
-    least_[r] = (1 + part * restitution(i)) * compression_[r];
-  }
 }
 
 // That the impulses of contacts and limits add, between the velocities before and after them.
@@ -140,21 +126,19 @@ bool TimeStepper::is_impossible() const {
 // Where the laws would add energy, as where unlike restitutions are struck together, restitution is reduced; where they
 // exclude each other, impacts are inelastic.
 void TimeStepper::reduce_restitution(double h) {
-  double low = 0, high = 1;
+  const auto solve_part = [&](double part) {
+    set_velocities(h, part);
+    solve_impulses();
+  };
   if (is_impossible()) {
     std::ranges::fill(x_, 0.0);
-    high = 0;
-  } else if (gained_energy() <= 0) {
-    return;
+    solve_part(0);
+  } else if (gained_energy() > 0) {
+    solve_part(largest_part(most_bisections, [&](double part) {
+      solve_part(part);
+      return gained_energy() <= 0;
+    }));
   }
-  for (int k = 0; k < most_bisections && high > 0; ++k) {
-    const double middle = (low + high) / 2;
-    set_velocities(h, middle);
-    solve_impulses();
-    (gained_energy() <= 0 ? low : high) = middle;
-  }
-  set_velocities(h, low);
-  solve_impulses();
 }
 
 }  // namespace gelenk

@@ -14,10 +14,6 @@ namespace {
 // Penetration that is removed within a step, relative to the smaller shape: the displacement is linear in the
 // coordinates.
 constexpr double max_correction = 0.1;
-// Rows up to which the Delassus operator is a matrix: larger ones cost more than they save. Sparse methods, which
-// bodies without loops permit, are as fast with a hundred rows, but their factors ask for memory in every step.
-constexpr int max_dense_rows = 400;
-constexpr int max_dense_rows_with_root = 200;
 // Of each row, relative to that of the bodies; and part of the size of impulses below which others are smaller.
 constexpr double compliance = 1e-4;
 constexpr double less = 1 - 1e-6;
@@ -25,73 +21,6 @@ constexpr double less = 1 - 1e-6;
 constexpr std::size_t max_reserved_rows = 200;
 
 }  // namespace
-
-// The Delassus operator of the present rows: a matrix if they are few.
-class TimeStepper::Operator final : public ConeOperator {
- public:
-  explicit Operator(const ContactRows& rows) : rows_(rows) {}
-
-  void reserve(std::size_t rows) {
-    numbers_.reserve(rows * rows);
-    unit_.reserve(rows);
-  }
-
-  // Call when the rows have changed.
-  void update() {
-    const int n = rows_.count();
-    is_dense_ = n <= (root().first.empty() ? max_dense_rows : max_dense_rows_with_root);
-    if (!is_dense_) return;
-    numbers_.resize(static_cast<std::size_t>(n) * static_cast<std::size_t>(n));
-    unit_.assign(static_cast<std::size_t>(n), 0.0);
-    for (int j = 0; j < n; ++j) {
-      unit_[static_cast<std::size_t>(j)] = 1;
-      rows_.apply(unit_.data(), numbers_.data() + static_cast<std::ptrdiff_t>(n) * j);
-      unit_[static_cast<std::size_t>(j)] = 0;
-    }
-    Eigen::Map<Eigen::MatrixXd> G(numbers_.data(), n, n);
-    for (int j = 0; j < n; ++j) {
-      for (int i = 0; i < j; ++i) G(i, j) = G(j, i) = (G(i, j) + G(j, i)) / 2;
-    }
-  }
-  // Adds this part of it to the diagonal of the matrix, until update().
-  void soften(double part) {
-    Eigen::Map<Eigen::MatrixXd> G(numbers_.data(), size(), size());
-    G.diagonal() *= 1 + part;
-  }
-  // Of impulses: the sum of the energies that each row alone would exchange.
-  double size_of(const std::vector<double>& x) const {
-    double sum = 0;
-    for (int i = 0; i < size(); ++i)
-      sum += matrix()(i, i) * x[static_cast<std::size_t>(i)] * x[static_cast<std::size_t>(i)];
-    return sum;
-  }
-  int size() const override { return rows_.count(); }
-  void apply(const double* x, double* y) const override {
-    if (!is_dense_) return rows_.apply(x, y);
-    const int n = size();
-    Eigen::Map<Eigen::VectorXd>(y, n).noalias() = matrix() * Eigen::Map<const Eigen::VectorXd>(x, n);
-  }
-  void diagonal_block(const Cone& cone, double* out) const override {
-    const int n = cone.size();
-    if (!is_dense_) return rows_.block(cone.first, n, out);
-    for (int i = 0; i < n; ++i) {
-      for (int j = 0; j < n; ++j) out[i * n + j] = matrix()(cone.first + i, cone.first + j);
-    }
-  }
-  const double* dense() const override { return is_dense_ ? numbers_.data() : nullptr; }
-  ConeRoot root() const override {
-    const WhitenedRows rows = rows_.whitened();
-    return {rows.columns, rows.first, rows.column, rows.value};
-  }
-
- private:
-  Eigen::Map<const Eigen::MatrixXd> matrix() const { return {numbers_.data(), size(), size()}; }
-
-  const ContactRows& rows_;
-  bool is_dense_ = false;
-  std::vector<double> numbers_;  // of the matrix: they keep their memory when its size changes
-  std::vector<double> unit_;
-};
 
 TimeStepper::TimeStepper(const Mechanism& mechanism, Dynamics& dynamics, const Loads& loads, double cone_tolerance)
     : mechanism_(mechanism),
@@ -101,7 +30,7 @@ TimeStepper::TimeStepper(const Mechanism& mechanism, Dynamics& dynamics, const L
       rows_(dynamics.branching().contact_rows()),
       finder_(mechanism, loads.contacts.size()),
       rotation_(mechanism),
-      operator_(std::make_unique<Operator>(rows_)),
+      operator_(rows_),
       solver_(make_cone_solver(cone_solver_kinds().front().name)),
       joints_(dynamics.branching(), mechanism.nv),
       v0_(static_cast<std::size_t>(mechanism.nv)),
@@ -143,13 +72,14 @@ void TimeStepper::reserve() {
   correction_cones_.reserve(rows);
   joints_.reserve(rows);
   strikes_.reserve(rows);
+  restitution_.reserve(rows);
   for (std::vector<double>* of : {&b_, &x_, &speeds_, &free_speeds_, &belts_, &compression_, &least_, &after_,
                                   &displacing_, &correction_b_, &correction_, &relieved_})
     of->reserve(rows);
   correction_rows_.reserve(rows);
   normal_operator_.reserve(rows);
   rows_.reserve(static_cast<int>(rows));
-  operator_->reserve(rows);
+  operator_.reserve(rows);
   // The solver keeps the memory of the largest problem.
   const auto n = static_cast<Eigen::Index>(rows);
   const Eigen::MatrixXd G = Eigen::MatrixXd::Identity(n, n);
@@ -179,8 +109,9 @@ void TimeStepper::collect(double h) {
   joints_.add({h, v0_.data(), vdot_.data(), state_.locks}, rows_, cones_);
   for (std::vector<double>* of : all_by_row()) of->assign(static_cast<std::size_t>(rows_.count()), 0.0);
   strikes_.clear();
+  restitution_.clear();
   if (cones_.empty()) return;
-  operator_->update();
+  operator_.update();
   rows_.speeds(v0_.data(), speeds_.data());
   set_belts();
   set_friction();
@@ -195,7 +126,7 @@ void TimeStepper::add_passed_limits(double h) {
   if (cones_.size() == before) return;
   for (std::vector<double>* of : all_by_row()) of->resize(static_cast<std::size_t>(rows_.count()), 0.0);
   strikes_.resize(cones_.size(), 0);
-  operator_->update();
+  operator_.update();
 }
 
 void TimeStepper::add_contact(const TouchPoint& point) {
@@ -212,43 +143,6 @@ void TimeStepper::add_contact(const TouchPoint& point) {
   for (int i = 0; i < cone.roll; ++i) rows_.add(a, b, point.p, axes.col(1 + i), true);
   frames_.push_back(axes);
   cones_.push_back(cone);
-}
-
-void TimeStepper::set_belts() {
-  for (std::size_t i = 0; i < points_.size(); ++i) {
-    const ContactLaw& law = loads_.contacts[static_cast<std::size_t>(points_[i].contact)];
-    if (law.belt_velocity.isZero(0)) continue;
-    const Eigen::Vector3d belt = finder_.pose(points_[i].b).R * law.belt_velocity;
-    const auto first = static_cast<std::size_t>(cones_[i].first) + 1;
-    for (int k = 0; k < cones_[i].tangential; ++k)
-      belts_[first + static_cast<std::size_t>(k)] = frames_[i].col(1 + k).dot(belt);
-  }
-}
-
-// b_ <- the velocities without impulses, plus those that the laws demand; part: of the restitution. What is reached
-// closes its gap at the end of the step. What persists on curved surfaces is apart in the middle of each step, where it
-// touches at its ends: by a quarter of what curvature opens in a step. It is given the velocity that leads from its
-// present gap to that one; if each gap were closed at the end of its step, every other one would be closed twice, and
-// forces would alternate.
-void TimeStepper::set_velocities(double h, double part) {
-  rows_.speeds(v1_.data(), free_speeds_.data());
-  for (std::size_t r = 0; r < b_.size(); ++r) b_[r] = free_speeds_[r] += belts_[r];
-  for (std::size_t i = 0; i < points_.size(); ++i) {
-    const auto r = static_cast<std::size_t>(cones_[i].first);
-    if (strikes_[i] != 0) {
-      b_[r] -= part * restitution(i) * approach(i);
-    } else if (opens_[i] > 0) {
-      constexpr double at_ends = 0.75;
-      b_[r] += std::max(0.0, points_[i].gap + at_ends * opens_[i]) / h;
-    } else if (points_[i].gap > touch_tolerance) {
-      b_[r] += 2 * points_[i].gap / h;
-    }
-  }
-  set_joint_velocities(h, part);
-  if (!has_compression_) return;
-  set_least_impulses(part);
-  operator_->apply(least_.data(), after_.data());
-  for (std::size_t r = 0; r < b_.size(); ++r) b_[r] += after_[r];
 }
 
 // x_ <- the impulses of the last step.
@@ -293,7 +187,7 @@ void TimeStepper::solve_impulses() {
 
 // x <- the impulses in these cones, for the velocities b_.
 void TimeStepper::solve(const std::vector<Cone>& cones, std::vector<double>& x) {
-  if (recorded_ != nullptr) recorded_->emplace_back(ConeProblem{*operator_, b_, cones, true});
+  if (recorded_ != nullptr) recorded_->emplace_back(ConeProblem{operator_, b_, cones, true});
   const ConeResult result = solve_for(cones, x);
   last_residual_ = result.residual;
   solved_.residual = std::max(solved_.residual, result.residual);
@@ -304,13 +198,13 @@ ConeResult TimeStepper::solve_for(const std::vector<Cone>& cones, std::vector<do
   ConeOptions options;
   options.tolerance = velocity_tolerance();
   options.max_iterations = most_cone_iterations;
-  return solver_->solve({*operator_, b_, cones, true}, options, x.data());
+  return solver_->solve({operator_, b_, cones, true}, options, x.data());
 }
 
 // Whether a limit or a one-way clutch and a point with friction push, and one of them has not in the last step. They
 // may push against each other; the friction of such a prestress could hold what would slide without it.
 bool TimeStepper::may_be_prestressed() const {
-  if (operator_->dense() == nullptr) return false;
+  if (operator_.dense() == nullptr) return false;
   bool any_limit = false, any_point = false, any_new = strikes_any_;
   for (std::size_t i = 0; i < cones_.size(); ++i) {
     const Cone& cone = cones_[i];
@@ -330,11 +224,11 @@ bool TimeStepper::may_be_prestressed() const {
 // have none, if they are smaller.
 void TimeStepper::relieve() {
   relieved_.assign(x_.size(), 0.0);
-  operator_->soften(compliance);
+  operator_.soften(compliance);
   solve_for(cones_, relieved_);
-  operator_->update();
+  operator_.update();
   const ConeResult result = solve_for(cones_, relieved_);
-  if (!result.converged || operator_->size_of(relieved_) > less * operator_->size_of(x_)) return;
+  if (!result.converged || operator_.size_of(relieved_) > less * operator_.size_of(x_)) return;
   x_.swap(relieved_);
   solved_.iterations = std::max(solved_.iterations, result.iterations);
 }
@@ -379,7 +273,7 @@ void TimeStepper::correct_position(double h, double* dq) {
     correction_rows_.push_back(first);
   }
   if (!any) return;
-  normal_operator_.select(*operator_, correction_rows_);
+  normal_operator_.select(operator_, correction_rows_);
   correction_.assign(correction_rows_.size(), 0.0);
   ConeOptions options;
   options.tolerance = std::max(touch_tolerance, h * velocity_tolerance()) / 10;

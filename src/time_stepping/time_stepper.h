@@ -20,7 +20,9 @@
 #include "contact_geometry/contact_finder.h"
 #include "dynamics/dynamics.h"
 #include "linear/anderson.h"
+#include "nonsmooth/restitution.h"
 #include "time_stepping/contact_state.h"
+#include "time_stepping/delassus_operator.h"
 #include "time_stepping/free_rotation.h"
 #include "time_stepping/joint_rows.h"
 #include "time_stepping/recorded_problem.h"
@@ -90,7 +92,6 @@ class TimeStepper final : public ContactReadings {
   void serialize(Archive& archive);
 
  private:
-  class Operator;
   void reserve();
   bool converge(double h, const double* u, bool last);
   bool attempt(double h, const double* u, double* y, bool last);
@@ -115,20 +116,18 @@ class TimeStepper final : public ContactReadings {
   void set_friction();
   bool stop_turning_points();
   Eigen::Vector3d slip(std::size_t point, const std::vector<double>& speeds) const;
-  double restitution(std::size_t cone) const;
-  bool is_poisson(std::size_t cone) const;
   double approach(std::size_t cone) const;
   void find_strikes(double h);
   bool remains_struck(std::size_t cone) const;
   void find_compression();
-  void set_least_impulses(double part);
   bool is_impossible() const;
   void reduce_restitution(double h);
   double gained_energy();
   void set_belts();
   double opening(double gap, const RememberedContact& before, double h) const;
+  Restitution::Struck restitution_of(std::size_t cone) const;
   void set_velocities(double h, double part);
-  void set_joint_velocities(double h, double part);
+  void add_gaps(double h);
   void guess(double h);
   double velocity_tolerance() const;
   void solve_impulses();
@@ -153,7 +152,7 @@ class TimeStepper final : public ContactReadings {
   ContactRows& rows_;
   ContactFinder finder_;
   FreeRotation rotation_;
-  std::unique_ptr<Operator> operator_;
+  DelassusOperator operator_;
   std::unique_ptr<ConeSolver> solver_;
   ContactState state_, kept_, second_;
   bool has_second_ = false;
@@ -172,6 +171,7 @@ class TimeStepper final : public ContactReadings {
   std::vector<Cone> cones_;
   std::vector<double> b_, x_, speeds_, free_speeds_;
   std::vector<char> strikes_;  // by cone: it takes part in an impact within the step
+  Restitution restitution_;    // of what takes part
   bool strikes_any_ = false, has_compression_ = false;
   double last_residual_ = 0;                 // of the last cone problem
   std::vector<double> belts_;                // by row: their velocities

@@ -143,7 +143,7 @@ def box_on_a_cart(friction: SceneData | None = None) -> Case:
     return contact_case(source, 0.9, inputs={"push.f": lambda t: at(t, (3.0, 20.0, 0.0, -9.0))})
 
 
-def buffers(bound: float, restitution: float, limit: float) -> Case:
+def buffers(bound: float, restitution: float, limit: float, law: str = "newton") -> Case:
     """A ball on a guide strikes another one, which a limit stops; a motor presses them together."""
     bodies = {"first": ball(1.0, "first"), "second": ball(2.0, "second")}
     joints = {
@@ -152,7 +152,7 @@ def buffers(bound: float, restitution: float, limit: float) -> Case:
             "second",
             ALONG,
             {"body": "ground", "position": [0, 0, 1]},
-            limit={"upper": bound, "restitution": limit},
+            limit={"upper": bound, "restitution": limit, "law": law},
             friction={"coulomb": 0.8},
         ),
     }
@@ -211,4 +211,8 @@ for _bound in (0.0, 0.05, 0.0333):
     for _e, _limit in ((0.0, 0.0), (0.0, 0.5), (0.6, 0.0), (0.6, 0.5)):
         CASES[f"limit at {_bound} m struck through a contact, {_e} and {_limit}"] = partial(
             buffers, _bound, _e, _limit
+        )
+    for _e in (0.0, 0.6):
+        CASES[f"limit at {_bound} m struck through a contact, {_e} and 0.5 by Poisson's law"] = partial(
+            buffers, _bound, _e, 0.5, "poisson"
         )

@@ -31,6 +31,8 @@ class OneCoordinate final : public Branching {
   bool needs_accelerations() const override { never(); }
   void hold(const int*) override { never(); }
   std::span<double> inputs() override { never(); }
+  std::span<const int> frictions(int) const override { return {&of.friction, of.friction < 0 ? 0u : 1u}; }
+  double part_of_friction(int, int) const override { never(); }
   gelenk::DirectedLimit sliding_limit(int, double) const override { never(); }
   gelenk::LoadDependence& loads() override { never(); }
   gelenk::ContactRows& contact_rows() override { never(); }

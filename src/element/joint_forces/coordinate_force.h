@@ -17,10 +17,12 @@
 //   excess(), is_excess() a second element beside it, with modes that are no events for the user; optional
 //
 // Elements that can keep their coordinate at rest, with a force that is not theirs to compute, have indicators for a
-// given mode; x: the generalized force that keeps the coordinate at rest. One whose mode 0 is rest (friction) has
-//   sticking_limit(u)     largest |tau| that keeps the coordinate at rest
-//   slipping_limit(u)     |tau| in a motion that begins
-//   indicators(side, v, a, x, limit, g, gdot)    a: acceleration, or NaN; limit: sticking_limit(u) and rounding
+// given mode; x: the generalized force that keeps the coordinate at rest. One whose mode 0 is rest is a law of friction
+// (dry_friction.h), which has
+//   sticking_limit(q, u)  largest |tau| that keeps the coordinate at rest
+//   slipping_limit(q, u)  |tau| in a motion that begins
+//   indicators(side, v, a, x, limit, g, gdot)    a: acceleration, or NaN; limit: of all friction, and rounding
+//   load_factor(side, v, u), ...   if it depends on loads, see joint_friction.h
 // and one whose modes 1 and -1 are contact (limit) has
 //   depth(side, q), touch_tolerance(side), restitution, is_poisson()
 //   indicators(side, q, v, x, adhesion, g, gdot)
@@ -49,10 +51,13 @@ concept HasBranches = requires(const F& f, double x) { f.side(x, x); };
 
 // Elements that can keep their coordinate at rest, by friction and in contact.
 template <class F>
-concept Sticks = HasBranches<F> && requires(const F& f, const double* u) { f.sticking_limit(u); };
+concept Sticks = HasBranches<F> && requires(const F& f, const double* u) { f.sticking_limit(0.0, u); };
 template <class F>
 concept Blocks = HasBranches<F> && requires(const F& f) { f.restitution; };
-// Of these, the ones that bound the speed.
+// Friction that may depend on the forces which bearings, guides and meshes transmit.
+template <class F>
+concept TakesLoads = Sticks<F> && requires(const F& f, const double* u) { f.sticking_load_factor(u); };
+// Of those in contact, the ones that bound the speed.
 template <class F>
 concept BoundsSpeed = Blocks<F> && requires { F::bounds_speed; };
 

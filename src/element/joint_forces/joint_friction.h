@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
 
-#include "element/joint_forces/coordinate_force.h"
+#include "element/joint_forces/dry_friction.h"
 #include "util/text.h"
 
 namespace gelenk {
@@ -57,7 +56,7 @@ struct Bearing {
 // coulomb + (static - coulomb) exp(-(|v| / stribeck)^exponent). A bearing adds coefficient radius R, with the force R
 // that the joint transmits across its axis, which depends on friction; a guide adds coefficient R. A clutch or a brake
 // is a friction that an input engages: all these are multiplied by the input, below 0 by 0.
-struct JointFriction {
+struct JointFriction : DryFriction<JointFriction> {
   static constexpr std::string_view group = "friction";
   static constexpr std::string_view summary = "dry friction, which keeps the coordinate at rest up to a limit";
   static constexpr std::string_view misfit = "has more than one degree of freedom";  // of a joint with coordinates
@@ -112,12 +111,6 @@ struct JointFriction {
     return engagement;
   }
 
-  static constexpr SignalGroup outputs[] = {
-      {"{effort}", 0, "{f}", "dry friction on {joint}.{coordinate}, in its direction"},
-      {"mode", 0, "1",
-       "1, -1: {joint}.{coordinate} slips in its positive, negative direction; 0: friction or a limit keeps it at "
-       "rest"}};
-
   std::optional<ElementFault> fault(const Coordinate& at) const {
     if (bearing) {
       if (std::optional<ElementFault> found = fault_of_bearing(at)) return found;
@@ -134,11 +127,12 @@ struct JointFriction {
     if (!is_engaged_by_input()) return T(1);
     return u[0] > T(0) ? u[0] : T(0);
   }
-  // Largest magnitude at rest [N m, N], and magnitude in a motion that begins.
-  double sticking_limit(const double* u) const { return engagement(u) * full_sticking_limit(); }
-  double slipping_limit(const double* u) const { return stribeck > 0 ? sticking_limit(u) : engagement(u) * coulomb; }
+  double sticking_limit(double, const double* u) const { return engagement(u) * full_sticking_limit(); }
+  double slipping_limit(double q, const double* u) const {
+    return stribeck > 0 ? sticking_limit(q, u) : engagement(u) * coulomb;
+  }
   bool is_guide() const { return bearing && std::isnan(bearing->radius); }
-  // The same per force that the bearing or guide transmits, in motion in the mode `side` at the speed v [m, 1]; and at
+  // Friction per force that the bearing or guide transmits, in motion in the mode `side` at the speed v [m, 1]; and at
   // rest, and in a motion that begins.
   template <class T>
   T load_factor(int side, const T& v, const T* u) const {
@@ -152,36 +146,12 @@ struct JointFriction {
     return !bearing ? 0 : stribeck > 0 ? sticking_load_factor(u) : engagement(u) * arm() * bearing->coefficient;
   }
 
-  // Modes: 1 and -1 in motion with positive and negative speed, 0 at rest, where the equations of motion determine the
-  // torque (dynamics/locked_coordinates.h).
   template <class T>
-  T held(int side, const T&, const T& v, const T* u) const {
-    if (side != 1 && side != -1) return T(0);
-    T magnitude = stribeck_curve(side, v, coulomb, full_sticking_limit());
-    if (is_engaged_by_input()) magnitude *= engagement(u);
-    return T(-side) * magnitude;
+  T friction(int side, const T&, const T& v, const T* u) const {
+    T size = stribeck_curve(side, v, coulomb, full_sticking_limit());
+    if (is_engaged_by_input()) size *= engagement(u);
+    return size;
   }
-  template <class T>
-  int side(const T&, const T& v) const {
-    return v > T(0) ? 1 : v < T(0) ? -1 : 0;
-  }
-  template <class T>
-  T effort(const T& q, const T& v, const T* u) const {
-    return held(side(q, v), q, v, u);
-  }
-  // The event indicators in a mode: of motion with positive and with negative speed. a: the acceleration. x: the torque
-  // that keeps the coordinate at rest, in mode 0. limits: how large it may be against motion in either direction.
-  void indicators(int side, double v, double a, double x, const std::array<double, 2>& limits, double* g,
-                  double* gdot) const {
-    g[0] = side > 0 ? v : side < 0 ? -1 : -x - limits[0];
-    g[1] = side < 0 ? -v : side > 0 ? -1 : x - limits[1];
-    gdot[0] = side > 0 ? a : NAN;
-    gdot[1] = side < 0 ? -a : NAN;
-  }
-  // For each indicator, the texts of the events at which this motion ends at rest, and at which it begins.
-  static constexpr std::string_view events[2][2] = {
-      {"{joint}.{coordinate} sticks", "{joint}.{coordinate} slips in its positive direction"},
-      {"{joint}.{coordinate} sticks", "{joint}.{coordinate} slips in its negative direction"}};
 
  private:
   double full_sticking_limit() const { return std::isnan(static_limit) ? coulomb : static_limit; }

@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The laws of forces along joints that have modes, by number; and the coordinates on which laws of friction and of
+// bounds act, which can keep them at rest ("locks").
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <span>
+#include <tuple>
+#include <type_traits>
+#include <vector>
+
+#include "dynamics/branching.h"
+#include "dynamics/locked_coordinates.h"
+#include "kinematics/friction_loads.h"
+#include "kinematics/load_kernels.h"
+
+namespace gelenk {
+
+template <class A>
+class JointLaws {
+ public:
+  // The state, as far as laws depend on it. All must outlive it.
+  struct State {
+    const Model<A>& model;
+    const Loads& loads;
+    Workspace<A>& ws;
+    const std::vector<double>&q, &v, &cut_reference;
+  };
+  using Row = typename LockedCoordinates<A>::Row;
+
+  explicit JointLaws(const State& state) : state_(state) {
+    look_along(state_.loads.tree, -1);
+    for (int c = 0; c < static_cast<int>(state_.loads.cuts.size()); ++c) look_along(state_.loads.cuts[c], c);
+    find_inputs();
+  }
+
+  int count() const { return static_cast<int>(lock_of_.size()); }
+  int locks() const { return static_cast<int>(found_.size()); }
+  int lock_of(int force) const { return lock_of_[force]; }  // -1: it cannot lock
+  // Without its limits of friction.
+  const Branching::Lock& lock(int lock) const { return found_[lock]; }
+  std::span<const int> frictions(int lock) const { return frictions_[lock]; }
+  // Of all locks: of their speeds.
+  const std::vector<Row>& rows() const { return rows_; }
+  std::vector<double> signs() const {
+    std::vector<double> out;
+    for (const Branching::Lock& lock : found_) out.push_back(lock.sign);
+    return out;
+  }
+
+  // u: all inputs of the scene, of which those of the laws are kept.
+  void set_inputs(const double* u) {
+    for (const int input : input_numbers_) inputs_[static_cast<std::size_t>(input)] = u[input];
+  }
+  std::span<double> inputs() { return inputs_; }
+  template <class Force>
+  const double* inputs_of(const Force& force) const {
+    return inputs_.data() + force.input;
+  }
+
+  // Calls visit(force, q, v) for all forces, with the coordinates and velocities to which they refer.
+  template <class Visit>
+  void each(Visit visit) const {
+    kernels::each_branching(state_.model, state_.loads, state_.ws, state_.q.data(), state_.v.data(),
+                            state_.cut_reference.data(), visit);
+  }
+  // Calls visit(force) for the one with this index; -1: for none.
+  template <class Visit>
+  void visit(int force, Visit visit) const {
+    if (force < 0) return;
+    const Place& at = places_[force];
+    int number = 0;
+    each_list((at.cut < 0 ? state_.loads.tree : state_.loads.cuts[at.cut]).lists, [&](const auto& list) {
+      if constexpr (HasBranches<std::decay_t<decltype(list.front().element)>>) {
+        if (number++ == at.list) visit(list[at.index]);
+      }
+    });
+  }
+  // Calls visit(law, q, u) if it is friction, with its inputs, and its position if it depends on it, otherwise NaN.
+  template <class Visit>
+  void visit_friction(int force, Visit visit) const {
+    this->visit(force, [&](const auto& at) {
+      using Law = std::decay_t<decltype(at.element)>;
+      if constexpr (Sticks<Law>) {
+        double q = NAN;
+        if constexpr (Law::depends_on_position) q = position(at, force);
+        visit(at.element, q, inputs_of(at));
+      }
+    });
+  }
+
+  // Of the coordinate of the force with this index, in the user's sign.
+  template <class Force>
+  double position(const Force& force, int index) const {
+    const int cut = places_[index].cut;
+    return force.sign * (cut < 0 ? state_.q[force.q] : cut_motion(cut).q[force.q]);
+  }
+  // The same of a cut joint is that of the last set_acceleration().
+  template <class Force>
+  double acceleration(const Force& force, int index, const double* vdot) const {
+    const int cut = places_[index].cut;
+    if (cut < 0) return force.sign * vdot[force.v];
+    const auto at = cut_motion(cut);
+    double a[max_cut_nv] = {};
+    kernels::cut_accelerations<A>(state_.model.cuts[cut], state_.ws, cut, at.q.data(), at.v.data(), a);
+    return force.sign * a[force.v];
+  }
+
+ private:
+  auto cut_motion(int cut) const {
+    return kernels::counted_cut_motion(state_.model, state_.ws, cut, state_.cut_reference.data());
+  }
+
+  void look_along(const JointLoads& joints, int cut) {
+    int number = 0;
+    each_list(joints.lists, [&](const auto& list) {
+      if constexpr (HasBranches<std::decay_t<decltype(list.front().element)>>) {
+        for (std::size_t i = 0; i < list.size(); ++i) {
+          places_.push_back({cut, number, i});
+          look(list[i], cut);
+        }
+        ++number;
+      }
+    });
+  }
+  template <class Force>
+  void look(const Force& force, int cut) {
+    using Law = std::decay_t<decltype(force.element)>;
+    const int index = count();
+    lock_of_.push_back(-1);
+    if constexpr (Sticks<Law> || Blocks<Law>) {
+      const int lock = lock_for(force, cut, Blocks<Law>);
+      lock_of_.back() = lock;
+      if constexpr (Sticks<Law>) {
+        frictions_[lock].push_back(index);
+        found_[lock].friction = frictions_[lock].front();
+      } else {
+        found_[lock].limit = index;
+      }
+    }
+  }
+  // A law that bounds its coordinate beside another one, as a one-way clutch beside a limit, has a lock of its own: it
+  // may hold the coordinate in one direction where the other holds it in the other.
+  template <class Force>
+  int lock_for(const Force& force, int cut, bool bounds) {
+    for (int nth = 0;; ++nth) {
+      const auto [at, is_new] = lock_at_.try_emplace({cut, force.v, nth}, locks());
+      if (is_new) {
+        found_.emplace_back().sign = force.sign;
+        frictions_.emplace_back();
+        rows_.push_back(row_of(cut, force.v));
+      }
+      if (!bounds || found_[at->second].limit < 0) return at->second;
+    }
+  }
+  // A cut joint with friction is a revolute joint in the plane (mechanism/tree.cpp cuts no other one).
+  Row row_of(int cut, int velocity) const {
+    if (cut < 0) return {{velocity, 1}};
+    Row out;
+    for (const auto& [v, factor] : turn_of_cut_joint(state_.model, cut, state_.ws)) out.push_back({v, factor});
+    return out;
+  }
+  // Makes room for all inputs up to the last one that a force has, or would have.
+  void find_inputs() {
+    int end = 0;
+    const auto add = [&](const auto& force) {
+      const int own = count_of(own_inputs(force.element));
+      for (int i = 0; i < own; ++i) input_numbers_.push_back(force.input + i);
+      end = std::max(end, force.input + own);
+    };
+    state_.loads.tree.each_branching(add);
+    for (const JointLoads& on : state_.loads.cuts) on.each_branching(add);
+    inputs_.resize(static_cast<std::size_t>(end) + 1);
+  }
+
+  State state_;
+  struct Place {
+    int cut, list;  // -1: the tree; number among the lists of forces with modes
+    std::size_t index;
+  };
+  std::vector<Place> places_;  // by force
+  std::vector<int> lock_of_;   // by force
+  std::vector<Branching::Lock> found_;
+  std::vector<std::vector<int>> frictions_;           // by lock
+  std::vector<Row> rows_;                             // by lock
+  std::map<std::tuple<int, int, int>, int> lock_at_;  // by cut (-1: tree), velocity and number of its locks
+  std::vector<int> input_numbers_;                    // of the inputs that the laws have
+  std::vector<double> inputs_;                        // by number
+};
+
+}  // namespace gelenk
