@@ -37,6 +37,7 @@ ADDED = {
     "sleeve": ("Sleeve", "AnyConstraint"),
     "height": ("Height", "AnySensor"),
     "preload": ("std::optional<Preload>", "JointForces"),
+    "detent": ("std::optional<Detent>", "JointForces"),
     "ellipsoid": ("Ellipsoid", "AnyShape"),
 }
 ROOMS = {
@@ -62,8 +63,10 @@ SAYING_FORCES = (
     "outputs/wrenches.cpp",
 )
 LAYOUT = ("test_sizes.py", "test_layout.py", "test_folders.py")
-# These see every joint, force, constraint, sensor and motor there is.
+# These see every joint, force, constraint, sensor and motor there is. A law of friction is asked by the dynamics
+# alone, for located events and time steps.
 KERNELS = (
+    "dynamics/dynamics.cpp",
     "kinematics/forces_by_kind.cpp",
     "kinematics/load_kernels.cpp",
     "derivatives/forces_by_kind.cpp",
@@ -80,7 +83,8 @@ SCENE: dict[str, Any] = {
     "joints": {
         "A": {"type": "dial", "parent": "ground", "child": "hand", "ratio": 2, "preload": {"size": 3},
               "stop": {"upper": 1, "stiffness": 100}},
-        "B": {"type": "revolute", "parent": "ground", "child": "wheel"},
+        "B": {"type": "revolute", "parent": "ground", "child": "wheel", "friction": {"coulomb": 1},
+              "detent": {"holding": 2, "position": 0.5, "width": 0.1}},
         "C": {"type": "free", "parent": "ground", "child": "bead"},
     },
     "motors": {"turn": {"type": "servo", "joint": "A", "gain": 5}},
@@ -215,7 +219,7 @@ def test_new_kinds_are_read_and_written_back(told: dict[str, Any]) -> None:
 def test_new_kinds_have_signals_with_units(told: dict[str, Any]) -> None:
     units = {name: unit for name, (unit, _) in told["outputs"].items()}
     expected = {
-        "A.phi": "rad", "A.w": "rad/s", "band.tau": "N.m", "bore.f[1]": "N", "bore.f[2]": "N",
+        "A.phi": "rad", "A.w": "rad/s", "B.detent.tau": "N.m", "B.detent.mode": "1", "band.tau": "N.m", "bore.f[1]": "N", "bore.f[2]": "N",
         "level.h": "m", "level.rise": "m/s",
     }  # fmt: skip
     assert {name: units.get(name) for name in expected} == expected
@@ -227,7 +231,7 @@ def test_new_kinds_have_signals_with_units(told: dict[str, Any]) -> None:
 def test_numbers_of_new_kinds_are_parameters_with_units(told: dict[str, Any]) -> None:
     units = {name: unit for name, (unit, _) in told["settable"].items()}
     expected = {
-        "A.ratio": "1", "A.preload.size": "N.m", "turn.gain": "N.m/rad", "rope.strength": "N.m2",
+        "A.ratio": "1", "A.preload.size": "N.m", "B.detent.holding": "N.m", "B.detent.width": "rad", "turn.gain": "N.m/rad", "rope.strength": "N.m2",
         "band.radius": "m", "band.other_radius": "m",
     }  # fmt: skip
     assert {name: units.get(name) for name in expected} == expected
@@ -250,6 +254,8 @@ def test_schema_knows_new_kinds(told: dict[str, Any]) -> None:
     [
         ("joints", "A", {"ratio": 0}, "joints.A.ratio: found 0"),
         ("joints", "C", {"preload": {"size": 1}}, "has more than one degree of freedom"),
+        ("joints", "B", {"detent": {"holding": 1, "width": 0}}, "joints.B.detent.width: found 0 rad"),
+        ("joints", "C", {"detent": {"holding": 1, "width": 1}}, "has more than one degree of freedom"),
         ("motors", "turn", {"gain": -5}, "motors.turn.gain: found -5 N m/rad"),
         ("forces", "rope", {"strength": "2"}, "forces.rope.strength: found '2', expected a number in N m2"),
         ("constraints", "band", {"with": "C"}, "constraints.band.with"),

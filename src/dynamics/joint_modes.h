@@ -92,8 +92,7 @@ class JointModes final : public Branching {
         const DirectedLimit limit = sticking_limit(lock);
         const std::array<double, 2> limits{limit.positive + slack(lock), limit.negative + slack(lock)};
         force.element.indicators(side, speed, acceleration, holding[lock], limits, g, gdot);
-        // What leaves a contact has overcome friction; and one indicator says all of several laws with one mode.
-        if (is_in_contact(lock) || index != laws_.lock(lock).friction) g[0] = g[1] = -1;
+        if (is_in_contact(lock)) g[0] = g[1] = -1;  // what leaves a contact has overcome friction
       } else if constexpr (Blocks<Element>) {
         const double adhesion = this->lock(lock).sticking_limit.against(-side) + slack(lock);
         if constexpr (BoundsSpeed<Element>) {
