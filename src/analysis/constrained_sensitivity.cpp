@@ -99,7 +99,7 @@ void ConstrainedSensitivity::set_point(const double* q, const double* v, const d
   d.factorize();
   d.set_velocity(v);
   d.solve(u, vdot_.data());
-  holding_ = d.branching().holding_forces().values();
+  holding_ = d.switching_forces().holding_forces().values();
   if (!is_empty(*loads_.forces)) {
     d.readings().set_root_poses();
     const int force = undefined_force(*loads_.forces, d.readings());
@@ -120,7 +120,7 @@ void ConstrainedSensitivity::set_point(const double* q, const double* v, const d
 void ConstrainedSensitivity::hold(std::vector<int> sides) {
   sides_ = std::move(sides);
   const int* held = sides_.empty() ? nullptr : sides_.data();
-  dynamics_->branching().hold(held);
+  dynamics_->switching_forces().hold(held);
   dual_state_.equations->hold(held);
   series_state_.equations->hold(held);
   dual_state_.modes = series_state_.modes = held;
@@ -130,13 +130,13 @@ void ConstrainedSensitivity::hold(std::vector<int> sides) {
 MatrixXd ConstrainedSensitivity::given_velocities(const MatrixXd& dv) const {
   MatrixXd out = dv;
   for (const int k : of_speeds_.dependent) out.row(k).setZero();
-  for (Index k = 0; k < dv.cols() && !sides_.empty(); ++k) dynamics_->branching().clear(out.col(k).data());
+  for (Index k = 0; k < dv.cols() && !sides_.empty(); ++k) dynamics_->switching_forces().clear(out.col(k).data());
   return out;
 }
 
 // The same velocities, but nothing that is locked moves.
 MatrixXd ConstrainedSensitivity::stopped(MatrixXd dv) const {
-  for (Index k = 0; k < dv.cols() && !sides_.empty(); ++k) dynamics_->branching().stop(dv.col(k).data());
+  for (Index k = 0; k < dv.cols() && !sides_.empty(); ++k) dynamics_->switching_forces().stop(dv.col(k).data());
   return dv;
 }
 
@@ -153,7 +153,7 @@ void ConstrainedSensitivity::solve(VectorXd& r, const VectorXd& c, VectorXd& l, 
   r = -r;
   const VectorXd target = -c;
   l.resize(mechanism_.rows);
-  holding.setZero(dynamics_->branching().locks());
+  holding.setZero(dynamics_->switching_forces().locks());
   dynamics_->solve_linear(r.data(), target.data(), l.data(), holding.data());
 }
 
@@ -319,7 +319,7 @@ void ConstrainedSensitivity::differentiate_acceleration(const MatrixXd& null_mul
     dlambda.col(k) = l + null_multipliers.col(k);
     for (std::size_t i = 0; i < holding.size(); ++i) holding[i].derivatives()[k] = x[static_cast<Index>(i)];
   }
-  if (dynamics_->branching().is_redundant()) {
+  if (dynamics_->switching_forces().is_redundant()) {
     dlambda.setConstant(undetermined);
     for (Dual& force : holding) force.derivatives().setConstant(undetermined);
   }

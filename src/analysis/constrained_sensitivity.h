@@ -76,8 +76,8 @@ class ConstrainedSensitivity {
   void set_point(const double* q, const double* v, const double* u, const double* cut_q,
                  const std::vector<MotionLaw::Derivatives>& targets);
 
-  // Holds the forces with modes in these (Branching::hold) from the next set_point() on; empty: in those of the state.
-  // What they keep at rest remains at rest: the derivatives of its velocities are 0.
+  // Holds the forces with modes in these (SwitchingForces::hold) from the next set_point() on; empty: in those of the
+  // state. What they keep at rest remains at rest: the derivatives of its velocities are 0.
   void hold(std::vector<int> sides);
   // The present point: (q, v, vdot) stacked, and qdot.
   Eigen::VectorXd point() const;

@@ -38,9 +38,9 @@ template <class T>
 void ConstrainedSensitivity::set_forces(CarriedState<T>& at, const std::vector<T>& holding) {
   if (sides_.empty()) return;
   std::vector<T> by_force(sides_.size());
-  share_holding_forces(dynamics_->branching(), sides_.data(), holding.data(), by_force.data());
+  share_holding_forces(dynamics_->switching_forces(), sides_.data(), holding.data(), by_force.data());
   at.forces.resize(sides_.size());
-  at.equations->branching_forces(at.u.data(), sides_.data(), by_force.data(), at.forces.data());
+  at.equations->switching_forces(at.u.data(), sides_.data(), by_force.data(), at.forces.data());
 }
 
 }  // namespace gelenk

@@ -26,7 +26,7 @@ CarriedState<Series>& ConstrainedSensitivity::time_derivatives(const double* udo
     e.set_position(series_state_.q.data());
     expand_acceleration(k);
   }
-  if (dynamics_->branching().is_redundant()) {
+  if (dynamics_->switching_forces().is_redundant()) {
     for (std::vector<Series>* of : {&series_state_.lambda, &holding_in_time_}) {
       for (Series& x : *of) {
         for (int k = 1; k <= series_order; ++k) x[k] = undetermined;

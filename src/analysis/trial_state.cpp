@@ -8,8 +8,8 @@
 #include "analysis/independent_columns.h"
 #include "assembly/loop_closure.h"
 #include "element/constraints/cut_joint.h"
-#include "kinematics/branches.h"
-#include "kinematics/branching_forces.h"
+#include "kinematics/force_modes.h"
+#include "kinematics/switching_force.h"
 #include "mechanism/mechanism.h"
 
 namespace gelenk {
@@ -90,18 +90,18 @@ TrialStates::TrialStates(const EquilibriumProblem& of)
     : of_(of),
       mechanism_(of.mechanism),
       dynamics_(make_dynamics(of.mechanism, of.loads)),
-      sides_(forces().count(), branch_of_state),
+      sides_(forces().count(), mode_of_state),
       borne_(static_cast<std::size_t>(forces().locks()), false),
       time_(of.time),
       time_squared_(of.time * of.time) {
   dynamics_->set_max_rank(of.mobility.rank);
   dynamics_->set_targets(with_two_derivatives(of.targets).data());
   if (of.request.solve_for.empty()) return;
-  const std::vector<BranchingForce> places = branching_forces(of.loads);
+  const std::vector<SwitchingForce> places = switching_forces_of(of.loads);
   for (int i = 0; i < locks(); ++i) {
     const int limit = forces().lock(i).limit;
     if (limit < 0) continue;
-    const BranchingForce& at = places[static_cast<std::size_t>(limit)];
+    const SwitchingForce& at = places[static_cast<std::size_t>(limit)];
     borne_[static_cast<std::size_t>(i)] = std::ranges::any_of(of.request.held, [&](const auto& held) {
       return held.order == 0 && held.joint == at.joint && held.component == at.component;
     });
@@ -114,7 +114,7 @@ bool TrialStates::rests(int lock, const TrialState& at) {
 }
 
 bool TrialStates::sticks(int lock, const TrialState& at) {
-  const Branching::Lock of = forces().lock(lock);
+  const SwitchingForces::Lock of = forces().lock(lock);
   return friction_holds_ && of.friction >= 0 && of.sticking_limit.largest() > 0 && at.slips[lock] == 0 &&
          rests(lock, at);
 }
@@ -123,10 +123,10 @@ bool TrialStates::sticks(int lock, const TrialState& at) {
 void TrialStates::hold(const TrialState& at) {
   if (locks() == 0) return;
   for (int i = 0; i < locks(); ++i) {
-    const Branching::Lock lock = forces().lock(i);
-    int side = friction_holds_ ? at.slips[i] : branch_released;
+    const SwitchingForces::Lock lock = forces().lock(i);
+    int side = friction_holds_ ? at.slips[i] : mode_released;
     if (!rests(i, at)) side = forces().speed(i, at.v.data()) > 0 ? 1 : -1;
-    if (!(lock.sticking_limit.largest() > 0)) side = branch_released;
+    if (!(lock.sticking_limit.largest() > 0)) side = mode_released;
     for (const int law : forces().frictions(i)) sides_[static_cast<std::size_t>(law)] = side;
     if (lock.limit >= 0) sides_[static_cast<std::size_t>(lock.limit)] = at.contacts[i];
   }
@@ -316,7 +316,7 @@ bool TrialStates::touch(TrialState& at) {
   bool any = false;
   for (int i = 0; i < locks(); ++i) {
     for (const int side : {1, -1}) {
-      const Branching::Depth& depth = at.depth(i, side);
+      const SwitchingForces::Depth& depth = at.depth(i, side);
       if (at.contacts[i] != 0 || depth.depth < -depth.tolerance || !may_touch(i)) continue;
       if (forces().lock(i).one_way && !rests(i, at)) continue;
       at.contacts[i] = side;

@@ -20,13 +20,13 @@ namespace gelenk {
 struct TrialState {
   std::vector<double> q, cut_q, v, u;
   std::vector<int>
-      contacts{};            // by lock (dynamics/branching.h): 1 in contact at the upper, -1 at the lower bound, or 0
+      contacts{};  // by lock (dynamics/switching_forces.h): 1 in contact at the upper, -1 at the lower bound, or 0
   std::vector<int> slips{};  // by lock, in steady motion: the direction in which what rests is about to slip, or 0
   // Set by evaluate():
-  Eigen::VectorXd vdot{};                                 // of all velocities
-  Eigen::VectorXd accelerations{};                        // those requested in steady motion
-  Eigen::VectorXd hold_gaps{};                            // by value held, what it lacks
-  std::vector<std::array<Branching::Depth, 2>> depths{};  // by lock: beyond its upper and its lower bound
+  Eigen::VectorXd vdot{};                                       // of all velocities
+  Eigen::VectorXd accelerations{};                              // those requested in steady motion
+  Eigen::VectorXd hold_gaps{};                                  // by value held, what it lacks
+  std::vector<std::array<SwitchingForces::Depth, 2>> depths{};  // by lock: beyond its upper and its lower bound
   // Set by differentiate():
   std::vector<int> speeds{};                // indices of the independent velocities
   Eigen::VectorXd a{};                      // the accelerations that have to vanish: theirs, or those requested
@@ -41,7 +41,7 @@ struct TrialState {
   Eigen::MatrixXd hold_rows{}, contact_rows{};
   Eigen::VectorXd contact_gaps{};
 
-  const Branching::Depth& depth(int lock, int side) const {
+  const SwitchingForces::Depth& depth(int lock, int side) const {
     return depths[static_cast<std::size_t>(lock)][side > 0 ? 0 : 1];
   }
   bool is_balanced() const;   // nothing accelerates
@@ -55,7 +55,7 @@ class TrialStates {
   // Keeps coordinates with dry friction at rest from now on, by forces of any size.
   void hold_friction() { friction_holds_ = true; }
   int locks() { return forces().locks(); }
-  Branching& forces() { return dynamics_->branching(); }
+  SwitchingForces& forces() { return dynamics_->switching_forces(); }
 
   // Sets what depends on q, cut_q, v, u and contacts; cut_q is unwrapped, v made consistent.
   void evaluate(TrialState& at);

@@ -48,8 +48,8 @@ ContactFinder::Found ContactFinder::points_of(int& a, int& b) const {
   return out;
 }
 
-const std::vector<TouchPoint>& ContactFinder::find(const Readings<double>& readings, double time, double speed,
-                                                   double distance) {
+const std::vector<NearPoint>& ContactFinder::find(const Readings<double>& readings, double time, double speed,
+                                                  double distance) {
   place(readings);
   for (std::size_t i = 0; i < poses_.size(); ++i) {
     const LinkShape& shape = mechanism_.shapes[i];
@@ -69,7 +69,7 @@ const std::vector<TouchPoint>& ContactFinder::find(const Readings<double>& readi
       points_.push_back({a, b, found.contact, at.p, at.normal, at.gap, at.feature});
     }
   }
-  std::ranges::sort(points_, {}, &TouchPoint::key);
+  std::ranges::sort(points_, {}, &NearPoint::key);
   return points_;
 }
 

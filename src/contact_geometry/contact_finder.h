@@ -15,7 +15,7 @@
 namespace gelenk {
 
 // A point of contact of two shapes of Mechanism::shapes; a has the first surface of the contact of the scene.
-struct TouchPoint {
+struct NearPoint {
   int a = 0, b = 0;
   int contact = 0;                                    // of the scene
   Eigen::Vector3d p = Eigen::Vector3d::Zero();        // m, in the root frame
@@ -48,7 +48,7 @@ class ContactFinder {
   // All points with a gap of at most the reach of both shapes, ordered by their keys. readings: of dynamics, after
   // set_root_poses() and set_velocity(). A shape reaches as far as it moves in `time` [s] with `speed` [m/s] more than
   // its present speed, and `distance` [m] further.
-  const std::vector<TouchPoint>& find(const Readings<double>& readings, double time, double speed, double distance);
+  const std::vector<NearPoint>& find(const Readings<double>& readings, double time, double speed, double distance);
   // The smallest gap of each contact of the scene; infinite if it has no pair of shapes.
   const std::vector<double>& smallest_gaps(const Readings<double>& readings);
 
@@ -74,7 +74,7 @@ class ContactFinder {
   std::vector<Pose3> gap_poses_;  // those of gaps_
   bool has_gaps_ = false;
   SweepAndPrune broad_phase_;
-  std::vector<TouchPoint> points_;
+  std::vector<NearPoint> points_;
 };
 
 // Gaps up to this are contact [natural units of length]: rounding of positions, far below what can be measured.

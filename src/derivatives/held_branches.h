@@ -9,7 +9,7 @@ namespace gelenk {
 // Replaces the derivatives of the forces along tree joints on the branches of the state by those on the held branches.
 inline void differentiate_held(const Loads& loads, const int* side, const double* q, const double* v, const double* u,
                                Jacobians& out) {
-  loads.tree.each_branching([&](const auto& force) {
+  loads.tree.each_switching([&](const auto& force) {
     const int inputs = count_of(own_inputs(force.element));
     const auto held = derivatives_by_duals(force, q, v, u, inputs, side);
     const auto free = derivatives_by_duals(force, q, v, u, inputs);

@@ -240,7 +240,7 @@ typename RecursiveJacobians<A>::DualAlgebra::Force RecursiveJacobians<A>::cut_fo
     }
     joint.template speeds<D>(q, turn.to_child(V), v);
     const int* sides = at.cut_sides;
-    for (int before = 0; sides != nullptr && before < c; ++before) sides += loads_.cuts[before].branchings();
+    for (int before = 0; sides != nullptr && before < c; ++before) sides += loads_.cuts[before].switching_count();
     loads_.cuts[c].add(q, v, u_.data(), tau, sides);
     return turn.to_parent(joint.template wrench_from_tau<D>(q, tau));
   });

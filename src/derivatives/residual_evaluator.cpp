@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <numeric>
 
-#include "kinematics/branching_forces.h"
 #include "kinematics/coordinate_rows.h"
 #include "kinematics/friction_loads.h"
 #include "kinematics/kernels.h"
+#include "kinematics/switching_force.h"
 #include "kinematics/with_readings.h"
 #include "math/dual.h"
 #include "math/series.h"
@@ -38,7 +38,7 @@ class ResidualEvaluatorOf final : public WithReadings<A, ResidualEvaluator<typen
         friction_loads_(friction_loads(model_, loads)) {
     std::iota(links_.begin(), links_.end(), 1);
     if (friction_loads_.empty()) return;
-    this->loaded_friction_.resize(branching_forces(loads).size());
+    this->loaded_friction_.resize(switching_forces_of(loads).size());
     turns_.resize(model_.cuts.size());
     for (const FrictionLoad& load : friction_loads_) {
       if (load.cut >= 0) turns_[static_cast<std::size_t>(load.cut)] = turn_of_cut_joint(model_, load.cut, ws_);
@@ -72,7 +72,7 @@ class ResidualEvaluatorOf final : public WithReadings<A, ResidualEvaluator<typen
 
   void set_acceleration(const T* u, const T* vdot, const T* lambda) override {
     kernels::link_loads(model_, loads_, u, ws_);
-    const int* of_cuts = sides_ == nullptr ? nullptr : sides_ + loads_.tree.branchings();
+    const int* of_cuts = sides_ == nullptr ? nullptr : sides_ + loads_.tree.switching_count();
     kernels::cut_loads(model_, loads_, u, cut_reference_.data(), ws_, of_cuts);
     std::copy(lambda, lambda + model_.rows, ws_.lambda.begin());
     kernels::accelerations(model_, vdot, ws_);
@@ -129,7 +129,7 @@ class ResidualEvaluatorOf final : public WithReadings<A, ResidualEvaluator<typen
       }
       ++index;
     };
-    kernels::each_branching(model_, loads_, ws_, q_.data(), v_.data(), cut_reference_.data(), add);
+    kernels::each_switching(model_, loads_, ws_, q_.data(), v_.data(), cut_reference_.data(), add);
   }
   // Adds to the residual a force along the coordinate of a friction, in the mechanism's sign.
   void add_along(const FrictionLoad& load, const T& force) {

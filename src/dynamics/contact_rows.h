@@ -38,7 +38,7 @@ class ContactRows {
   // out <- that row, as nv numbers, without adding it.
   virtual void row(int link_a, int link_b, const Eigen::Vector3d& p, const Eigen::Vector3d& d, bool turns,
                    double* out) const = 0;
-  // Adds the row of the speed of the coordinate of a lock (branching.h), times a factor.
+  // Adds the row of the speed of the coordinate of a lock (switching_forces.h), times a factor.
   virtual void add_lock(int lock, double factor) = 0;
   virtual int count() const = 0;
 

@@ -10,7 +10,8 @@ namespace gelenk {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-HoldingBounds holding_bounds(const Branching& forces, const std::vector<int>& locks, const std::vector<int>& contacts) {
+HoldingBounds holding_bounds(const SwitchingForces& forces, const std::vector<int>& locks,
+                             const std::vector<int>& contacts) {
   constexpr double unlimited = std::numeric_limits<double>::infinity();
   const auto n = static_cast<Index>(locks.size());
   HoldingBounds out{VectorXd(n), VectorXd(n)};
@@ -24,7 +25,7 @@ HoldingBounds holding_bounds(const Branching& forces, const std::vector<int>& lo
   return out;
 }
 
-VectorXd distributed_forces(Branching& forces, const std::vector<int>& locks, const HoldingBounds& bounds) {
+VectorXd distributed_forces(SwitchingForces& forces, const std::vector<int>& locks, const HoldingBounds& bounds) {
   VectorXd x(static_cast<Index>(locks.size()));
   for (Index i = 0; i < x.size(); ++i)
     x[i] = forces.holding_forces().values()[static_cast<std::size_t>(locks[static_cast<std::size_t>(i)])];

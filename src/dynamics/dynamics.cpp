@@ -249,7 +249,7 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
   }
   StateReadings& readings() override { return *this; }
   const StateReadings& readings() const override { return *this; }
-  Branching& branching() override { return modes_; }
+  SwitchingForces& switching_forces() override { return modes_; }
   int rank() const override { return Y_.rank(); }
   double pivot_ratio() const override { return Y_.rank() < max_rank_ ? 0 : Y_.pivot_ratio(); }
   void set_max_rank(int rank) override {

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "derivatives/jacobians.h"
-#include "dynamics/branching.h"
+#include "dynamics/switching_forces.h"
 #include "kinematics/kinematics.h"
 #include "kinematics/readings.h"
 
@@ -45,8 +45,8 @@ class Dynamics : public Kinematics {
   virtual void factorize() = 0;
   // Whether M alone is positive definite at that position, beyond rounding. Allocates; invalidates the factors.
   virtual bool mass_is_definite() = 0;
-  // Solves for vdot under the inputs u; coordinates that friction locks (branching.h) have no acceleration, here and in
-  // the linear solutions below. extrapolated: the vdot that replaces the constraint equations in the directions
+  // Solves for vdot under the inputs u; coordinates that friction locks (switching_forces.h) have no acceleration, here
+  // and in the linear solutions below. extrapolated: the vdot that replaces the constraint equations in the directions
   // of weak pivots, or null: no pivot is weak.
   virtual void solve(const double* u, double* vdot, const double* extrapolated = nullptr) = 0;
   // Pivots of the constraint Jacobian near or below this ratio to the largest are weak (row_factor.h); 0: none.
@@ -65,7 +65,7 @@ class Dynamics : public Kinematics {
                              const double* lambda = nullptr, bool by_duals = false) = 0;
   // Solves [M J^T; J 0] [x; l] = [r; c] with the last factors; overwrites r with x. If the last solve() had an
   // extrapolated vdot, x = 0 is the extrapolation here. l: of minimum norm, or null. holding: the holding forces
-  // (Branching), if coordinates are locked, or null.
+  // (SwitchingForces), if coordinates are locked, or null.
   virtual void solve_linear(double* r, const double* c, double* l = nullptr, double* holding = nullptr) const = 0;
   // The same without l for many right-hand sides: r (nv x columns) and c (rows x columns), stored row by row.
   virtual void solve_linear_columns(double* r, const double* c, int columns) const = 0;
@@ -82,7 +82,7 @@ class Dynamics : public Kinematics {
 
   virtual StateReadings& readings() = 0;
   virtual const StateReadings& readings() const = 0;
-  virtual Branching& branching() = 0;
+  virtual SwitchingForces& switching_forces() = 0;
 
   virtual long evaluations() const = 0;  // calls of solve and assemble
 };

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The forces with which friction and limits keep coordinates at rest, by lock (branching.h), in the user's signs.
+// The forces with which friction and limits keep coordinates at rest, by lock (switching_forces.h), in the user's
+// signs.
 #pragma once
 
 #include <cstddef>

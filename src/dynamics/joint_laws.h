@@ -11,8 +11,8 @@
 #include <type_traits>
 #include <vector>
 
-#include "dynamics/branching.h"
 #include "dynamics/locked_coordinates.h"
+#include "dynamics/switching_forces.h"
 #include "kinematics/friction_loads.h"
 #include "kinematics/load_kernels.h"
 
@@ -40,13 +40,13 @@ class JointLaws {
   int locks() const { return static_cast<int>(found_.size()); }
   int lock_of(int force) const { return lock_of_[force]; }  // -1: it cannot lock
   // Without its limits of friction.
-  const Branching::Lock& lock(int lock) const { return found_[lock]; }
+  const SwitchingForces::Lock& lock(int lock) const { return found_[lock]; }
   std::span<const int> frictions(int lock) const { return frictions_[lock]; }
   // Of all locks: of their speeds.
   const std::vector<Row>& rows() const { return rows_; }
   std::vector<double> signs() const {
     std::vector<double> out;
-    for (const Branching::Lock& lock : found_) out.push_back(lock.sign);
+    for (const SwitchingForces::Lock& lock : found_) out.push_back(lock.sign);
     return out;
   }
 
@@ -63,7 +63,7 @@ class JointLaws {
   // Calls visit(force, q, v) for all forces, with the coordinates and velocities to which they refer.
   template <class Visit>
   void each(Visit visit) const {
-    kernels::each_branching(state_.model, state_.loads, state_.ws, state_.q.data(), state_.v.data(),
+    kernels::each_switching(state_.model, state_.loads, state_.ws, state_.q.data(), state_.v.data(),
                             state_.cut_reference.data(), visit);
   }
   // Calls visit(force) for the one with this index; -1: for none.
@@ -73,7 +73,7 @@ class JointLaws {
     const Place& at = places_[force];
     int number = 0;
     each_list((at.cut < 0 ? state_.loads.tree : state_.loads.cuts[at.cut]).lists, [&](const auto& list) {
-      if constexpr (HasBranches<std::decay_t<decltype(list.front().element)>>) {
+      if constexpr (Switches<std::decay_t<decltype(list.front().element)>>) {
         if (number++ == at.list) visit(list[at.index]);
       }
     });
@@ -116,7 +116,7 @@ class JointLaws {
   void look_along(const JointLoads& joints, int cut) {
     int number = 0;
     each_list(joints.lists, [&](const auto& list) {
-      if constexpr (HasBranches<std::decay_t<decltype(list.front().element)>>) {
+      if constexpr (Switches<std::decay_t<decltype(list.front().element)>>) {
         for (std::size_t i = 0; i < list.size(); ++i) {
           places_.push_back({cut, number, i});
           look(list[i], cut);
@@ -170,8 +170,8 @@ class JointLaws {
       for (int i = 0; i < own; ++i) input_numbers_.push_back(force.input + i);
       end = std::max(end, force.input + own);
     };
-    state_.loads.tree.each_branching(add);
-    for (const JointLoads& on : state_.loads.cuts) on.each_branching(add);
+    state_.loads.tree.each_switching(add);
+    for (const JointLoads& on : state_.loads.cuts) on.each_switching(add);
     inputs_.resize(static_cast<std::size_t>(end) + 1);
   }
 
@@ -182,7 +182,7 @@ class JointLaws {
   };
   std::vector<Place> places_;  // by force
   std::vector<int> lock_of_;   // by force
-  std::vector<Branching::Lock> found_;
+  std::vector<SwitchingForces::Lock> found_;
   std::vector<std::vector<int>> frictions_;           // by lock
   std::vector<Row> rows_;                             // by lock
   std::map<std::tuple<int, int, int>, int> lock_at_;  // by cut (-1: tree), velocity and number of its locks

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Implementation of Branching: the modes of the forces along joints, and the coordinates that friction and limits lock.
+// Implementation of SwitchingForces: the modes of the forces along joints, and the coordinates that friction and limits
+// lock.
 #pragma once
 
 #include <algorithm>
@@ -8,18 +9,18 @@
 #include <utility>
 #include <vector>
 
-#include "dynamics/branching.h"
 #include "dynamics/contact_rows_of.h"
 #include "dynamics/force_size.h"
 #include "dynamics/joint_laws.h"
 #include "dynamics/loaded_friction.h"
 #include "dynamics/locked_coordinates.h"
+#include "dynamics/switching_forces.h"
 #include "kinematics/load_kernels.h"
 
 namespace gelenk {
 
 template <class A>
-class JointModes final : public Branching {
+class JointModes final : public SwitchingForces {
  public:
   using State = typename JointLaws<A>::State;
 
@@ -38,7 +39,7 @@ class JointModes final : public Branching {
 
   // The modes in which forces are held, or null: of the tree and the cuts, or from the first cut on.
   const int* held(bool of_cuts = false) const {
-    return held_ == nullptr || !of_cuts ? held_ : held_ + state_.loads.tree.branchings();
+    return held_ == nullptr || !of_cuts ? held_ : held_ + state_.loads.tree.switching_count();
   }
   // Whether coordinates are locked; if so, the locks are those of the held modes.
   bool locks_any() {
@@ -219,7 +220,7 @@ class JointModes final : public Branching {
     for (const auto& term : locks_.row(lock)) f[term.v] += laws_.lock(lock).sign * size * term.factor;
   }
 
-  // Called by users of Branching alone. Without any forces, more than 0.
+  // Called by users of SwitchingForces alone. Without any forces, more than 0.
   double slack(int lock) const override {
     return slack_fraction * force_size_.value() * locks_.inverse_mobility(lock) + std::numeric_limits<double>::min();
   }

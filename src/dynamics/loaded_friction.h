@@ -12,8 +12,8 @@
 #include <cmath>
 #include <vector>
 
-#include "dynamics/branching.h"
 #include "dynamics/load_dependence.h"
+#include "dynamics/switching_forces.h"
 #include "kinematics/friction_loads.h"
 #include "linear/dense_factor.h"
 

@@ -27,7 +27,7 @@ constexpr int decision_cone_iterations = 500;
 constexpr std::size_t most_tried_locks = 4;
 
 // A vector with these components along the axes of a group.
-Eigen::Vector3d in_space(const TouchEquations::Entry& entry, int group, const VectorXd& part) {
+Eigen::Vector3d in_space(const ContactEquations::Entry& entry, int group, const VectorXd& part) {
   Eigen::Vector3d out = Eigen::Vector3d::Zero();
   for (Index k = 0; k < part.size(); ++k) out += part[k] * entry.axes.col((group == 1 ? 0 : 1) + k);
   return out;
@@ -37,19 +37,19 @@ void symmetrize(Eigen::MatrixXd& G) { G = Eigen::MatrixXd((G + G.transpose()) / 
 
 }  // namespace
 
-ContactDecision::ContactDecision(TouchEquations& touch)
-    : touch_(touch), solver_(make_cone_solver(cone_solver_kinds().front().name)) {}
+ContactDecision::ContactDecision(ContactEquations& contact_equations)
+    : contact_equations_(contact_equations), solver_(make_cone_solver(cone_solver_kinds().front().name)) {}
 
 // What has let go has no force, at first.
 void ContactDecision::set_cones(const std::vector<Trigger>& triggered) {
   cones_.clear();
   for (std::size_t i = 0; i < rows_.entries.size(); ++i) {
-    const TouchEquations::Entry& entry = rows_.entries[i];
+    const ContactEquations::Entry& entry = rows_.entries[i];
     std::array<double, contact_groups> coefficients{};
     for (int group = 0; group < contact_groups; ++group) {
       const auto g = static_cast<std::size_t>(group);
-      coefficients[g] = touch_.coefficient(entry.spot, group, slides_[i][g]);
-      if (triggered[static_cast<std::size_t>(entry.spot)].groups[g]) coefficients[g] *= 1 - break_away_fraction;
+      coefficients[g] = contact_equations_.coefficient(entry.candidate, group, slides_[i][g]);
+      if (triggered[static_cast<std::size_t>(entry.candidate)].groups[g]) coefficients[g] *= 1 - break_away_fraction;
     }
     const Cone cone = cone_of(entry, coefficients);
     if (opens_[i] == 0) {
@@ -113,15 +113,15 @@ void ContactDecision::solve_cones(const VectorXd& normal) {
   solver_->solve({G, right, cones_, true}, options, x_.data());
 }
 
-std::vector<SpotMode> ContactDecision::modes_of_solution(const std::vector<SpotMode>& tentative,
-                                                         const std::vector<Trigger>& triggered) const {
-  std::vector<SpotMode> next = tentative;
+std::vector<CandidateMode> ContactDecision::modes_of_solution(const std::vector<CandidateMode>& tentative,
+                                                              const std::vector<Trigger>& triggered) const {
+  std::vector<CandidateMode> next = tentative;
   const VectorXd normal = normal_forces();
   const double largest = std::max(0.0, normal.maxCoeff());
   const VectorXd a = G_ * x_ + C_ * normal + b_;
-  for (std::size_t i = 0; i < spots_.size(); ++i) {
-    const TouchEquations::Entry& entry = rows_.entries[i];
-    SpotMode& mode = next[static_cast<std::size_t>(spots_[i])];
+  for (std::size_t i = 0; i < candidates_.size(); ++i) {
+    const ContactEquations::Entry& entry = rows_.entries[i];
+    CandidateMode& mode = next[static_cast<std::size_t>(candidates_[i])];
     const double n = x_[entry.first];
     mode.closed = n > least_force * largest || (opens_[i] == 0 && a[entry.first] <= limit_fraction * scale_);
     if (!mode.closed) continue;
@@ -130,7 +130,7 @@ std::vector<SpotMode> ContactDecision::modes_of_solution(const std::vector<SpotM
       if (entry.rows[g] < 0) continue;
       mode.groups[g].moves = false;
       mode.groups[g].direction.setZero();
-      const bool is_triggered = triggered[static_cast<std::size_t>(entry.spot)].groups[g];
+      const bool is_triggered = triggered[static_cast<std::size_t>(entry.candidate)].groups[g];
       if (n > least_force * largest) {
         find_motion(i, group, a, is_triggered, mode);
       } else if (const VectorXd part = a.segment(entry.rows[g], entry.kept(group));
@@ -144,11 +144,11 @@ std::vector<SpotMode> ContactDecision::modes_of_solution(const std::vector<SpotM
 
 // Whether friction of a group is at its limit, and what moves against it.
 void ContactDecision::find_motion(std::size_t i, int group, const VectorXd& a, bool is_triggered,
-                                  SpotMode& mode) const {
-  const TouchEquations::Entry& entry = rows_.entries[i];
+                                  CandidateMode& mode) const {
+  const ContactEquations::Entry& entry = rows_.entries[i];
   const auto g = static_cast<std::size_t>(group);
   const auto part = x_.segment(entry.rows[g], entry.kept(group));
-  const double limit = touch_.coefficient(entry.spot, group, slides_[i][g]) * x_[entry.first];
+  const double limit = contact_equations_.coefficient(entry.candidate, group, slides_[i][g]) * x_[entry.first];
   const double size = part.norm();
   if (!(size >= limit * (1 - 2 * break_away_fraction) && size > 0)) return;
   // Redundant forces may be at their limits although nothing moves.
@@ -158,23 +158,24 @@ void ContactDecision::find_motion(std::size_t i, int group, const VectorXd& a, b
 }
 
 VectorXd ContactDecision::normal_forces() const {
-  VectorXd out(static_cast<Index>(spots_.size()));
-  for (std::size_t i = 0; i < spots_.size(); ++i) out[static_cast<Index>(i)] = x_[rows_.entries[i].first];
+  VectorXd out(static_cast<Index>(candidates_.size()));
+  for (std::size_t i = 0; i < candidates_.size(); ++i) out[static_cast<Index>(i)] = x_[rows_.entries[i].first];
   return out;
 }
 
 // Static friction that does not hold becomes sliding friction, which may be less; returns whether it is.
-bool ContactDecision::let_slide(const std::vector<SpotMode>& tentative, const std::vector<SpotMode>& next) {
+bool ContactDecision::let_slide(const std::vector<CandidateMode>& tentative, const std::vector<CandidateMode>& next) {
   bool changed = let_locks_slip();
-  for (std::size_t i = 0; i < spots_.size(); ++i) {
-    const int spot = spots_[i];
-    const auto at = static_cast<std::size_t>(spot);
+  for (std::size_t i = 0; i < candidates_.size(); ++i) {
+    const int candidate = candidates_[i];
+    const auto at = static_cast<std::size_t>(candidate);
     for (std::size_t g = 0; g < contact_groups; ++g) {
       const bool begins = next[at].closed && next[at].groups[g].moves && !tentative[at].groups[g].moves;
       if (!begins || slides_[i][g]) continue;
       slides_[i][g] = true;
       const int group = static_cast<int>(g);
-      changed = changed || touch_.coefficient(spot, group, true) != touch_.coefficient(spot, group, false);
+      changed = changed || contact_equations_.coefficient(candidate, group, true) !=
+                               contact_equations_.coefficient(candidate, group, false);
     }
     if (opens_[i] == 0) continue;
     const double leaving = (G_ * x_ + C_ * normal_forces() + b_)[rows_.entries[i].first];
@@ -201,26 +202,26 @@ void ContactDecision::add_lock_rows() {
   }
 }
 
-void ContactDecision::set_up(const std::vector<SpotMode>& tentative, const std::vector<Trigger>& triggered,
+void ContactDecision::set_up(const std::vector<CandidateMode>& tentative, const std::vector<Trigger>& triggered,
                              const double* vdot) {
-  touch_.build(spots_, tentative, true, rows_);
+  contact_equations_.build(candidates_, tentative, true, rows_);
   add_lock_rows();
-  TouchEquations::RowMatrix Z;
-  touch_.respond(rows_.R, Z);
+  ContactEquations::RowMatrix Z;
+  contact_equations_.respond(rows_.R, Z);
   G_ = rows_.R * Z;
   symmetrize(G_);
-  C_.setZero(rows_.R.rows(), static_cast<Index>(spots_.size()));
+  C_.setZero(rows_.R.rows(), static_cast<Index>(candidates_.size()));
   if (rows_.any_moves()) {
-    touch_.respond(rows_.D, Z);
+    contact_equations_.respond(rows_.D, Z);
     C_ = rows_.R * Z;
   }
   const Eigen::Map<const VectorXd> free(vdot, rows_.R.cols());
   b_ = rows_.R * free + rows_.rates;
   scale_ = std::max(b_.cwiseAbs().maxCoeff(), (rows_.R.cwiseAbs() * free.cwiseAbs()).maxCoeff());
-  slides_.assign(spots_.size(), {});
-  opens_.assign(spots_.size(), 0);
-  for (std::size_t i = 0; i < spots_.size(); ++i) {
-    opens_[i] = triggered[static_cast<std::size_t>(spots_[i])].leaves ? 1 : 0;
+  slides_.assign(candidates_.size(), {});
+  opens_.assign(candidates_.size(), 0);
+  for (std::size_t i = 0; i < candidates_.size(); ++i) {
+    opens_[i] = triggered[static_cast<std::size_t>(candidates_[i])].leaves ? 1 : 0;
   }
   x_.setZero(b_.size());
 }
@@ -236,10 +237,10 @@ void ContactDecision::hold_all() { std::ranges::fill(slips_, 0); }
 // Where friction of what slides makes a joint that friction holds move the other way (as in Painleve's paradox), the
 // forces above do not settle although one motion obeys the laws: each combination of rest and both directions is tried.
 bool ContactDecision::try_locks(const std::vector<Trigger>& triggered, const double* vdot,
-                                std::vector<SpotMode>& next) {
+                                std::vector<CandidateMode>& next) {
   const std::size_t count = problem_->locks.size();
   if (count == 0 || count > most_tried_locks) return false;
-  const std::vector<SpotMode> first = next;
+  const std::vector<CandidateMode> first = next;
   const std::vector<LockProblem::Lock> answers = problem_->locks;
   std::size_t combinations = 1;
   for (std::size_t i = 0; i < count; ++i) combinations *= 3;
@@ -261,17 +262,17 @@ bool ContactDecision::try_locks(const std::vector<Trigger>& triggered, const dou
 }
 
 // NOLINTNEXTLINE(readability-function-cognitive-complexity): one loop, whose exits share its state
-ContactDecision::Outcome ContactDecision::decide(const std::vector<int>& spots, const std::vector<Trigger>& triggered,
-                                                 const double* vdot, std::vector<SpotMode>& next,
-                                                 LockProblem& problem) {
-  const std::vector<SpotMode> tentative = next;
-  spots_ = spots;
+ContactDecision::Outcome ContactDecision::decide(const std::vector<int>& candidates,
+                                                 const std::vector<Trigger>& triggered, const double* vdot,
+                                                 std::vector<CandidateMode>& next, LockProblem& problem) {
+  const std::vector<CandidateMode> tentative = next;
+  candidates_ = candidates;
   problem_ = &problem;
   set_up(tentative, triggered, vdot);
-  VectorXd normal = VectorXd::Zero(static_cast<Index>(spots.size()));
+  VectorXd normal = VectorXd::Zero(static_cast<Index>(candidates.size()));
   Outcome outcome = Outcome::none;
   // Modes that obey the laws although something might hold with the normal forces in them.
-  std::vector<SpotMode> possible;
+  std::vector<CandidateMode> possible;
   std::vector<LockProblem::Lock> possible_locks;
   for (int k = 0; k < most_repetitions; ++k) {
     set_cones(triggered);

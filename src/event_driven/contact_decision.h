@@ -8,13 +8,13 @@
 #include <vector>
 
 #include "complementarity/cone.h"
+#include "event_driven/contact_equations.h"
 #include "event_driven/impact_equations.h"
 #include "event_driven/lock_problem.h"
-#include "event_driven/touch_equations.h"
 
 namespace gelenk {
 
-// Which indicators of a spot have changed their sign.
+// Which indicators of a candidate have changed their sign.
 struct Trigger {
   bool touches = false, leaves = false;
   bool ends = false;  // beyond the end of a feature
@@ -25,52 +25,52 @@ struct Trigger {
 
 class ContactDecision {
  public:
-  explicit ContactDecision(TouchEquations& touch);
+  explicit ContactDecision(ContactEquations& contact_equations);
 
   ConeSolver& solver() { return *solver_; }
-  // Decides on spots that touch and on locks, at the state of the last solve() of `dynamics` with all contacts open and
-  // these locks released, which gave vdot. next: in, the modes of those that move and the others' groups at rest; out,
-  // the modes that follow.
+  // Decides on candidates that touch and on locks, at the state of the last solve() of `dynamics` with all contacts
+  // open and these locks released, which gave vdot. next: in, the modes of those that move and the others' groups at
+  // rest; out, the modes that follow.
   enum class Outcome { found, ambiguous, none };
-  Outcome decide(const std::vector<int>& spots, const std::vector<Trigger>& triggered, const double* vdot,
-                 std::vector<SpotMode>& next, LockProblem& problem);
+  Outcome decide(const std::vector<int>& candidates, const std::vector<Trigger>& triggered, const double* vdot,
+                 std::vector<CandidateMode>& next, LockProblem& problem);
   // The forces of contacts of the last decide(), by row of those that were closed; within the laws.
   Eigen::VectorXd contact_forces() const { return x_.head(first_lock_); }
 
  private:
-  void set_up(const std::vector<SpotMode>& tentative, const std::vector<Trigger>& triggered, const double* vdot);
+  void set_up(const std::vector<CandidateMode>& tentative, const std::vector<Trigger>& triggered, const double* vdot);
   void add_lock_rows();
   void set_cones(const std::vector<Trigger>& triggered);
   void set_lock_cones();
   void solve_cones(const Eigen::VectorXd& normal);
-  std::vector<SpotMode> modes_of_solution(const std::vector<SpotMode>& tentative,
-                                          const std::vector<Trigger>& triggered) const;
+  std::vector<CandidateMode> modes_of_solution(const std::vector<CandidateMode>& tentative,
+                                               const std::vector<Trigger>& triggered) const;
   void answer_locks();
-  void find_motion(std::size_t i, int group, const Eigen::VectorXd& a, bool is_triggered, SpotMode& mode) const;
+  void find_motion(std::size_t i, int group, const Eigen::VectorXd& a, bool is_triggered, CandidateMode& mode) const;
   Eigen::VectorXd normal_forces() const;
   Eigen::VectorXd normal_forces_in_modes();
   bool exceeds_limits(const std::vector<Trigger>& triggered);
   int side_beyond_limit(std::size_t i) const;
   bool locks_exceed_limits() const;
-  bool resolve_redundancy(std::vector<SpotMode>& next);
-  bool let_go_beyond_limits(int spot);
-  bool is_indeterminate(const std::vector<SpotMode>& next) const;
+  bool resolve_redundancy(std::vector<CandidateMode>& next);
+  bool let_go_beyond_limits(int candidate);
+  bool is_indeterminate(const std::vector<CandidateMode>& next) const;
   bool uses_any_up() const;
   void hold_all();
-  bool presses(int spot) const;
+  bool presses(int candidate) const;
   int most_pulling() const;
-  bool obeys(std::size_t i, const SpotMode& mode, const Eigen::VectorXd& relative) const;
+  bool obeys(std::size_t i, const CandidateMode& mode, const Eigen::VectorXd& relative) const;
   bool locks_obey(const Eigen::VectorXd& relative) const;
-  bool refine(const double* vdot, std::vector<SpotMode>& next);
-  bool check(const double* vdot, const std::vector<SpotMode>& next, int& pulls);
-  bool try_locks(const std::vector<Trigger>& triggered, const double* vdot, std::vector<SpotMode>& next);
+  bool refine(const double* vdot, std::vector<CandidateMode>& next);
+  bool check(const double* vdot, const std::vector<CandidateMode>& next, int& pulls);
+  bool try_locks(const std::vector<Trigger>& triggered, const double* vdot, std::vector<CandidateMode>& next);
   bool let_locks_slip();
-  bool let_slide(const std::vector<SpotMode>& tentative, const std::vector<SpotMode>& next);
+  bool let_slide(const std::vector<CandidateMode>& tentative, const std::vector<CandidateMode>& next);
 
-  TouchEquations& touch_;
+  ContactEquations& contact_equations_;
   std::unique_ptr<ConeSolver> solver_;
-  std::vector<int> spots_;
-  TouchEquations::Rows rows_;
+  std::vector<int> candidates_;
+  ContactEquations::Rows rows_;
   Eigen::MatrixXd G_, C_;
   Eigen::VectorXd b_, x_;
   double scale_ = 0;  // of accelerations

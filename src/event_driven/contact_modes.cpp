@@ -22,15 +22,15 @@ ContactModes::ContactModes(const Context& context)
     : mechanism_(context.mechanism),
       dynamics_(context.dynamics),
       equations_(context.equations),
-      touch_(context.mechanism, context.dynamics, context.loads, context.located),
-      hidden_(context.mechanism, context.dynamics, touch_),
-      outputs_(context.mechanism, context.dynamics, touch_, context.loads.contacts.size()),
+      contact_equations_(context.mechanism, context.dynamics, context.loads, context.located),
+      hidden_(context.mechanism, context.dynamics, contact_equations_),
+      outputs_(context.mechanism, context.dynamics, contact_equations_, context.loads.contacts.size()),
       vdot_(static_cast<std::size_t>(context.mechanism.nv)) {
-  for (int i = 0; i < touch_.spots().count(); ++i) {
-    const Spot& spot = touch_.spots()[i];
-    if (spot.kind != Spot::Kind::corner && spot.kind != Spot::Kind::edges) continue;
-    if (std::ranges::find(guards_, spot.contact, &Guard::contact) == guards_.end())
-      guards_.push_back({.contact = spot.contact, .spot = i});
+  for (int i = 0; i < contact_equations_.candidates().count(); ++i) {
+    const ContactCandidate& candidate = contact_equations_.candidates()[i];
+    if (candidate.kind != ContactCandidate::Kind::corner && candidate.kind != ContactCandidate::Kind::edges) continue;
+    if (std::ranges::find(guards_, candidate.contact, &Guard::contact) == guards_.end())
+      guards_.push_back({.contact = candidate.contact, .candidate = i});
   }
 }
 
@@ -43,7 +43,7 @@ double ContactModes::slow(const double* v) const {
 void ContactModes::go_to(const double* y) {
   dynamics_.set_position(y);
   dynamics_.set_velocity(y + mechanism_.nq);
-  if (any()) touch_.spots().read_motion(dynamics_);
+  if (any()) contact_equations_.candidates().read_motion(dynamics_);
 }
 
 void ContactModes::begin_step(const double* y) {
@@ -52,33 +52,33 @@ void ContactModes::begin_step(const double* y) {
 }
 
 void ContactModes::start() {
-  touch_.set_modes(std::vector<SpotMode>(touch_.modes().size()));
+  contact_equations_.set_modes(std::vector<CandidateMode>(contact_equations_.modes().size()));
   for (Guard& guard : guards_) guard.least = INFINITY;
   overlapping_ = -1;
 }
 
 void ContactModes::indicator_values(double t, const double* y, double* g, double* gdot) {
-  const int n = touch_.spots().count();
+  const int n = contact_equations_.candidates().count();
   if (n == 0) return;
-  std::fill_n(g, per_spot * n, -1.0);
-  std::fill_n(gdot, per_spot * n, 0.0);
-  if (!touch_.closed().empty()) {
+  std::fill_n(g, per_candidate * n, -1.0);
+  std::fill_n(gdot, per_candidate * n, 0.0);
+  if (!contact_equations_.closed().empty()) {
     equations_.accelerations_at(t, y, vdot_.data());
     indicators_of_closed(vdot_.data(), g, gdot);
   }
   go_to(y);
   for (int i = 0; i < n; ++i) {
     if (mode_of(i).closed) continue;
-    const auto first = static_cast<std::size_t>(per_spot) * static_cast<std::size_t>(i);
-    g[first] = -touch_.spots()[i].size;
-    if (!touch_.spots().is_close(i)) {
-      if (!touch_.spots().shows_distance(i)) continue;
-      g[first] = -touch_.spots().distance(i, gdot[first]);
+    const auto first = static_cast<std::size_t>(per_candidate) * static_cast<std::size_t>(i);
+    g[first] = -contact_equations_.candidates()[i].size;
+    if (!contact_equations_.candidates().is_close(i)) {
+      if (!contact_equations_.candidates().shows_distance(i)) continue;
+      g[first] = -contact_equations_.candidates().distance(i, gdot[first]);
       gdot[first] = -gdot[first];
       continue;
     }
-    if (!touch_.spots().is_near(i)) continue;
-    const SpotState at = touch_.spots().state(i);
+    if (!contact_equations_.candidates().is_near(i)) continue;
+    const CandidateState at = contact_equations_.candidates().state(i);
     g[first] = -at.gap - mode_of(i).leaves_from;
     gdot[first] = -at.rate;
   }
@@ -88,119 +88,126 @@ void ContactModes::indicator_values(double t, const double* y, double* g, double
 // Shows in the indicators g what penetrates although no feature touches. The position is that of `dynamics`.
 void ContactModes::find_penetration(double* g) {
   for (const Guard& guard : guards_) {
-    const bool any_closed =
-        std::ranges::any_of(touch_.closed(), [&](int spot) { return touch_.spots()[spot].contact == guard.contact; });
+    const bool any_closed = std::ranges::any_of(contact_equations_.closed(), [&](int candidate) {
+      return contact_equations_.candidates()[candidate].contact == guard.contact;
+    });
     if (any_closed || !(guard.allowed < INFINITY)) continue;
     const double depth = -outputs_.gap(guard.contact);
-    double& value = g[static_cast<std::ptrdiff_t>(per_spot) * guard.spot];
+    double& value = g[static_cast<std::ptrdiff_t>(per_candidate) * guard.candidate];
     if (depth > guard.allowed) value = std::max(value, depth);
   }
 }
 
 void ContactModes::find_yielding(double* g, std::vector<double*>& out) const {
-  for (const int spot : touch_.closed()) {
-    double* const of = g + static_cast<std::ptrdiff_t>(per_spot) * spot;
+  for (const int candidate : contact_equations_.closed()) {
+    double* const of = g + static_cast<std::ptrdiff_t>(per_candidate) * candidate;
     if (!(of[0] > 0)) out.push_back(of);
     for (std::size_t k = 0; k < contact_groups; ++k) {
-      if (of[1 + k] > 0 && !mode_of(spot).groups[k].moves) out.push_back(of + 1 + k);
+      if (of[1 + k] > 0 && !mode_of(candidate).groups[k].moves) out.push_back(of + 1 + k);
     }
   }
 }
 
 void ContactModes::indicators_of_closed(const double* vdot, double* g, double* gdot) {
-  const auto& forces = touch_.forces();
+  const auto& forces = contact_equations_.forces();
   double sum = 0;
   for (const auto& force : forces) sum += std::abs(force.normal);
   const double slack = force_rounding * sum;
   const Map<const VectorXd> a(vdot, mechanism_.nv);
   for (std::size_t i = 0; i < forces.size(); ++i) {
-    const TouchEquations::Entry& entry = touch_.rows().entries[i];
-    double* const of = g + static_cast<std::ptrdiff_t>(per_spot) * entry.spot;
-    double* const rate = gdot + static_cast<std::ptrdiff_t>(per_spot) * entry.spot;
+    const ContactEquations::Entry& entry = contact_equations_.rows().entries[i];
+    double* const of = g + static_cast<std::ptrdiff_t>(per_candidate) * entry.candidate;
+    double* const rate = gdot + static_cast<std::ptrdiff_t>(per_candidate) * entry.candidate;
     of[0] = forces[i].normal + slack;
-    of[per_spot - 1] = touch_.spots().margin(entry.spot) + touch_tolerance;
-    rate[0] = rate[per_spot - 1] = NAN;
+    of[per_candidate - 1] = contact_equations_.candidates().margin(entry.candidate) + touch_tolerance;
+    rate[0] = rate[per_candidate - 1] = NAN;
     for (int group = 0; group < contact_groups; ++group) {
       const auto at = static_cast<std::size_t>(group);
-      const SpotMode::Group& mode = mode_of(entry.spot).groups[at];
+      const CandidateMode::Group& mode = mode_of(entry.candidate).groups[at];
       if (entry.rows[at] < 0 && !mode.moves) continue;
       rate[1 + group] = NAN;
       if (!mode.moves) {
-        of[1 + group] = forces[i].held[at] - touch_.coefficient(entry.spot, group, false) * forces[i].normal - slack;
+        of[1 + group] = forces[i].held[at] -
+                        contact_equations_.coefficient(entry.candidate, group, false) * forces[i].normal - slack;
         continue;
       }
       // Where the direction turns, this rate is that of the speed.
       const int row = entry.moving[at];
       const double cosine = entry.along[at].dot(mode.direction);
       of[1 + group] = entry.slip[at].dot(mode.direction);
-      rate[1 + group] = cosine * (touch_.rows().S.row(row).dot(a) + touch_.rows().moving_rates[row]);
+      rate[1 + group] =
+          cosine * (contact_equations_.rows().S.row(row).dot(a) + contact_equations_.rows().moving_rates[row]);
     }
   }
 }
 
 void ContactModes::remembered_mode(bool* positive) const {
-  for (int i = 0; i < touch_.spots().count(); ++i) {
-    const SpotMode& mode = mode_of(i);
-    bool* const of = positive + static_cast<std::ptrdiff_t>(per_spot) * i;
-    of[0] = of[per_spot - 1] = mode.closed;
+  for (int i = 0; i < contact_equations_.candidates().count(); ++i) {
+    const CandidateMode& mode = mode_of(i);
+    bool* const of = positive + static_cast<std::ptrdiff_t>(per_candidate) * i;
+    of[0] = of[per_candidate - 1] = mode.closed;
     for (std::size_t k = 0; k < contact_groups; ++k) of[1 + k] = mode.closed && mode.groups[k].moves;
   }
 }
 
 bool ContactModes::any_penetrates() {
   if (!any()) return false;
-  touch_.spots().read_position(dynamics_);
-  for (int i = 0; i < touch_.spots().count(); ++i) {
-    if (!touch_.spots().is_close(i) || mode_of(i).closed) continue;
-    if (touch_.spots().gap(i) < -watched_depth - mode_of(i).leaves_from && touch_.spots().is_near(i)) return true;
+  contact_equations_.candidates().read_position(dynamics_);
+  for (int i = 0; i < contact_equations_.candidates().count(); ++i) {
+    if (!contact_equations_.candidates().is_close(i) || mode_of(i).closed) continue;
+    if (contact_equations_.candidates().gap(i) < -watched_depth - mode_of(i).leaves_from &&
+        contact_equations_.candidates().is_near(i))
+      return true;
   }
   return false;
 }
 
-bool ContactModes::may_touch(int spot) const {
-  return touch_.spots().is_close(spot) && touch_.spots().gap(spot) <= touch_tolerance && touch_.spots().is_near(spot);
+bool ContactModes::may_touch(int candidate) const {
+  return contact_equations_.candidates().is_close(candidate) &&
+         contact_equations_.candidates().gap(candidate) <= touch_tolerance &&
+         contact_equations_.candidates().is_near(candidate);
 }
 
 bool ContactModes::update(const double* y) {
   if (!any()) return false;
   const double rest = slow(y + mechanism_.nq);
-  std::vector<SpotMode>& next = updated_;
-  next = touch_.modes();
+  std::vector<CandidateMode>& next = updated_;
+  next = contact_equations_.modes();
   go_to(y);
   bool touches = false;
-  for (int i = 0; i < touch_.spots().count(); ++i) {
-    SpotMode& mode = next[static_cast<std::size_t>(i)];
+  for (int i = 0; i < contact_equations_.candidates().count(); ++i) {
+    CandidateMode& mode = next[static_cast<std::size_t>(i)];
     if (mode.closed) continue;
     if (!may_touch(i)) {
       mode.leaves_from = 0;
       continue;
     }
-    const SpotState at = touch_.spots().state(i);
+    const CandidateState at = contact_equations_.candidates().state(i);
     touches = touches || (mode.leaves_from == 0 && at.gap <= reached_fraction * touch_tolerance && at.rate < -rest);
   }
-  if (!touch_.closed().empty()) {
-    touch_.build(touch_.closed(), touch_.modes(), true, updated_rows_);
-    for (const TouchEquations::Entry& entry : updated_rows_.entries) {
+  if (!contact_equations_.closed().empty()) {
+    contact_equations_.build(contact_equations_.closed(), contact_equations_.modes(), true, updated_rows_);
+    for (const ContactEquations::Entry& entry : updated_rows_.entries) {
       for (std::size_t k = 0; k < contact_groups; ++k) {
-        SpotMode::Group& group = next[static_cast<std::size_t>(entry.spot)].groups[k];
+        CandidateMode::Group& group = next[static_cast<std::size_t>(entry.candidate)].groups[k];
         const double speed = entry.slip[k].norm();
         if (group.moves && speed > rest) group.direction = entry.slip[k] / speed;
       }
     }
   }
-  touch_.set_modes(next);
+  contact_equations_.set_modes(next);
   update_guards();
   hidden_.begin();
   return touches;
 }
 
 bool ContactModes::any_slips(const double* y) {
-  if (touch_.closed().empty()) return false;
+  if (contact_equations_.closed().empty()) return false;
   const double rest = slow(y + mechanism_.nq);
   go_to(y);
-  touch_.build(touch_.closed(), touch_.modes(), true, updated_rows_);
-  return std::ranges::any_of(updated_rows_.entries, [&](const TouchEquations::Entry& entry) {
-    const SpotMode& mode = mode_of(entry.spot);
+  contact_equations_.build(contact_equations_.closed(), contact_equations_.modes(), true, updated_rows_);
+  return std::ranges::any_of(updated_rows_.entries, [&](const ContactEquations::Entry& entry) {
+    const CandidateMode& mode = mode_of(entry.candidate);
     for (std::size_t k = 0; k < contact_groups; ++k) {
       if (!mode.groups[k].moves && entry.slip[k].norm() > rest) return true;
     }
@@ -213,22 +220,22 @@ void ContactModes::update_guards() {
     const double depth = std::max(0.0, -outputs_.gap(guard.contact));
     guard.allowed = depth + watched_depth;
     guard.least = std::min(guard.least, depth);
-    if (depth > guard.least + TouchOutputs::least_overlap) overlapping_ = guard.spot;
+    if (depth > guard.least + ContactOutputs::least_overlap) overlapping_ = guard.candidate;
   }
 }
 
 void ContactModes::serialize(Archive& archive) {
-  std::vector<SpotMode>& modes = updated_;  // steps allocate no memory
-  modes = touch_.modes();
-  for (SpotMode& mode : modes) {
+  std::vector<CandidateMode>& modes = updated_;  // steps allocate no memory
+  modes = contact_equations_.modes();
+  for (CandidateMode& mode : modes) {
     archive.serialize(mode.closed, mode.leaves_from);
-    for (SpotMode::Group& group : mode.groups) {
+    for (CandidateMode::Group& group : mode.groups) {
       archive.serialize(group.moves, group.direction.x(), group.direction.y(), group.direction.z());
     }
   }
   for (Guard& guard : guards_) archive.serialize(guard.allowed, guard.least);
   if (!archive.reading()) return;
-  touch_.set_modes(modes);
+  contact_equations_.set_modes(modes);
   overlapping_ = -1;
 }
 

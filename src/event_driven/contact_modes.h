@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The modes of contacts between events: which spots are closed, and where friction holds. They do not follow from the
-// state, so they are remembered from one event to the next; mode_changes.h says what becomes of them.
+// The modes of contacts between events: which candidates are closed, and where friction holds. They do not follow from
+// the state, so they are remembered from one event to the next; mode_changes.h says what becomes of them.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,10 +10,10 @@
 
 #include "contact_geometry/contact_finder.h"
 #include "event/event_log.h"
-#include "event_driven/hidden_touches.h"
+#include "event_driven/contact_equations.h"
+#include "event_driven/contact_outputs.h"
+#include "event_driven/hidden_contacts.h"
 #include "event_driven/mode_equations.h"
-#include "event_driven/touch_equations.h"
-#include "event_driven/touch_outputs.h"
 #include "util/archive.h"
 
 namespace gelenk {
@@ -30,11 +30,11 @@ class ContactModes {
   explicit ContactModes(const Context& context);
 
   // Whether shapes can touch.
-  bool any() const { return touch_.spots().count() > 0; }
-  // Five indicators for each spot: positive while it is closed; while it slips, spins and rolls against friction; and
-  // while it is closed within the ends of its features.
-  static constexpr int per_spot = TouchOutputs::per_spot;
-  int indicators() const { return per_spot * touch_.spots().count(); }
+  bool any() const { return contact_equations_.candidates().count() > 0; }
+  // Five indicators for each candidate: positive while it is closed; while it slips, spins and rolls against friction;
+  // and while it is closed within the ends of its features.
+  static constexpr int per_candidate = ContactOutputs::per_candidate;
+  int indicators() const { return per_candidate * contact_equations_.candidates().count(); }
   void indicator_values(double t, const double* y, double* g, double* gdot);
   // Those of closed contacts alone, with the forces of the last accelerations, vdot.
   void indicators_of_closed(const double* vdot, double* g, double* gdot);
@@ -52,14 +52,14 @@ class ContactModes {
   // located.
   bool update(const double* y);
   // After update(): the contact of which shapes have come to overlap although nothing was found to touch, by its first
-  // spot; -1: none.
+  // candidate; -1: none.
   int overlapping() const { return overlapping_; }
-  // Brings `dynamics` and the spots to y.
+  // Brings `dynamics` and the candidates to y.
   void go_to(const double* y);
   // Where a step begins, after changes of modes.
   void begin_step(const double* y);
-  // Whether a spot touches, as far as its gap says; after go_to().
-  bool may_touch(int spot) const;
+  // Whether a candidate touches, as far as its gap says; after go_to().
+  bool may_touch(int candidate) const;
   // Whether something penetrates beyond its mode at the present position of `dynamics`.
   bool any_penetrates();
   // Whether something that sticks has a relative velocity, as where the belt that it lies on has been started.
@@ -67,10 +67,12 @@ class ContactModes {
   // Speeds up to this are rest.
   double slow(const double* v) const;
 
-  const SpotMode& mode_of(int spot) const { return touch_.modes()[static_cast<std::size_t>(spot)]; }
-  TouchEquations& equations() { return touch_; }
-  const TouchEquations& equations() const { return touch_; }
-  TouchOutputs& outputs() { return outputs_; }
+  const CandidateMode& mode_of(int candidate) const {
+    return contact_equations_.modes()[static_cast<std::size_t>(candidate)];
+  }
+  ContactEquations& equations() { return contact_equations_; }
+  const ContactEquations& equations() const { return contact_equations_; }
+  ContactOutputs& outputs() { return outputs_; }
   void serialize(Archive& archive);
 
  private:
@@ -80,20 +82,20 @@ class ContactModes {
   const Mechanism& mechanism_;
   Dynamics& dynamics_;
   ModeEquations& equations_;
-  TouchEquations touch_;
-  HiddenTouches hidden_;
-  TouchOutputs outputs_;
+  ContactEquations contact_equations_;
+  HiddenContacts hidden_;
+  ContactOutputs outputs_;
   // Contacts of edges, whose features may be passed within a step: penetration of the whole shapes is an event, too.
   struct Guard {
-    int contact = 0, spot = 0;  // of the scene; its first one, of which the indicator shows it
-    double allowed = INFINITY;  // m: penetration where the step began
-    double least = INFINITY;    // m: since the start
+    int contact = 0, candidate = 0;  // of the scene; its first one, of which the indicator shows it
+    double allowed = INFINITY;       // m: penetration where the step began
+    double least = INFINITY;         // m: since the start
   };
   std::vector<Guard> guards_;
   int overlapping_ = -1;
   std::vector<double> vdot_;
-  std::vector<SpotMode> updated_;  // where a step begins
-  TouchEquations::Rows updated_rows_;
+  std::vector<CandidateMode> updated_;  // where a step begins
+  ContactEquations::Rows updated_rows_;
 };
 
 }  // namespace gelenk

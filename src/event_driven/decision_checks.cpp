@@ -23,19 +23,19 @@ bool ContactDecision::locks_obey(const VectorXd& relative) const {
   return true;
 }
 
-// Whether a spot has a normal force in the cone problem with joints at rest.
-bool ContactDecision::presses(int spot) const {
+// Whether a candidate has a normal force in the cone problem with joints at rest.
+bool ContactDecision::presses(int candidate) const {
   if (problem_->locks.empty()) return false;
-  const auto i = static_cast<std::size_t>(std::ranges::find(spots_, spot) - spots_.begin());
-  return i < spots_.size() && x_[rows_.entries[i].first] > least_force * x_.cwiseAbs().maxCoeff();
+  const auto i = static_cast<std::size_t>(std::ranges::find(candidates_, candidate) - candidates_.begin());
+  return i < candidates_.size() && x_[rows_.entries[i].first] > least_force * x_.cwiseAbs().maxCoeff();
 }
 
-// By spot: in the modes of the last check().
+// By candidate: in the modes of the last check().
 VectorXd ContactDecision::normal_forces_in_modes() {
-  VectorXd out = VectorXd::Zero(static_cast<Index>(spots_.size()));
-  const auto& forces = touch_.forces();
+  VectorXd out = VectorXd::Zero(static_cast<Index>(candidates_.size()));
+  const auto& forces = contact_equations_.forces();
   for (std::size_t i = 0; i < forces.size(); ++i) {
-    const auto at = std::ranges::find(spots_, touch_.closed()[i]) - spots_.begin();
+    const auto at = std::ranges::find(candidates_, contact_equations_.closed()[i]) - candidates_.begin();
     if (at < out.size()) out[at] = forces[i].normal;
   }
   return out;
@@ -62,23 +62,24 @@ bool ContactDecision::locks_exceed_limits() const {
 // Where a joint at rest and a contact hold the same motion, their forces are redundant, but the friction of what slides
 // depends on them: what cannot hold alone gives way to the contact, and a contact that need not hold has no force.
 // Returns whether any has changed.
-bool ContactDecision::resolve_redundancy(std::vector<SpotMode>& next) {
-  if (problem_->locks.empty() || touch_.closed().empty() || !touch_.rows().any_moves()) return false;
+bool ContactDecision::resolve_redundancy(std::vector<CandidateMode>& next) {
+  if (problem_->locks.empty() || contact_equations_.closed().empty() || !contact_equations_.rows().any_moves())
+    return false;
   bool releases = false, opens = false;
-  for (std::size_t i = 0; i < touch_.closed().size(); ++i) {
-    if (!touch_.rows().entries[i].any_moves() || !touch_.is_blocked(i)) continue;
-    const int spot = touch_.closed()[i];
-    releases = let_go_beyond_limits(spot) || releases;
+  for (std::size_t i = 0; i < contact_equations_.closed().size(); ++i) {
+    if (!contact_equations_.rows().entries[i].any_moves() || !contact_equations_.is_blocked(i)) continue;
+    const int candidate = contact_equations_.closed()[i];
+    releases = let_go_beyond_limits(candidate) || releases;
     if (releases) continue;
-    next[static_cast<std::size_t>(spot)].closed = false;
+    next[static_cast<std::size_t>(candidate)].closed = false;
     opens = true;
   }
   return releases || opens;
 }
 
-// Of the joints at rest that a normal force on a spot moves, those that need more than they can exert.
-bool ContactDecision::let_go_beyond_limits(int spot) {
-  const auto at = static_cast<std::size_t>(std::ranges::find(spots_, spot) - spots_.begin());
+// Of the joints at rest that a normal force on a candidate moves, those that need more than they can exert.
+bool ContactDecision::let_go_beyond_limits(int candidate) {
+  const auto at = static_cast<std::size_t>(std::ranges::find(candidates_, candidate) - candidates_.begin());
   const VectorXd per_force = G_.col(rows_.entries[at].first);
   bool any = false;
   for (std::size_t i = 0; i < problem_->locks.size(); ++i) {
@@ -95,16 +96,16 @@ bool ContactDecision::let_go_beyond_limits(int spot) {
 // Whether friction that holds in these modes needs more than its limit, or a limit of a joint would have to pull.
 bool ContactDecision::exceeds_limits(const std::vector<Trigger>& triggered) {
   if (locks_exceed_limits()) return true;
-  const auto& forces = touch_.forces();
+  const auto& forces = contact_equations_.forces();
   double sum = 0;
   for (const auto& force : forces) sum += std::abs(force.normal);
   for (std::size_t i = 0; i < forces.size(); ++i) {
-    const TouchEquations::Entry& entry = touch_.rows().entries[i];
+    const ContactEquations::Entry& entry = contact_equations_.rows().entries[i];
     for (int group = 0; group < contact_groups; ++group) {
       const auto g = static_cast<std::size_t>(group);
       if (entry.rows[g] < 0) continue;
-      const double limit = touch_.coefficient(entry.spot, group, false) * forces[i].normal;
-      const bool breaks_away = triggered[static_cast<std::size_t>(entry.spot)].groups[g];
+      const double limit = contact_equations_.coefficient(entry.candidate, group, false) * forces[i].normal;
+      const bool breaks_away = triggered[static_cast<std::size_t>(entry.candidate)].groups[g];
       if (forces[i].held[g] > limit + (breaks_away ? -break_away_fraction * limit : limit_fraction * sum)) return true;
     }
   }
@@ -115,22 +116,22 @@ bool ContactDecision::exceeds_limits(const std::vector<Trigger>& triggered) {
 // are not those of the cone problem, contacts that press in that do not count.
 int ContactDecision::most_pulling() const {
   double largest = 0;
-  const auto& forces = touch_.forces();
+  const auto& forces = contact_equations_.forces();
   for (const auto& force : forces) largest = std::max(largest, std::abs(force.normal));
   double least = -acceleration_tolerance * largest;
   int out = -1;
   for (std::size_t i = 0; i < forces.size(); ++i) {
-    const bool is_redundant = !touch_.are_unique() || touch_.is_blocked(i);
-    if (!(forces[i].normal < least) || (is_redundant && presses(touch_.closed()[i]))) continue;
+    const bool is_redundant = !contact_equations_.are_unique() || contact_equations_.is_blocked(i);
+    if (!(forces[i].normal < least) || (is_redundant && presses(contact_equations_.closed()[i]))) continue;
     least = forces[i].normal;
-    out = touch_.closed()[i];
+    out = contact_equations_.closed()[i];
   }
   return out;
 }
 
-// Whether a spot is accelerated as its mode permits. relative: by row.
-bool ContactDecision::obeys(std::size_t i, const SpotMode& mode, const VectorXd& relative) const {
-  const TouchEquations::Entry& entry = rows_.entries[i];
+// Whether a candidate is accelerated as its mode permits. relative: by row.
+bool ContactDecision::obeys(std::size_t i, const CandidateMode& mode, const VectorXd& relative) const {
+  const ContactEquations::Entry& entry = rows_.entries[i];
   const double tolerance = acceleration_tolerance * scale_;
   if (!mode.closed) return !(relative[entry.first] < -tolerance);
   if (std::abs(relative[entry.first]) > tolerance) return false;
@@ -150,26 +151,26 @@ bool ContactDecision::obeys(std::size_t i, const SpotMode& mode, const VectorXd&
 }
 
 // Whether accelerations in these modes obey the laws. pulls: see most_pulling().
-bool ContactDecision::check(const double* vdot, const std::vector<SpotMode>& next, int& pulls) {
-  touch_.set_modes(next);
+bool ContactDecision::check(const double* vdot, const std::vector<CandidateMode>& next, int& pulls) {
+  contact_equations_.set_modes(next);
   VectorXd a = Eigen::Map<const VectorXd>(vdot, rows_.R.cols());
   if (problem_->locks.empty()) {
-    touch_.accelerate(a.data());
+    contact_equations_.accelerate(a.data());
   } else {
     problem_->accelerate(a.data());
   }
   pulls = most_pulling();
   if (pulls >= 0 || !a.allFinite()) return false;
   const VectorXd relative = rows_.R * a + rows_.rates;
-  for (std::size_t i = 0; i < spots_.size(); ++i) {
-    if (!obeys(i, next[static_cast<std::size_t>(spots_[i])], relative)) return false;
+  for (std::size_t i = 0; i < candidates_.size(); ++i) {
+    if (!obeys(i, next[static_cast<std::size_t>(candidates_[i])], relative)) return false;
   }
   return locks_obey(relative);
 }
 
 // Drops closed contacts and limits of joints that would pull until none does.
-bool ContactDecision::refine(const double* vdot, std::vector<SpotMode>& next) {
-  for (std::size_t k = 0; k <= 2 * spots_.size() + problem_->locks.size(); ++k) {
+bool ContactDecision::refine(const double* vdot, std::vector<CandidateMode>& next) {
+  for (std::size_t k = 0; k <= 2 * candidates_.size() + problem_->locks.size(); ++k) {
     int pulls = -1;
     if (check(vdot, next, pulls)) {
       if (resolve_redundancy(next)) continue;
@@ -183,14 +184,15 @@ bool ContactDecision::refine(const double* vdot, std::vector<SpotMode>& next) {
 
 // Whether other modes obey the laws, too: flight where what slides remains in contact, or contact of one that flies.
 // With much friction, a normal force on what slides may draw it into contact (Painleve 1895).
-bool ContactDecision::is_indeterminate(const std::vector<SpotMode>& next) const {
+bool ContactDecision::is_indeterminate(const std::vector<CandidateMode>& next) const {
   if (!rows_.any_moves() || !problem_->locks.empty()) return false;
   const double tolerance = acceleration_tolerance * scale_;
   const auto rises = [&](const VectorXd& a) {
     return std::ranges::all_of(rows_.entries, [&](const auto& entry) { return a[entry.first] > tolerance; });
   };
   if (!rises(b_)) return false;
-  if (std::ranges::any_of(spots_, [&](int spot) { return next[static_cast<std::size_t>(spot)].closed; })) return true;
+  if (std::ranges::any_of(candidates_, [&](int candidate) { return next[static_cast<std::size_t>(candidate)].closed; }))
+    return true;
   for (Index i = 0; i < C_.cols(); ++i) {
     const Index row = rows_.entries[static_cast<std::size_t>(i)].first;
     const VectorXd per_force = G_.col(row) + C_.col(i);

@@ -5,7 +5,7 @@
 
 #include "event_driven/contact_modes.h"
 #include "event_driven/mode_changes.h"
-#include "kinematics/branches.h"
+#include "kinematics/force_modes.h"
 #include "kinematics/loads.h"
 #include "mechanism/mechanism.h"
 
@@ -13,10 +13,10 @@ namespace gelenk {
 
 EventModes::EventModes(const Context& context)
     : dynamics_(context.dynamics),
-      forces_(context.dynamics.branching()),
+      forces_(context.dynamics.switching_forces()),
       nq_(context.mechanism.nq),
       log_(context.log),
-      sides_(static_cast<std::size_t>(forces_.count()), branch_of_state),
+      sides_(static_cast<std::size_t>(forces_.count()), mode_of_state),
       present_sides_(sides_.size()),
       g_(2 * sides_.size()),
       gdot_(g_.size()),
@@ -89,7 +89,7 @@ void EventModes::hold_mode(double t, const bool* positive) {
   mode_exit_time_ = INFINITY;
   for (std::size_t i = 0; i < sides_.size(); ++i) {
     if (locks_.owns(static_cast<int>(i))) continue;
-    sides_[i] = !held_ ? branch_of_state : positive[2 * i] ? 1 : positive[2 * i + 1] ? -1 : 0;
+    sides_[i] = !held_ ? mode_of_state : positive[2 * i] ? 1 : positive[2 * i + 1] ? -1 : 0;
   }
   forces_.hold(held_ || !locks_.empty() ? sides_.data() : nullptr);
   forces_.loads().hold_signs(held_ ? positive + own_indicators() : nullptr);

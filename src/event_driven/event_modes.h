@@ -89,7 +89,7 @@ class EventModes final : public EventSource {
   bool are_overloaded() const;
 
   Dynamics& dynamics_;
-  Branching& forces_;
+  SwitchingForces& forces_;
   int nq_;
   EventLog& log_;
   std::vector<int> sides_, present_sides_;  // of the forces: held, and those of the present state

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "event_driven/lock_modes.h"
-#include "kinematics/branches.h"
+#include "kinematics/force_modes.h"
 
 namespace gelenk {
 namespace {
@@ -22,7 +22,7 @@ int LockModes::treat(FrictionTreatment friction, double t, const double* y) {
     const bool is_free = friction == FrictionTreatment::off ||
                          (friction == FrictionTreatment::sliding && motion == 0) ||
                          (friction == FrictionTreatment::present && forces_.lock(i).sticking_limit.vanishes);
-    if (is_free) motion = branch_released;
+    if (is_free) motion = mode_released;
   }
   set_state(out);
   return friction == FrictionTreatment::present ? on_boundary(t, y) : -1;
@@ -35,9 +35,9 @@ int LockModes::on_boundary(double t, const double* y) {
   dynamics_.set_position(y);
   const double* v = y + nq_;
   for (int i = 0; i < count(); ++i) {
-    const Branching::Lock lock = forces_.lock(i);
+    const SwitchingForces::Lock lock = forces_.lock(i);
     if (!rests(i)) {
-      if (has_friction(i) && modes_.motions[i] != branch_released && is_slow(i, v)) return lock.friction;
+      if (has_friction(i) && modes_.motions[i] != mode_released && is_slow(i, v)) return lock.friction;
       if (lock.limit >= 0 && touched_side(i) != 0 && (!lock.one_way || is_slow(i, v))) return lock.limit;
       continue;
     }

@@ -10,13 +10,13 @@ namespace gelenk {
 
 void ModeChanges::redistribute(double t, const double* y, double* joints, double* contacts) {
   redistributed_ = false;
-  if (touch_.closed().empty()) return;
+  if (contact_equations_.closed().empty()) return;
   std::vector<double*> yielding;
   contacts_.find_yielding(contacts, yielding);
-  std::size_t kept = touch_.closed().size();
+  std::size_t kept = contact_equations_.closed().size();
   if (joints != nullptr) kept += joints_.find_yielding(joints, yielding);
   // A single contact has redundant forces where its body cannot move in all directions, as on a pendulum.
-  const bool may_differ = kept > 1 || !touch_.are_unique();
+  const bool may_differ = kept > 1 || !contact_equations_.are_unique();
   if (yielding.empty() || !may_differ || !decisions_.hold_by_others(t, y)) return;
   redistributed_ = true;
   for (double* value : yielding) *value = *value > 0 ? -*value : std::max(-*value, std::numeric_limits<double>::min());
@@ -32,8 +32,8 @@ bool ModeChanges::exceed_laws() {
 }
 
 void ModeChanges::record_outputs(double t, const double* y) {
-  TouchOutputs& outputs = contacts_.outputs();
-  if (!touch_.closed().empty() && exceed_laws() && decisions_.hold_by_others(t, y)) {
+  ContactOutputs& outputs = contacts_.outputs();
+  if (!contact_equations_.closed().empty() && exceed_laws() && decisions_.hold_by_others(t, y)) {
     const Eigen::VectorXd distributed = decisions_.contact_forces();
     equations_.accelerations_at(t, y, vdot_.data());
     outputs.record(&distributed);

@@ -13,7 +13,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-Cone cone_of(const TouchEquations::Entry& entry, const std::array<double, contact_groups>& coefficients) {
+Cone cone_of(const ContactEquations::Entry& entry, const std::array<double, contact_groups>& coefficients) {
   Cone cone;
   cone.first = entry.first;
   cone.tangential = entry.rows[0] < 0 ? 0 : 2;
@@ -25,13 +25,14 @@ Cone cone_of(const TouchEquations::Entry& entry, const std::array<double, contac
   return cone;
 }
 
-ImpactEquations::ImpactEquations(TouchEquations& touch, Branching& forces, const std::vector<int>& spots,
-                                 const std::vector<JointImpacts::Struck>& joints, const double* v, double slow)
+ImpactEquations::ImpactEquations(ContactEquations& contact_equations, SwitchingForces& forces,
+                                 const std::vector<int>& candidates, const std::vector<JointImpacts::Struck>& joints,
+                                 const double* v, double slow)
     : forces_(forces) {
   Index contacts = 0;
-  if (!spots.empty()) {
-    touch.build(spots, touch.modes(), false, rows_);
-    touch.respond(rows_.R, Z_);
+  if (!candidates.empty()) {
+    contact_equations.build(candidates, contact_equations.modes(), false, rows_);
+    contact_equations.respond(rows_.R, Z_);
     contacts = rows_.R.rows();
   }
   for (const JointImpacts::Struck& at : joints) locks_.push_back(at.lock);
@@ -58,21 +59,21 @@ ImpactEquations::ImpactEquations(TouchEquations& touch, Branching& forces, const
     }
   }
   std::vector<Impact::Struck> struck;
-  for (const TouchEquations::Entry& entry : rows_.entries) struck.push_back(contact(touch, entry, slow));
+  for (const ContactEquations::Entry& entry : rows_.entries) struck.push_back(contact(contact_equations, entry, slow));
   for (std::size_t i = 0; i < struck.size(); ++i) {
     Impact::Struck& at = struck[i];
-    if (speeds[at.cone.first] < -slow) at.restitution = touch.law(spots[i]).restitution;
+    if (speeds[at.cone.first] < -slow) at.restitution = contact_equations.law(candidates[i]).restitution;
   }
   for (std::size_t i = 0; i < joints.size(); ++i) struck.push_back(joint(joints[i], contacts + static_cast<Index>(i)));
   law_.emplace(std::move(G), std::move(speeds), std::move(struck));
 }
 
-Impact::Struck ImpactEquations::contact(const TouchEquations& touch, const TouchEquations::Entry& entry,
+Impact::Struck ImpactEquations::contact(const ContactEquations& contact_equations, const ContactEquations::Entry& entry,
                                         double slow) const {
   std::array<double, contact_groups> coefficients{};
   for (int g = 0; g < contact_groups; ++g) {
     const bool slips = entry.slip[static_cast<std::size_t>(g)].norm() > slow;
-    coefficients[static_cast<std::size_t>(g)] = touch.coefficient(entry.spot, g, slips);
+    coefficients[static_cast<std::size_t>(g)] = contact_equations.coefficient(entry.candidate, g, slips);
   }
   return {.cone = cone_of(entry, coefficients)};
 }
@@ -89,7 +90,7 @@ Impact::Struck ImpactEquations::joint(const JointImpacts::Struck& at, Index row)
 VectorXd ImpactEquations::accelerations(const double* vdot) const {
   VectorXd out(static_cast<Index>(rows_.entries.size() + locks_.size()));
   Index i = 0;
-  for (const TouchEquations::Entry& entry : rows_.entries) {
+  for (const ContactEquations::Entry& entry : rows_.entries) {
     const Eigen::Map<const VectorXd> a(vdot, rows_.R.cols());
     out[i++] = rows_.R.row(entry.first).dot(a) + rows_.rates[entry.first];
   }

@@ -8,8 +8,8 @@
 #include <optional>
 #include <vector>
 
+#include "event_driven/contact_equations.h"
 #include "event_driven/joint_impacts.h"
-#include "event_driven/touch_equations.h"
 #include "nonsmooth/impact.h"
 
 namespace gelenk {
@@ -17,8 +17,8 @@ namespace gelenk {
 class ImpactEquations {
  public:
   // At the state of the last solve() of `dynamics`, of which v are the velocities; with contacts, nothing is kept at
-  // rest in it. Contacts come first, in the order of `spots`; speeds up to `slow` are rest.
-  ImpactEquations(TouchEquations& touch, Branching& forces, const std::vector<int>& spots,
+  // rest in it. Contacts come first, in the order of `candidates`; speeds up to `slow` are rest.
+  ImpactEquations(ContactEquations& contact_equations, SwitchingForces& forces, const std::vector<int>& candidates,
                   const std::vector<JointImpacts::Struck>& joints, const double* v, double slow);
 
   Impact& law() { return *law_; }
@@ -29,17 +29,18 @@ class ImpactEquations {
   void apply(double* v) const;
 
  private:
-  Impact::Struck contact(const TouchEquations& touch, const TouchEquations::Entry& entry, double slow) const;
+  Impact::Struck contact(const ContactEquations& contact_equations, const ContactEquations::Entry& entry,
+                         double slow) const;
   Impact::Struck joint(const JointImpacts::Struck& at, Eigen::Index row) const;
 
-  Branching& forces_;
-  TouchEquations::Rows rows_;    // of contacts
-  TouchEquations::RowMatrix Z_;  // their effect on velocities
+  SwitchingForces& forces_;
+  ContactEquations::Rows rows_;    // of contacts
+  ContactEquations::RowMatrix Z_;  // their effect on velocities
   std::vector<int> locks_;
   std::optional<Impact> law_;
 };
 
 // The cone of the forces of a contact with these coefficients.
-Cone cone_of(const TouchEquations::Entry& entry, const std::array<double, contact_groups>& coefficients);
+Cone cone_of(const ContactEquations::Entry& entry, const std::array<double, contact_groups>& coefficients);
 
 }  // namespace gelenk

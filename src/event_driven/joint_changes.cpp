@@ -6,7 +6,7 @@
 #include <iterator>
 #include <utility>
 
-#include "kinematics/branches.h"
+#include "kinematics/force_modes.h"
 #include "nonsmooth/rounding.h"
 
 namespace gelenk {
@@ -30,7 +30,7 @@ bool JointChanges::find_events_at_start(double t, const double* y) {
   bool evaluated = false;
   for (int i = 0; i < modes_.count(); ++i) {
     if (modes_.rests(i)) continue;
-    const Branching::Lock lock = forces_.lock(i);
+    const SwitchingForces::Lock lock = forces_.lock(i);
     if (lock.limit >= 0) find_reached_bounds(i, v);
     if ((lock.friction < 0 && !lock.one_way) || !modes_.is_slow(i, v)) continue;
     if (!evaluated) modes_.equations_.accelerations_at(t, y, modes_.vdot_.data());
@@ -50,7 +50,7 @@ void JointChanges::find_reached_bounds(int lock, const double* v) {
   bool away = true;
   double& leaves_from = modes_.modes_.leaves_from[static_cast<std::size_t>(lock)];
   for (const int side : {1, -1}) {
-    const Branching::Depth at = forces_.depth(lock, side);
+    const SwitchingForces::Depth at = forces_.depth(lock, side);
     away = away && at.depth < 0;
     const bool reached = leaves_from == 0 && at.depth >= -reached_fraction * at.tolerance;
     if (reached && side * forces_.speed(lock, v) > 0 && !modes_.is_slow(lock, v))
@@ -75,7 +75,7 @@ std::size_t JointChanges::find_yielding(double* g, std::vector<double*>& out) co
   for (int i = 0; i < modes_.count(); ++i) {
     if (!modes_.rests(i)) continue;
     ++resting;
-    const Branching::Lock lock = forces_.lock(i);
+    const SwitchingForces::Lock lock = forces_.lock(i);
     for (const int force : {lock.friction, lock.limit}) {
       if (force < 0) continue;
       for (const int side : {1, -1}) {
@@ -119,7 +119,7 @@ void JointChanges::force_away() {
     next.motions[at] = next.contacts[at] != 0 ? -next.contacts[at] : modes_.holding_[at] > 0 ? -1 : 1;
     next.contacts[at] = 0;
     next.leaves_from[at] = modes_.leaving_depth_of(i);
-    if (!modes_.has_friction(i)) next.motions[at] = branch_released;
+    if (!modes_.has_friction(i)) next.motions[at] = mode_released;
   }
   modes_.enter(std::move(next), Recording::doubts);
 }
@@ -152,7 +152,7 @@ bool JointChanges::returns(int lock, const LockModes::State& before, const doubl
   if (modes_.is_slow(lock, v)) return false;
   const double* vdot = modes_.vdot_.data();
   const double speed = forces_.speed(lock, v);
-  const Branching::Lock of = forces_.lock(lock);
+  const SwitchingForces::Lock of = forces_.lock(lock);
   const LockModes::State& present = modes_.modes_;
   const int side = present.contacts[lock] == 0 && present.leaves_from[lock] != 0 ? modes_.touched_side(lock) : 0;
   if (side != 0) {
@@ -194,7 +194,7 @@ std::vector<int> JointChanges::find_returning(double t, const double* y, const L
 
 void JointChanges::record_changes(double t, const LockModes::State& before) {
   for (int i = 0; i < modes_.count(); ++i) {
-    const Branching::Lock lock = forces_.lock(i);
+    const SwitchingForces::Lock lock = forces_.lock(i);
     const int motion = modes_.modes_.motions[i], contact = modes_.modes_.contacts[i];
     if (lock.friction >= 0 && motion != before.motions[i]) {
       const int direction = motion != 0 ? motion : before.motions[i];

@@ -68,7 +68,7 @@ class JointChanges {
   bool returns(int lock, const LockModes::State& before, const double* v) const;
 
   LockModes& modes_;
-  Branching& forces_;
+  SwitchingForces& forces_;
 };
 
 }  // namespace gelenk

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "kinematics/branches.h"
+#include "kinematics/force_modes.h"
 
 namespace gelenk {
 namespace {
@@ -13,13 +13,13 @@ using Eigen::Index;
 using Eigen::VectorXd;
 
 // Of the accelerations to which rounding is relative: half of what a force that exceeds its limit by its slack causes
-// (Branching::slack).
+// (SwitchingForces::slack).
 constexpr double noticed_fraction = 2e-11;
 
 }  // namespace
 
 void JointDecisions::add(int lock) {
-  const Branching::Lock of = forces_.lock(lock);
+  const SwitchingForces::Lock of = forces_.lock(lock);
   const auto at = static_cast<std::size_t>(lock);
   LockProblem::Lock& out = problem_.locks.emplace_back();
   out.lock = lock;
@@ -27,7 +27,7 @@ void JointDecisions::add(int lock) {
   out.slipping = of.slipping_limit;
   out.contact = next_.contacts[at];
   out.triggered = modes_.triggered_[at] != LockModes::nothing && modes_.rests(lock);
-  next_.motions[at] = branch_released;
+  next_.motions[at] = mode_released;
 }
 
 void JointDecisions::begin(double t, const double* y) {
@@ -42,7 +42,7 @@ void JointDecisions::begin(double t, const double* y) {
     const bool slow = modes_.is_slow(i, v) || modes_.triggered_[at] != LockModes::nothing;
     next_.contacts[at] = slow ? modes_.touched_side(i) : 0;
     const double speed = forces_.speed(i, v);
-    next_.motions[at] = slow || !modes_.has_friction(i) ? branch_released : speed > 0 ? 1 : -1;
+    next_.motions[at] = slow || !modes_.has_friction(i) ? mode_released : speed > 0 ? 1 : -1;
     if (slow && (modes_.has_friction(i) || next_.contacts[at] != 0)) add(i);
   }
   LockModes::State open = next_;
@@ -107,7 +107,7 @@ void JointDecisions::take_up(LockModes::State& next, const LockProblem::Lock& at
   const auto lock = static_cast<std::size_t>(at.lock);
   const bool has_friction = modes_.has_friction(at.lock);
   if (at.leaves && at.direction != 0) {
-    next.motions[lock] = has_friction ? at.direction : branch_released;
+    next.motions[lock] = has_friction ? at.direction : mode_released;
     next.contacts[lock] = 0;
     next.leaves_from[lock] = modes_.leaving_depth_of(at.lock);
     return;

@@ -51,7 +51,7 @@ class JointDecisions {
   LockModes::State answered();
 
   LockModes& modes_;
-  Branching& forces_;
+  SwitchingForces& forces_;
   LockProblem problem_;
   LockModes::State before_, next_;
 };

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kinematics/branches.h"
+#include "kinematics/force_modes.h"
 #include "nonsmooth/rounding.h"
 
 namespace gelenk {
@@ -20,7 +20,7 @@ std::vector<JointImpacts::Struck> JointImpacts::struck(const double* y, const st
   const double* v = y + modes_.nq_;
   std::vector<Struck> out;
   for (int i = 0; i < modes_.count(); ++i) {
-    const Branching::Lock lock = forces_.lock(i);
+    const SwitchingForces::Lock lock = forces_.lock(i);
     const int side = lock.limit < 0 ? 0 : modes_.touched_side(i);
     const bool returns = std::ranges::find(returning, i) != returning.end();
     if (side == 0 && !returns) continue;
@@ -40,7 +40,7 @@ void JointImpacts::let_go() {
   LockModes::State open = modes_.state();
   for (int i = 0; i < modes_.count(); ++i) {
     if (!modes_.rests(i)) continue;
-    open.motions[i] = branch_released;
+    open.motions[i] = mode_released;
     open.contacts[i] = 0;
   }
   modes_.set_state(open);

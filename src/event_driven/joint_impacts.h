@@ -41,7 +41,7 @@ class JointImpacts {
 
  private:
   LockModes& modes_;
-  Branching& forces_;
+  SwitchingForces& forces_;
 };
 
 }  // namespace gelenk

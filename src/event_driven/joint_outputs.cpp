@@ -7,7 +7,7 @@ namespace gelenk {
 
 JointOutputs::JointOutputs(Dynamics& dynamics, LockModes& locks, const std::vector<int>& sides)
     : dynamics_(dynamics),
-      forces_(dynamics.branching()),
+      forces_(dynamics.switching_forces()),
       locks_(locks),
       sides_(sides),
       recorded_sides_(sides.size()),
@@ -20,7 +20,7 @@ void JointOutputs::record() {
   recorded_sides_ = sides_;
   recorded_holding_ = locks_.distribute_holding_forces();
   share_holding_forces(forces_, sides_.data(), recorded_holding_.data(), holding_.data());
-  dynamics_.readings().branching_forces(forces_.inputs().data(), sides_.data(), holding_.data(),
+  dynamics_.readings().switching_forces(forces_.inputs().data(), sides_.data(), holding_.data(),
                                         recorded_forces_.data());
 }
 
@@ -37,7 +37,7 @@ void JointOutputs::record(std::span<const LockForces> locks) {
     recorded_sides_[static_cast<std::size_t>(limit)] = locks[i].contact;
     holding_[static_cast<std::size_t>(limit)] = locks[i].limit;
   }
-  dynamics_.readings().branching_forces(forces_.inputs().data(), sides_.data(), holding_.data(),
+  dynamics_.readings().switching_forces(forces_.inputs().data(), sides_.data(), holding_.data(),
                                         recorded_forces_.data());
 }
 

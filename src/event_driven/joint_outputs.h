@@ -26,7 +26,7 @@ class JointOutputs {
 
  private:
   Dynamics& dynamics_;
-  Branching& forces_;
+  SwitchingForces& forces_;
   LockModes& locks_;
   const std::vector<int>& sides_;
   std::vector<int> recorded_sides_;

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "dynamics/distributed_forces.h"
-#include "kinematics/branches.h"
+#include "kinematics/force_modes.h"
 #include "nonsmooth/rounding.h"
 
 namespace gelenk {
@@ -28,7 +28,7 @@ LockModes::LockModes(ModeEquations& equations, Dynamics& dynamics, int nq, int n
                      std::vector<int>& sides)
     : equations_(equations),
       dynamics_(dynamics),
-      forces_(dynamics.branching()),
+      forces_(dynamics.switching_forces()),
       nq_(nq),
       nv_(nv),
       log_(log),
@@ -41,7 +41,7 @@ LockModes::LockModes(ModeEquations& equations, Dynamics& dynamics, int nq, int n
       holding_(modes_.motions.size()),
       vdot_(static_cast<std::size_t>(nv)) {
   for (int i = 0; i < count(); ++i) {
-    const Branching::Lock lock = forces_.lock(i);
+    const SwitchingForces::Lock lock = forces_.lock(i);
     any_friction_ = any_friction_ || lock.friction >= 0 || lock.one_way;
     for (const int law : forces_.frictions(i)) lock_of_[static_cast<std::size_t>(law)] = i;
     if (lock.limit >= 0) lock_of_[static_cast<std::size_t>(lock.limit)] = i;
@@ -61,7 +61,7 @@ bool LockModes::is_slow(int lock, const double* v, double tolerance) const {
 bool LockModes::keeps_mode(int force, const double* v) const {
   if (!owns(force)) return false;
   const int lock = lock_of_[static_cast<std::size_t>(force)];
-  const Branching::Lock of = forces_.lock(lock);
+  const SwitchingForces::Lock of = forces_.lock(lock);
   return rests(lock) || ((of.limit != force || of.one_way) && is_slow(lock, v));
 }
 
@@ -69,7 +69,7 @@ bool LockModes::keeps_mode(int force, const double* v) const {
 int LockModes::touched_side(int lock) const {
   if (modes_.contacts[lock] != 0) return modes_.contacts[lock];
   for (const int side : {1, -1}) {
-    const Branching::Depth at = forces_.depth(lock, side);
+    const SwitchingForces::Depth at = forces_.depth(lock, side);
     if (at.depth >= -at.tolerance) return side;
   }
   return 0;
@@ -149,7 +149,7 @@ VectorXd LockModes::row(int lock) const {
 double LockModes::leaving_depth_of(int lock) const {
   const int side = touched_side(lock);
   if (side == 0 || forces_.lock(lock).one_way) return 0;
-  const Branching::Depth at = forces_.depth(lock, side);
+  const SwitchingForces::Depth at = forces_.depth(lock, side);
   return leaving_depth(at.depth, at.tolerance);
 }
 
@@ -197,7 +197,7 @@ void LockModes::hold() {
 }
 
 void LockModes::release() {
-  std::ranges::fill(modes_.motions, branch_released);
+  std::ranges::fill(modes_.motions, mode_released);
   std::ranges::fill(modes_.contacts, 0);
   std::ranges::fill(modes_.leaves_from, 0);
   hold();
@@ -264,7 +264,7 @@ void LockModes::enter(State next, Recording records) {
 
 void LockModes::serialize(Archive& archive) {
   if (empty()) return;
-  for (int& motion : modes_.motions) archive.serialize_in_range(motion, -1, branch_released);
+  for (int& motion : modes_.motions) archive.serialize_in_range(motion, -1, mode_released);
   for (int& contact : modes_.contacts) archive.serialize_in_range(contact, -1, 1);
   archive.serialize(modes_.leaves_from);
   archive.serialize_in_range(modes_.unstoppable, -1, 2 * static_cast<int>(sides_.size()) - 1);

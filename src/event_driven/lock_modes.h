@@ -101,7 +101,7 @@ class LockModes {
 
   ModeEquations& equations_;
   Dynamics& dynamics_;
-  Branching& forces_;
+  SwitchingForces& forces_;
   int nq_, nv_;
   EventLog& log_;
   std::vector<int>& sides_;

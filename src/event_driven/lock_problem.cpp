@@ -14,11 +14,11 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-// Relative tolerance of accelerations, less than the slack of holding forces (Branching::slack).
+// Relative tolerance of accelerations, less than the slack of holding forces (SwitchingForces::slack).
 constexpr double box_acceleration_tolerance = 1e-11;
 
 // After a problem without a solution: a motion against a bound that constraint equations determine.
-LockProblem::Unstoppable unstoppable_among(const Branching& forces, const LockProblem& problem,
+LockProblem::Unstoppable unstoppable_among(const SwitchingForces& forces, const LockProblem& problem,
                                            const BoxSolution& found, const VectorXd& scale) {
   for (std::size_t i = 0; i < problem.locks.size(); ++i) {
     const LockProblem::Lock& lock = problem.locks[i];
@@ -44,7 +44,7 @@ double LockProblem::Lock::upper(const DirectedLimit& friction, double part) cons
 
 bool LockProblem::breaks_away() const { return std::ranges::any_of(locks, &Lock::triggered); }
 
-void decide_on_joints(Branching& forces, const double* vdot, LockProblem& problem) {
+void decide_on_joints(SwitchingForces& forces, const double* vdot, LockProblem& problem) {
   std::vector<int> locks;
   for (const LockProblem::Lock& lock : problem.locks) locks.push_back(lock.lock);
   Eigen::MatrixXd W;

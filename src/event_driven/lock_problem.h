@@ -7,7 +7,7 @@
 #include <functional>
 #include <vector>
 
-#include "dynamics/branching.h"
+#include "dynamics/switching_forces.h"
 
 namespace gelenk {
 
@@ -43,6 +43,6 @@ struct LockProblem {
 
 // The box problem of accelerations: what can remain at rest does. vdot: the accelerations with all released, of the
 // last solve().
-void decide_on_joints(Branching& forces, const double* vdot, LockProblem& problem);
+void decide_on_joints(SwitchingForces& forces, const double* vdot, LockProblem& problem);
 
 }  // namespace gelenk

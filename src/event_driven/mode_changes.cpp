@@ -21,11 +21,11 @@ ModeChanges::ModeChanges(const Context& context)
       log_(context.log),
       first_indicator_(context.first_indicator),
       contacts_(context.contacts),
-      touch_(context.contacts.equations()),
+      contact_equations_(context.contacts.equations()),
       joints_(context.joints),
       joint_impacts_(context.joints),
       decisions_({context.mechanism, context.dynamics, context.equations, context.joints, context.contacts}),
-      triggered_(touch_.modes().size()),
+      triggered_(contact_equations_.modes().size()),
       vdot_(static_cast<std::size_t>(context.mechanism.nv)),
       before_(vdot_.size()),
       checked_(static_cast<std::size_t>(context.contacts.indicators())),
@@ -64,8 +64,8 @@ bool ModeChanges::is_contact_doubtful(double t, const double* y) {
 bool ModeChanges::recall(double t, double* y) {
   if (joints_.empty() && !contacts_.any()) return false;
   const bool touches = contacts_.update(y);
-  if (const int spot = contacts_.overlapping(); spot >= 0) {
-    const std::string event = log_.report({t, first_indicator_ + ContactModes::per_spot * spot, true}).text;
+  if (const int candidate = contacts_.overlapping(); candidate >= 0) {
+    const std::string event = log_.report({t, first_indicator_ + ContactModes::per_candidate * candidate, true}).text;
     refusal_ = event.substr(0, event.rfind(": ")) +
                ": shapes overlap, but where they came into contact was not found: use the integrator auto, or a "
                "smaller tolerance";
@@ -85,7 +85,7 @@ bool ModeChanges::recall(double t, double* y) {
     joints_.stop(y);
     changed = true;
   }
-  if (dynamics_.branching().loads().signed_count() > 0) {
+  if (dynamics_.switching_forces().loads().signed_count() > 0) {
     const bool doubtful = load_signs_changed() || determines || jumped || started_;
     changed = (doubtful && seize(t, y)) || changed;
   }
@@ -94,7 +94,7 @@ bool ModeChanges::recall(double t, double* y) {
 }
 
 void ModeChanges::preview(double t, const double* y) {
-  const bool asks_joints = jumped_ || touch_.closed().empty();
+  const bool asks_joints = jumped_ || contact_equations_.closed().empty();
   if (!is_contact_doubtful(t, y) && !(asks_joints && joints_.are_doubtful(t, y, true))) return;
   joints_.begin_change();
   decide(t, y, Recording::nothing);
@@ -106,25 +106,25 @@ bool ModeChanges::is_consistent(double t, const double* y) {
   contacts_.remembered_mode(expected_.get());
   contacts_.indicator_values(t, y, g.data(), checked_rates_.data());
   redistribute(t, y, nullptr, g.data());
-  constexpr int per_spot = ContactModes::per_spot;
-  for (const int spot : touch_.closed()) {
-    for (int k = 0; k < per_spot; ++k) {
+  constexpr int per_candidate = ContactModes::per_candidate;
+  for (const int candidate : contact_equations_.closed()) {
+    for (int k = 0; k < per_candidate; ++k) {
       const std::size_t i =
-          static_cast<std::size_t>(per_spot) * static_cast<std::size_t>(spot) + static_cast<std::size_t>(k);
+          static_cast<std::size_t>(per_candidate) * static_cast<std::size_t>(candidate) + static_cast<std::size_t>(k);
       if ((g[i] > 0) != expected_[i]) return false;
     }
   }
-  for (int i = 0; i < touch_.spots().count(); ++i) {
+  for (int i = 0; i < contact_equations_.candidates().count(); ++i) {
     if (!contacts_.mode_of(i).closed && contacts_.may_touch(i)) return false;
   }
   return !contacts_.any_slips(y);
 }
 
 void ModeChanges::found_contact_event(int indicator, bool positive) {
-  constexpr int per_spot = ContactModes::per_spot;
-  Trigger& trigger = triggered_[static_cast<std::size_t>(indicator / per_spot)];
-  const int which = indicator % per_spot;
-  if (which == per_spot - 1) {
+  constexpr int per_candidate = ContactModes::per_candidate;
+  Trigger& trigger = triggered_[static_cast<std::size_t>(indicator / per_candidate)];
+  const int which = indicator % per_candidate;
+  if (which == per_candidate - 1) {
     trigger.ends = true;
   } else if (which > 0) {
     trigger.groups[static_cast<std::size_t>(which - 1)] = true;
@@ -141,7 +141,7 @@ void ModeChanges::change(double t, double* y) {
 
 // Impulses, and the modes that follow.
 void ModeChanges::determine(double t, double* y) {
-  const std::vector<SpotMode> before = touch_.modes();
+  const std::vector<CandidateMode> before = contact_equations_.modes();
   const LockModes::State joints_before = joints_.state();
   const bool breaks_away = joints_.breaks_away();
   joints_.begin_change();
@@ -169,12 +169,12 @@ void ModeChanges::stop_returning(double t, double* y, const LockModes::State& be
 
 // Cylinders on their flat ends have no points of contact that remain when they tilt.
 void ModeChanges::refuse_ends(double t) {
-  for (int i = 0; i < touch_.spots().count(); ++i) {
-    if (touch_.spots()[i].kind != Spot::Kind::rim) continue;
-    const bool touches = contacts_.mode_of(i).closed || touch_.spots().gap(i) <= touch_tolerance;
-    const bool ends = triggered_[static_cast<std::size_t>(i)].ends || touch_.spots().margin(i) <= 0;
+  for (int i = 0; i < contact_equations_.candidates().count(); ++i) {
+    if (contact_equations_.candidates()[i].kind != ContactCandidate::Kind::rim) continue;
+    const bool touches = contacts_.mode_of(i).closed || contact_equations_.candidates().gap(i) <= touch_tolerance;
+    const bool ends = triggered_[static_cast<std::size_t>(i)].ends || contact_equations_.candidates().margin(i) <= 0;
     if (!touches || !ends) continue;
-    refusal_ = log_.report({t, first_indicator_ + ContactModes::per_spot * i, true}).text +
+    refusal_ = log_.report({t, first_indicator_ + ContactModes::per_candidate * i, true}).text +
                " with a flat end, whose contacts are not located: use the integrator moreau-jean";
   }
 }
@@ -182,7 +182,7 @@ void ModeChanges::refuse_ends(double t) {
 // Whether the loads of meshes have other signs than at the last call, or are not known.
 bool ModeChanges::load_signs_changed() {
   constexpr char unknown = 2;
-  LoadDependence& loads = dynamics_.branching().loads();
+  LoadDependence& loads = dynamics_.switching_forces().loads();
   const auto count = static_cast<std::size_t>(loads.signed_count());
   load_indicators_.resize(count);
   load_signs_.resize(count, unknown);
@@ -202,7 +202,7 @@ bool ModeChanges::load_signs_changed() {
 // there is such a friction.
 bool ModeChanges::seize(double t, double* y) {
   equations_.accelerations_at(t, y, vdot_.data());
-  const int force = dynamics_.branching().loads().seized();
+  const int force = dynamics_.switching_forces().loads().seized();
   if (force < 0) return false;
   const LockModes::State before = joints_.state();
   strike(t, y, {joints_.stop_friction(force)}, before);
@@ -226,7 +226,7 @@ bool ModeChanges::decide(double t, const double* y, Recording records, ModeDecis
 // Records what the last decision did not find.
 void ModeChanges::record_doubt(double t) {
   if (decisions_.outcome() == ContactDecision::Outcome::found) return;
-  const int indicator = first_indicator_ + ContactModes::per_spot * decisions_.decided_spot();
+  const int indicator = first_indicator_ + ContactModes::per_candidate * decisions_.decided_candidate();
   ++counts_.ambiguous;
   log_.add({t, indicator, true, true});
   if (decisions_.outcome() != ContactDecision::Outcome::none) return;
@@ -234,24 +234,24 @@ void ModeChanges::record_doubt(double t) {
              ", and no contact forces were found that agree with Coulomb's law (as in Painlev\u00e9's paradox)";
 }
 
-bool ModeChanges::enter_contacts(std::vector<SpotMode> next, Recording records) {
-  const bool changed = differ(touch_.modes(), next);
-  for (SpotMode& after : next) {
+bool ModeChanges::enter_contacts(std::vector<CandidateMode> next, Recording records) {
+  const bool changed = differ(contact_equations_.modes(), next);
+  for (CandidateMode& after : next) {
     if (after.closed) after.leaves_from = 0;
     if (!after.closed) after.groups = {};
   }
-  const bool are_others = next != touch_.modes();
-  touch_.set_modes(next);
+  const bool are_others = next != contact_equations_.modes();
+  contact_equations_.set_modes(next);
   if (are_others && records != Recording::nothing) equations_.mode_changed();
   return changed;
 }
 
 // Records how the modes differ from those before.
-void ModeChanges::record_contact_changes(double t, const std::vector<SpotMode>& modes_before) {
+void ModeChanges::record_contact_changes(double t, const std::vector<CandidateMode>& modes_before) {
   for (std::size_t i = 0; i < modes_before.size(); ++i) {
-    const SpotMode& before = modes_before[i];
-    const SpotMode& after = touch_.modes()[i];
-    const int first = first_indicator_ + ContactModes::per_spot * static_cast<int>(i);
+    const CandidateMode& before = modes_before[i];
+    const CandidateMode& after = contact_equations_.modes()[i];
+    const int first = first_indicator_ + ContactModes::per_candidate * static_cast<int>(i);
     if (before.closed && !after.closed) log_.add({t, first, false});
     if (!before.closed || !after.closed) continue;
     for (int k = 0; k < contact_groups; ++k) {

@@ -50,7 +50,7 @@ class ModeChanges {
   // forces can be distributed so that it does not, corrects them.
   void redistribute(double t, const double* y, double* joints, double* contacts);
   // Whether the forces of the last accelerations are the only ones that have their effect.
-  bool are_forces_unique() const { return !redistributed_ && touch_.are_unique(); }
+  bool are_forces_unique() const { return !redistributed_ && contact_equations_.are_unique(); }
   // Records the contact forces of the last accelerations, at (t, y), with which all contacts are open from then on;
   // where forces are redundant, within the laws.
   void record_outputs(double t, const double* y);
@@ -79,13 +79,13 @@ class ModeChanges {
   };
   bool is_lost(std::size_t i, const BeforeImpact& before, const ImpactEquations& impact) const;
   bool end_series(const BeforeImpact& before, ImpactEquations& impact);
-  void record_impacts(double t, const double* y, const std::vector<int>& spots, const ImpactEquations& impact,
+  void record_impacts(double t, const double* y, const std::vector<int>& candidates, const ImpactEquations& impact,
                       bool found);
 
   bool decide(double t, const double* y, Recording records, ModeDecisions::Asked asked = ModeDecisions::Asked::all);
   void record_doubt(double t);
-  bool enter_contacts(std::vector<SpotMode> next, Recording records);
-  void record_contact_changes(double t, const std::vector<SpotMode>& before);
+  bool enter_contacts(std::vector<CandidateMode> next, Recording records);
+  void record_contact_changes(double t, const std::vector<CandidateMode>& before);
   void finish(double* y);
   bool exceed_laws();
 
@@ -95,11 +95,11 @@ class ModeChanges {
   EventLog& log_;
   int first_indicator_;
   ContactModes& contacts_;
-  TouchEquations& touch_;
+  ContactEquations& contact_equations_;
   JointChanges joints_;
   JointImpacts joint_impacts_;
   ModeDecisions decisions_;
-  std::vector<Trigger> triggered_;  // by spot
+  std::vector<Trigger> triggered_;  // by candidate
   bool started_ = true, jumped_ = false;
   // Whether forces of the last indicators hold only as others that have the same effect: what those of an evaluation
   // are beyond their limits says nothing.

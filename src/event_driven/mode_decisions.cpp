@@ -25,7 +25,7 @@ bool is_lost_contact(double speed, double acceleration) {
   return rises_no_higher(lowest_rebound * touch_tolerance, speed, acceleration);
 }
 
-bool differ(const std::vector<SpotMode>& a, const std::vector<SpotMode>& b) {
+bool differ(const std::vector<CandidateMode>& a, const std::vector<CandidateMode>& b) {
   for (std::size_t i = 0; i < a.size(); ++i) {
     bool same = a[i].closed == b[i].closed;
     for (std::size_t k = 0; k < contact_groups; ++k) same = same && a[i].groups[k].moves == b[i].groups[k].moves;
@@ -40,38 +40,38 @@ ModeDecisions::ModeDecisions(const Context& context)
       equations_(context.equations),
       modes_(context.joints),
       contacts_(context.contacts),
-      touch_(context.contacts.equations()),
+      contact_equations_(context.contacts.equations()),
       joints_(context.joints),
-      decision_(touch_),
+      decision_(contact_equations_),
       vdot_(static_cast<std::size_t>(context.mechanism.nv)) {}
 
 ModeDecisions::Modes ModeDecisions::decide(double t, const double* y, Asked asked,
                                            const std::vector<Trigger>& triggered) {
-  if (dynamics_.branching().loads().empty() || modes_.empty()) return find(t, y, asked, triggered);
+  if (dynamics_.switching_forces().loads().empty() || modes_.empty()) return find(t, y, asked, triggered);
   return find_with_loads(t, y, asked, triggered);
 }
 
 // With the limits of friction at the last solve(), in the present modes, which are entered again.
 ModeDecisions::Modes ModeDecisions::find(double t, const double* y, Asked asked,
                                          const std::vector<Trigger>& triggered) {
-  const std::vector<SpotMode> present = touch_.modes();
-  std::vector<SpotMode> next = present;
+  const std::vector<CandidateMode> present = contact_equations_.modes();
+  std::vector<CandidateMode> next = present;
   const bool asks_contacts = asked == Asked::all && contacts_.any();
   if (asks_contacts) {
     next.assign(present.size(), {});
-    touch_.set_modes(next);
+    contact_equations_.set_modes(next);
   }
   dynamics_.set_position(y);
   joints_.begin(t, y);
   if (asks_contacts || !joints_.problem().locks.empty()) equations_.accelerations_at(t, y, vdot_.data());
   if (asks_contacts && joints_.add_returning(y, vdot_.data())) equations_.accelerations_at(t, y, vdot_.data());
   outcome_ = ContactDecision::Outcome::found;
-  decided_spot_ = -1;
+  decided_candidate_ = -1;
   if (asks_contacts) find_contact_modes(t, y, triggered, next);
-  if (decided_spot_ < 0 && !joints_.problem().locks.empty())
-    decide_on_joints(dynamics_.branching(), vdot_.data(), joints_.problem());
+  if (decided_candidate_ < 0 && !joints_.problem().locks.empty())
+    decide_on_joints(dynamics_.switching_forces(), vdot_.data(), joints_.problem());
   if (asks_contacts) {
-    touch_.set_modes(present);
+    contact_equations_.set_modes(present);
     dynamics_.set_position(y);
   }
   return {joints_.end(), std::move(next)};
@@ -81,21 +81,21 @@ ModeDecisions::Modes ModeDecisions::find(double t, const double* y, Asked asked,
 // modes decided on, until both agree. It begins with all joints at rest, since what can remain at rest does.
 ModeDecisions::Modes ModeDecisions::find_with_loads(double t, const double* y, Asked asked,
                                                     const std::vector<Trigger>& triggered) {
-  const Modes before{modes_.state(), touch_.modes()};
+  const Modes before{modes_.state(), contact_equations_.modes()};
   dynamics_.set_position(y);
   Modes next{joints_.all_at_rest(t, y), before.contacts};
   std::vector<double> known;
   for (int round = 0; round < most_decisions; ++round) {
     joints_.forget_doubts();
     set_joints(next.joints);
-    touch_.set_modes(next.contacts);
+    contact_equations_.set_modes(next.contacts);
     joints_.find_loads(t, y);
     const std::vector<double> now = joints_.limits();
     set_joints(before.joints);
-    touch_.set_modes(before.contacts);
+    contact_equations_.set_modes(before.contacts);
     const Modes decided = std::move(next);
     {
-      const FrozenLoads frozen(dynamics_.branching().loads());
+      const FrozenLoads frozen(dynamics_.switching_forces().loads());
       next = find(t, y, asked, triggered);
     }
     double change = known.empty() ? INFINITY : 0, largest = 0;
@@ -109,42 +109,43 @@ ModeDecisions::Modes ModeDecisions::find_with_loads(double t, const double* y, A
   return next;
 }
 
-// The spots that touch and remain closed if forces keep them so, at the state of the last solve() with the
+// The candidates that touch and remain closed if forces keep them so, at the state of the last solve() with the
 // accelerations vdot_: those with a normal velocity of zero, or one so low that they would return before they have left
 // the rounding of their positions.
 std::vector<int> ModeDecisions::lasting(double rest) {
   std::vector<int> touching;
-  for (int i = 0; i < touch_.spots().count(); ++i) {
+  for (int i = 0; i < contact_equations_.candidates().count(); ++i) {
     if (contacts_.may_touch(i)) touching.push_back(i);
   }
   std::vector<int> out;
-  TouchEquations::Rows rows;
-  touch_.build(touching, touch_.modes(), false, rows);
+  ContactEquations::Rows rows;
+  contact_equations_.build(touching, contact_equations_.modes(), false, rows);
   const Eigen::Map<const VectorXd> vdot(vdot_.data(), mechanism_.nv);
-  for (const TouchEquations::Entry& entry : rows.entries) {
+  for (const ContactEquations::Entry& entry : rows.entries) {
     const double rate = entry.at.rate;
     const double fall = -rows.rates[entry.first] - rows.R.row(entry.first).dot(vdot);
     const bool returns = rate > 0 && is_lost_contact(rate, fall);
-    if (std::abs(rate) <= rest || returns) out.push_back(entry.spot);
+    if (std::abs(rate) <= rest || returns) out.push_back(entry.candidate);
   }
   return out;
 }
 
 // next: out, with the accelerations vdot_ of what is free.
 void ModeDecisions::find_contact_modes(double t, const double* y, const std::vector<Trigger>& triggered,
-                                       std::vector<SpotMode>& next) {
+                                       std::vector<CandidateMode>& next) {
   contacts_.go_to(y);
-  for (int i = 0; i < touch_.spots().count(); ++i) {
+  for (int i = 0; i < contact_equations_.candidates().count(); ++i) {
     if (contacts_.may_touch(i))
-      next[static_cast<std::size_t>(i)].leaves_from = leaving_depth(-touch_.spots().gap(i), touch_tolerance);
+      next[static_cast<std::size_t>(i)].leaves_from =
+          leaving_depth(-contact_equations_.candidates().gap(i), touch_tolerance);
   }
   const double rest = contacts_.slow(y + mechanism_.nq);
-  const std::vector<int> spots = lasting(rest);
-  if (spots.empty()) return;
-  TouchEquations::Rows rows;
-  touch_.build(spots, next, false, rows);
-  for (const TouchEquations::Entry& entry : rows.entries) {
-    SpotMode& mode = next[static_cast<std::size_t>(entry.spot)];
+  const std::vector<int> candidates = lasting(rest);
+  if (candidates.empty()) return;
+  ContactEquations::Rows rows;
+  contact_equations_.build(candidates, next, false, rows);
+  for (const ContactEquations::Entry& entry : rows.entries) {
+    CandidateMode& mode = next[static_cast<std::size_t>(entry.candidate)];
     mode.closed = true;
     for (std::size_t k = 0; k < contact_groups; ++k) {
       const double speed = entry.slip[k].norm();
@@ -153,8 +154,8 @@ void ModeDecisions::find_contact_modes(double t, const double* y, const std::vec
     }
   }
   set_accelerations(t, y);
-  decided_spot_ = spots.front();
-  outcome_ = decision_.decide(spots, triggered, vdot_.data(), next, joints_.problem());
+  decided_candidate_ = candidates.front();
+  outcome_ = decision_.decide(candidates, triggered, vdot_.data(), next, joints_.problem());
 }
 
 // Completes the problem of joints for a decision with contacts.
@@ -169,22 +170,22 @@ void ModeDecisions::set_accelerations(double t, const double* y) {
 }
 
 bool ModeDecisions::hold_by_others(double t, const double* y) {
-  const std::vector<SpotMode> present = touch_.modes();
+  const std::vector<CandidateMode> present = contact_equations_.modes();
   const LockModes::State present_joints = modes_.state();
-  const std::vector<int> spots(touch_.closed().begin(), touch_.closed().end());
-  const FrozenLoads frozen(dynamics_.branching().loads());
-  touch_.set_modes(std::vector<SpotMode>(present.size()));
+  const std::vector<int> candidates(contact_equations_.closed().begin(), contact_equations_.closed().end());
+  const FrozenLoads frozen(dynamics_.switching_forces().loads());
+  contact_equations_.set_modes(std::vector<CandidateMode>(present.size()));
   joints_.begin_check();
   equations_.accelerations_at(t, y, vdot_.data());
-  std::vector<SpotMode> next = present;
+  std::vector<CandidateMode> next = present;
   set_accelerations(t, y);
   const auto outcome =
-      decision_.decide(spots, std::vector<Trigger>(present.size()), vdot_.data(), next, joints_.problem());
-  touch_.set_modes(present);
+      decision_.decide(candidates, std::vector<Trigger>(present.size()), vdot_.data(), next, joints_.problem());
+  contact_equations_.set_modes(present);
   set_joints(present_joints);
   bool holds = outcome == ContactDecision::Outcome::found;
-  for (const int spot : spots) {
-    const auto i = static_cast<std::size_t>(spot);
+  for (const int candidate : candidates) {
+    const auto i = static_cast<std::size_t>(candidate);
     holds = holds && next[i].closed;
     for (std::size_t k = 0; k < contact_groups; ++k)
       holds = holds && (present[i].groups[k].moves || !next[i].groups[k].moves);

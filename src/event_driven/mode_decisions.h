@@ -25,14 +25,14 @@ class ModeDecisions {
 
   struct Modes {
     LockModes::State joints;
-    std::vector<SpotMode> contacts;
+    std::vector<CandidateMode> contacts;
   };
   enum class Asked { joints, all };  // of which modes are determined
-  // The modes that follow at (t, y). triggered: by spot.
+  // The modes that follow at (t, y). triggered: by candidate.
   Modes decide(double t, const double* y, Asked asked, const std::vector<Trigger>& triggered);
-  // Of contacts, in the last decide(); and the first spot on which it decided, -1: on none.
+  // Of contacts, in the last decide(); and the first candidate on which it decided, -1: on none.
   ContactDecision::Outcome outcome() const { return outcome_; }
-  int decided_spot() const { return decided_spot_; }
+  int decided_candidate() const { return decided_candidate_; }
   JointDecisions& joints() { return joints_; }
 
   // Whether everything that is kept at rest can remain so, by any distribution of redundant forces. The loads of
@@ -46,7 +46,7 @@ class ModeDecisions {
   Modes find(double t, const double* y, Asked asked, const std::vector<Trigger>& triggered);
   Modes find_with_loads(double t, const double* y, Asked asked, const std::vector<Trigger>& triggered);
   void find_contact_modes(double t, const double* y, const std::vector<Trigger>& triggered,
-                          std::vector<SpotMode>& next);
+                          std::vector<CandidateMode>& next);
   std::vector<int> lasting(double rest);
   void set_accelerations(double t, const double* y);
   void set_joints(const LockModes::State& state) {
@@ -58,16 +58,16 @@ class ModeDecisions {
   ModeEquations& equations_;
   LockModes& modes_;  // of joints
   ContactModes& contacts_;
-  TouchEquations& touch_;
+  ContactEquations& contact_equations_;
   JointDecisions joints_;
   ContactDecision decision_;
-  int decided_spot_ = -1;
+  int decided_candidate_ = -1;
   ContactDecision::Outcome outcome_ = ContactDecision::Outcome::found;
   std::vector<double> vdot_;
 };
 
 // Whether they differ in what is closed and what moves.
-bool differ(const std::vector<SpotMode>& a, const std::vector<SpotMode>& b);
+bool differ(const std::vector<CandidateMode>& a, const std::vector<CandidateMode>& b);
 // Whether a rebound of a contact at this speed is lost in the rounding of the position, for this acceleration back.
 bool is_lost_contact(double speed, double acceleration);
 

@@ -23,13 +23,13 @@ void ModeChanges::strike(double t, double* y, const std::vector<int>& returning,
   double* const v = y + mechanism_.nq;
   const double rest = contacts_.slow(v);
   contacts_.go_to(y);
-  std::vector<int> spots;
+  std::vector<int> candidates;
   bool any = false;
-  for (int i = 0; i < touch_.spots().count(); ++i) {
+  for (int i = 0; i < contact_equations_.candidates().count(); ++i) {
     const bool closed = contacts_.mode_of(i).closed;
     if (!closed && !contacts_.may_touch(i)) continue;
-    spots.push_back(i);
-    any = any || (touch_.spots().state(i).rate < -rest && !closed);
+    candidates.push_back(i);
+    any = any || (contact_equations_.candidates().state(i).rate < -rest && !closed);
   }
   BeforeImpact at{.joints = joint_impacts_.struck(y, returning, before)};
   const std::vector<JointImpacts::Struck>& joints = at.joints;
@@ -38,51 +38,51 @@ void ModeChanges::strike(double t, double* y, const std::vector<int>& returning,
   equations_.accelerations_at(t, y, vdot_.data());
   at.vdot = vdot_;
   at.holding = joint_impacts_.holding_forces();
-  const std::vector<SpotMode> present = touch_.modes();
+  const std::vector<CandidateMode> present = contact_equations_.modes();
   const LockModes::State present_joints = joints_.state();
-  const FrozenLoads frozen(dynamics_.branching().loads());  // friction of joints exerts no impulses
-  if (!spots.empty()) {
-    touch_.set_modes(std::vector<SpotMode>(present.size()));
+  const FrozenLoads frozen(dynamics_.switching_forces().loads());  // friction of joints exerts no impulses
+  if (!candidates.empty()) {
+    contact_equations_.set_modes(std::vector<CandidateMode>(present.size()));
     joint_impacts_.let_go();
     equations_.accelerations_at(t, y, vdot_.data());
   }
-  ImpactEquations impact(touch_, dynamics_.branching(), spots, joints, v, rest);
+  ImpactEquations impact(contact_equations_, dynamics_.switching_forces(), candidates, joints, v, rest);
   bool found = impact.law().solve(decisions_.solver());
   at.accelerations = impact.accelerations(at.vdot.data());
   found = end_series(at, impact) && found;
-  if (!spots.empty()) {
-    touch_.set_modes(present);
+  if (!candidates.empty()) {
+    contact_equations_.set_modes(present);
     joints_.set_state(present_joints);
   }
   impact.apply(v);
-  record_impacts(t, y, spots, impact, found);
+  record_impacts(t, y, candidates, impact, found);
   std::vector<double> rebounds;
-  for (std::size_t i = spots.size(); i < impact.law().count(); ++i) rebounds.push_back(impact.law().rebound(i));
+  for (std::size_t i = candidates.size(); i < impact.law().count(); ++i) rebounds.push_back(impact.law().rebound(i));
   joint_impacts_.finish(t, y, joints, rebounds, found);
   equations_.mode_changed();
 }
 
-void ModeChanges::record_impacts(double t, const double* y, const std::vector<int>& spots,
+void ModeChanges::record_impacts(double t, const double* y, const std::vector<int>& candidates,
                                  const ImpactEquations& impact, bool found) {
   if (!found) ++counts_.ambiguous;
-  if (spots.empty()) return;
+  if (candidates.empty()) return;
   // Impulses that miss their laws by little are used; none is found at all where what touches still approaches.
   double fastest = 0, least_rebound = INFINITY;
   for (std::size_t i = 0; i < impact.law().count(); ++i) {
     fastest = std::max(fastest, std::abs(impact.law().approach(i)));
-    if (i < spots.size()) least_rebound = std::min(least_rebound, impact.law().rebound(i));
+    if (i < candidates.size()) least_rebound = std::min(least_rebound, impact.law().rebound(i));
   }
-  constexpr int per_spot = ContactModes::per_spot;
+  constexpr int per_candidate = ContactModes::per_candidate;
   if (!found && least_rebound < -approaching_fraction * fastest) {
-    refusal_ = log_.report({t, first_indicator_ + per_spot * spots.front(), true}).text +
+    refusal_ = log_.report({t, first_indicator_ + per_candidate * candidates.front(), true}).text +
                ", and no impulses were found that agree with the laws of impact (as where a heavy body strikes one of "
                "far less mass)";
   }
   const double rest = contacts_.slow(y + mechanism_.nq);
-  for (std::size_t i = 0; i < spots.size(); ++i) {
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
     if (!(impact.law().approach(i) < -rest)) continue;
     ++counts_.impacts;
-    log_.add({t, first_indicator_ + per_spot * spots[i], true, !found});
+    log_.add({t, first_indicator_ + per_candidate * candidates[i], true, !found});
   }
 }
 
@@ -129,23 +129,23 @@ bool ModeChanges::end_series(const BeforeImpact& before, ImpactEquations& impact
 void ModeChanges::finish(double* y) {
   std::ranges::fill(triggered_, Trigger{});
   joints_.finish(y);
-  if (touch_.closed().empty()) return;
+  if (contact_equations_.closed().empty()) return;
   double* const v = y + mechanism_.nq;
   const double rest = contacts_.slow(v);
   contacts_.go_to(y);
-  const std::vector<SpotMode> modes = touch_.modes();
-  std::vector<SpotMode> stopped = modes;
-  TouchEquations::Rows rows;
-  touch_.build(touch_.closed(), modes, false, rows);
-  for (const TouchEquations::Entry& entry : rows.entries) {
+  const std::vector<CandidateMode> modes = contact_equations_.modes();
+  std::vector<CandidateMode> stopped = modes;
+  ContactEquations::Rows rows;
+  contact_equations_.build(contact_equations_.closed(), modes, false, rows);
+  for (const ContactEquations::Entry& entry : rows.entries) {
     for (std::size_t k = 0; k < contact_groups; ++k) {
-      bool& moves = stopped[static_cast<std::size_t>(entry.spot)].groups[k].moves;
+      bool& moves = stopped[static_cast<std::size_t>(entry.candidate)].groups[k].moves;
       moves = moves && entry.slip[k].norm() > rest;
     }
   }
-  touch_.set_modes(stopped);
-  touch_.close_velocity(v);
-  touch_.set_modes(modes);
+  contact_equations_.set_modes(stopped);
+  contact_equations_.close_velocity(v);
+  contact_equations_.set_modes(modes);
 }
 
 }  // namespace gelenk

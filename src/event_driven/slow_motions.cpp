@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Derivatives of TouchEquations by differences, without and with the directions of slow sliding. The slower sliding is,
-// the faster its direction turns: friction c N acts along the unit vector of the sliding velocity u, which a change of
-// u across it by du turns by du / |u|.
+// Derivatives of ContactEquations by differences, without and with the directions of slow sliding. The slower sliding
+// is, the faster its direction turns: friction c N acts along the unit vector of the sliding velocity u, which a change
+// of u across it by du turns by du / |u|.
 #include <algorithm>
 #include <cmath>
 
-#include "event_driven/touch_equations.h"
+#include "event_driven/contact_equations.h"
 #include "mechanism/mechanism.h"
 
 namespace gelenk {
@@ -21,7 +21,7 @@ constexpr double kept_fraction = 0.5;
 
 }  // namespace
 
-void TouchEquations::begin_differences(int components, const double* vdot, double elapsed) {
+void ContactEquations::begin_differences(int components, const double* vdot, double elapsed) {
   const Eigen::Map<const VectorXd> a(vdot, mechanism_.nv);
   modes_before_ = modes_;
   slow_.clear();
@@ -31,9 +31,9 @@ void TouchEquations::begin_differences(int components, const double* vdot, doubl
     for (std::size_t group = 0; group < contact_groups; ++group) {
       if (entry.moving[group] < 0) continue;
       const double speed = entry.slip[group].norm();
-      differenced_slips_[contact_groups * static_cast<std::size_t>(entry.spot) + group] = entry.slip[group];
+      differenced_slips_[contact_groups * static_cast<std::size_t>(entry.candidate) + group] = entry.slip[group];
       if (!(speed <= slow_sliding)) continue;
-      Vector3d& before = modes_[static_cast<std::size_t>(entry.spot)].groups[group].direction;
+      Vector3d& before = modes_[static_cast<std::size_t>(entry.candidate)].groups[group].direction;
       const int row = entry.moving[group];
       const double rise = (rows_.S.row(row).dot(a) + rows_.moving_rates[row]) * elapsed;
       const double becomes = std::max(speed, rise);
@@ -55,13 +55,13 @@ void TouchEquations::begin_differences(int components, const double* vdot, doubl
   keeps_directions_ = true;
 }
 
-bool TouchEquations::slides_otherwise() const {
+bool ContactEquations::slides_otherwise() const {
   if (closed_.empty() || differenced_slips_.empty()) return false;
   for (const Entry& entry : rows_.entries) {
     for (std::size_t group = 0; group < contact_groups; ++group) {
       if (entry.moving[group] < 0) continue;
       const Vector3d& slip = entry.slip[group];
-      const Vector3d& before = differenced_slips_[contact_groups * static_cast<std::size_t>(entry.spot) + group];
+      const Vector3d& before = differenced_slips_[contact_groups * static_cast<std::size_t>(entry.candidate) + group];
       const double change = (slip - before).norm();
       if (change > kept_fraction * std::min(slip.norm(), before.norm())) return true;
     }
@@ -69,7 +69,7 @@ bool TouchEquations::slides_otherwise() const {
   return false;
 }
 
-void TouchEquations::record_difference(int k, double dy) {
+void ContactEquations::record_difference(int k, double dy) {
   for (std::size_t i = 0; i < slow_.size(); ++i) {
     const SlowMotion& slow = slow_[i];
     turning_(static_cast<Index>(i), k) =
@@ -77,7 +77,7 @@ void TouchEquations::record_difference(int k, double dy) {
   }
 }
 
-void TouchEquations::end_differences(Eigen::Ref<Eigen::MatrixXd> vdot_y) {
+void ContactEquations::end_differences(Eigen::Ref<Eigen::MatrixXd> vdot_y) {
   keeps_directions_ = false;
   set_modes(modes_before_);
   VectorXd force(mechanism_.nv);
@@ -85,13 +85,13 @@ void TouchEquations::end_differences(Eigen::Ref<Eigen::MatrixXd> vdot_y) {
     const SlowMotion& slow = slow_[i];
     const Entry& entry = rows_.entries[slow.entry];
     add_row(entry, slow.across, slow.group > 0, force.data());
-    force *= -coefficient(entry.spot, static_cast<int>(slow.group), true) * x_[entry.first] / slow.speed;
+    force *= -coefficient(entry.candidate, static_cast<int>(slow.group), true) * x_[entry.first] / slow.speed;
     vdot_y += constrained_response(force) * turning_.row(static_cast<Index>(i));
   }
 }
 
 // The accelerations due to a force, with the closed contacts of the last accelerate().
-VectorXd TouchEquations::constrained_response(const VectorXd& force) {
+VectorXd ContactEquations::constrained_response(const VectorXd& force) {
   RowMatrix response;
   respond(force.transpose(), response);
   VectorXd out = response.col(0);

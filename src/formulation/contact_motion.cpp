@@ -8,7 +8,7 @@
 namespace gelenk {
 
 ContactMotion::ContactMotion(const ImpulseSteps::Context& context, EventModes& modes, bool located)
-    : steps_(context), modes_(modes), touch_(located ? &modes.contacts() : nullptr) {}
+    : steps_(context), modes_(modes), located_(located ? &modes.contacts() : nullptr) {}
 
 void ContactMotion::use(double cone_tolerance) {
   steps_.use(cone_tolerance);
@@ -31,11 +31,11 @@ ImpulseEquations::Activity ContactMotion::activity() const {
   Activity out{.closed = static_cast<int>(steps_.contact_points()),
                .changes = steps_.changes(),
                .events = steps_.events().counts()};
-  if (!steps_used_) out.closed = static_cast<int>(touch_->equations().closed().size());
+  if (!steps_used_) out.closed = static_cast<int>(located_->equations().closed().size());
   return out;
 }
 
-bool ContactMotion::can_be_located_at(const double* y) { return !touch_->outputs().any_overlap(y); }
+bool ContactMotion::can_be_located_at(const double* y) { return !located_->outputs().any_overlap(y); }
 
 // Bounds beyond which no force can stop a motion, are no question of the method; nor are events of joints alone, or
 // stiffness where nothing touches.
@@ -43,7 +43,7 @@ bool ContactMotion::take_over(const Activity& before) {
   if (steps_.locks().state().unstoppable >= 0) return false;
   const EventLog& events = steps_.events();
   const bool touch =
-      !touch_->equations().closed().empty() || before.closed > 0 || events.counts().contacts > before.events.contacts;
+      !located_->equations().closed().empty() || before.closed > 0 || events.counts().contacts > before.events.contacts;
   const bool by_contacts = events.too_many().empty() ? touch : events.contacts_prevail();
   if (!by_contacts && modes_.changes().refusal().empty()) return false;
   forget_events(before);
@@ -52,12 +52,12 @@ bool ContactMotion::take_over(const Activity& before) {
 
 std::vector<std::array<std::string, 2>> ContactMotion::event_texts(const std::vector<std::string>& bodies,
                                                                    const std::vector<std::string>& contacts) const {
-  return touch_ != nullptr ? touch_->outputs().event_texts(bodies, contacts)
-                           : std::vector<std::array<std::string, 2>>{};
+  return located_ != nullptr ? located_->outputs().event_texts(bodies, contacts)
+                             : std::vector<std::array<std::string, 2>>{};
 }
 
 ContactReadings& ContactMotion::PresentReadings::present() const {
-  if (of_.touch_ != nullptr && !of_.steps_used_) return of_.touch_->outputs();
+  if (of_.located_ != nullptr && !of_.steps_used_) return of_.located_->outputs();
   return *of_.steps_.readings();
 }
 
@@ -66,12 +66,12 @@ void ContactMotion::count(RunCounts& counts) const {
   counts.cone_iterations = steps_.solved().iterations;
   counts.cone_residual = steps_.solved().residual;
   counts.scheme = steps_used_ ? 1 : 0;
-  if (touch_ == nullptr) return;
+  if (located_ == nullptr) return;
   const ModeCounts& of_events = modes_.changes().counts();
   counts.impacts += of_events.impacts;
   counts.closed_series += of_events.closed_series;
   counts.ambiguous += of_events.ambiguous;
-  if (!steps_used_) counts.contact_points = static_cast<long>(touch_->equations().closed().size());
+  if (!steps_used_) counts.contact_points = static_cast<long>(located_->equations().closed().size());
 }
 
 LawAudit ContactMotion::law_audit() {
@@ -86,7 +86,7 @@ void ContactMotion::start() { steps_.forget(); }
 
 void ContactMotion::serialize(Archive& archive) {
   steps_.serialize(archive);
-  if (touch_ != nullptr && steps_.are_available()) archive.serialize(steps_used_);
+  if (located_ != nullptr && steps_.are_available()) archive.serialize(steps_used_);
 }
 
 }  // namespace gelenk

@@ -25,7 +25,7 @@ class ContactMotion final : public ImpulseEquations {
   ContactMotion(const ImpulseSteps::Context& context, EventModes& modes, bool located);
 
   bool are_required() const override { return steps_.are_required(); }
-  bool may_be_located() const override { return touch_ != nullptr; }
+  bool may_be_located() const override { return located_ != nullptr; }
   void use(double cone_tolerance) override;
   bool are_used() const override { return steps_used_; }
   void change_to(bool impulses, double t, const double* y) override;
@@ -36,7 +36,7 @@ class ContactMotion final : public ImpulseEquations {
   bool step(double t, double h, double* y) override { return steps_.step(t, h, y); }
 
   ImpulseSteps& steps() { return steps_; }
-  ContactModes* touch() const { return touch_; }  // null: not at events
+  ContactModes* located() const { return located_; }  // null: contacts are not located
 
   // By indicator of contacts, which follow all others.
   std::vector<std::array<std::string, 2>> event_texts(const std::vector<std::string>& bodies,
@@ -79,7 +79,7 @@ class ContactMotion final : public ImpulseEquations {
 
   ImpulseSteps steps_;
   EventModes& modes_;
-  ContactModes* touch_;
+  ContactModes* located_;
   PresentReadings readings_{*this};
   bool steps_used_ = false;
 };

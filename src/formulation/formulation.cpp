@@ -47,7 +47,7 @@ Formulation::Formulation(const FormulationContext& context)
       events_(context.events),
       projector_(mechanism_, dynamics_),
       modes_({mechanism_, dynamics_, context.loads, *this, events_, locates_contacts(context)}),
-      limits_(dynamics_.branching()),
+      limits_(dynamics_.switching_forces()),
       contacts_({mechanism_, dynamics_, context.loads, drives_, modes_.locks(), context.events}, modes_,
                 locates_contacts(context)),
       row_domain_(mechanism_, dynamics_),
@@ -97,7 +97,7 @@ bool Formulation::evaluate(double t, const double* y, double* ydot) {
   // What is evaluated for differences is beside the motion.
   if (!takes_differences_) modes_.watch(t, v);
   if (!accelerate(t, y, vdot)) return false;
-  if (!modes_.locks().empty() && dynamics_.branching().loads().undetermined() >= 0) return false;
+  if (!modes_.locks().empty() && dynamics_.switching_forces().loads().undetermined() >= 0) return false;
   if (!takes_differences_) modes_.watch_forces(t);
   if (mechanism_.rows > 0 && factorizes_constraints()) singularity_monitor_.observe(t, dynamics_.pivot_ratio());
   dynamics_.qdot_from_v(y, v, ydot);
@@ -161,7 +161,7 @@ bool Formulation::accelerate(double t, const double* y, double* vdot) {
   projector().refactorize();
   dynamics_.set_velocity(y + mechanism_.nq);
   solve(t, vdot);
-  if (contacts_.touch() != nullptr) add_contacts(t, vdot);
+  if (contacts_.located() != nullptr) add_contacts(t, vdot);
   return true;
 }
 
@@ -170,19 +170,19 @@ bool Formulation::accelerate(double t, const double* y, double* vdot) {
 void Formulation::add_contacts(double t, double* vdot) {
   constexpr int most_corrections = 40;
   constexpr double enough = 1e-13, rounding = 1e-10;  // changes of forces that end it; that may be rounding
-  TouchEquations& touch = contacts_.touch()->equations();
-  touch.accelerate(vdot);
-  LoadDependence& loads = dynamics_.branching().loads();
-  if (loads.empty() || touch.closed().empty()) return;
+  ContactEquations& contact_equations = contacts_.located()->equations();
+  contact_equations.accelerate(vdot);
+  LoadDependence& loads = dynamics_.switching_forces().loads();
+  if (loads.empty() || contact_equations.closed().empty()) return;
   double change = INFINITY, before = INFINITY;
   for (int k = 0; k < most_corrections && change > enough && !(change <= rounding && change >= before); ++k) {
     wrenches_.assign(mechanism_.links.size(), Spatial::Force{});
-    add_wrenches(touch, touch.forces_of(touch.multipliers()), wrenches_);
-    dynamics_.branching().contact_rows().apply_forces(wrenches_.data(), nullptr);
+    add_wrenches(contact_equations, contact_equations.forces_of(contact_equations.multipliers()), wrenches_);
+    dynamics_.switching_forces().contact_rows().apply_forces(wrenches_.data(), nullptr);
     solve(t, vdot);
-    before = std::exchange(change, touch.accelerate(vdot, true));
+    before = std::exchange(change, contact_equations.accelerate(vdot, true));
   }
-  dynamics_.branching().contact_rows().apply_forces(nullptr, nullptr);
+  dynamics_.switching_forces().contact_rows().apply_forces(nullptr, nullptr);
   if (!(change <= rounding)) loads.set_undetermined();
 }
 
@@ -194,7 +194,7 @@ bool Formulation::jacobian(double t, const double* y, double* J) {
   count_jacobian();
   if (!rhs(t, y, ydot_.data())) return false;
   Eigen::Map<Eigen::MatrixXd> out(J, size(), size());
-  if (contacts_.touch() != nullptr && !contacts_.touch()->equations().closed().empty())
+  if (contacts_.located() != nullptr && !contacts_.located()->equations().closed().empty())
     return jacobian_by_differences(t, y, out);
   differentiate(ydot_.data() + nq, out);
   out.topLeftCorner(nq, nq) = jacobians_.qdot_q;
@@ -203,7 +203,7 @@ bool Formulation::jacobian(double t, const double* y, double* J) {
 }
 
 bool Formulation::jacobian_is_outdated() {
-  return contacts_.touch() != nullptr && contacts_.touch()->equations().slides_otherwise();
+  return contacts_.located() != nullptr && contacts_.located()->equations().slides_otherwise();
 }
 
 // The present state is y. Newton's methods, which use it, need no exact derivatives, but those of slow sliding, which
@@ -212,8 +212,8 @@ bool Formulation::jacobian_by_differences(double t, const double* y, Eigen::Map<
   constexpr double relative_step = 1e-7;
   std::vector<double> at(y, y + size());
   std::vector<double> rates(at.size());
-  TouchEquations& touch = contacts_.touch()->equations();
-  touch.begin_differences(size(), ydot_.data() + mechanism_.nq, modes_.since_step_began(t));
+  ContactEquations& contact_equations = contacts_.located()->equations();
+  contact_equations.begin_differences(size(), ydot_.data() + mechanism_.nq, modes_.since_step_began(t));
   takes_differences_ = true;
   bool is_finite = true;
   for (std::size_t k = 0; k < at.size() && is_finite; ++k) {
@@ -221,12 +221,12 @@ bool Formulation::jacobian_by_differences(double t, const double* y, Eigen::Map<
     is_finite = rhs(t, at.data(), rates.data());
     for (std::size_t i = 0; i < at.size(); ++i)
       out(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) = (rates[i] - ydot_[i]) / (at[k] - y[k]);
-    touch.record_difference(static_cast<int>(k), at[k] - y[k]);
+    contact_equations.record_difference(static_cast<int>(k), at[k] - y[k]);
     at[k] = y[k];
   }
   is_finite = rhs(t, y, rates.data()) && is_finite;
   takes_differences_ = false;
-  touch.end_differences(out.bottomRows(mechanism_.nv));
+  contact_equations.end_differences(out.bottomRows(mechanism_.nv));
   return is_finite && out.allFinite();
 }
 
@@ -261,7 +261,7 @@ void Formulation::accelerations_at(double t, const double* y, double* vdot) {
 
 bool Formulation::bring_inputs(double t) {
   drives_.go_to(t);
-  const std::span<double> inputs = dynamics_.branching().inputs();
+  const std::span<double> inputs = dynamics_.switching_forces().inputs();
   std::copy_n(drives_.u().begin(), std::min(drives_.u().size(), inputs.size()), inputs.begin());
   return drives_.inputs().moving();
 }
@@ -273,7 +273,7 @@ void Formulation::solve_at(double t, const double* y, double* vdot) {
   projector().factors_changed();
   dynamics_.set_velocity(y + mechanism_.nq);
   solve(t, vdot);
-  if (contacts_.touch() != nullptr) add_contacts(t, vdot);
+  if (contacts_.located() != nullptr) add_contacts(t, vdot);
 }
 
 void Formulation::output_accelerations(double t, const double* y, double* vdot) {
@@ -283,19 +283,19 @@ void Formulation::output_accelerations(double t, const double* y, double* vdot) 
     solve_at(t, y, vdot);
     return modes_.outputs().record(contacts_.steps().lock_forces());
   }
-  if (contacts_.touch() != nullptr) return output_touched_accelerations(t, y, vdot);
+  if (contacts_.located() != nullptr) return output_touched_accelerations(t, y, vdot);
   const ModePreview preview(modes_, t, y);
   drives_.go_to_outputs(t);
   solve_at(t, y, vdot);
   modes_.outputs().record();
-  if (!dynamics_.branching().is_redundant()) return;
+  if (!dynamics_.switching_forces().is_redundant()) return;
   solve_at(t, y, vdot);
   modes_.outputs().apply();
 }
 
 // Contact forces are applied as loads, so that reactions show them.
 void Formulation::output_touched_accelerations(double t, const double* y, double* vdot) {
-  TouchOutputs& touched = contacts_.touch()->outputs();
+  ContactOutputs& touched = contacts_.located()->outputs();
   const ModePreview preview(modes_, t, y);
   drives_.go_to_outputs(t);
   solve_at(t, y, vdot);
@@ -303,29 +303,29 @@ void Formulation::output_touched_accelerations(double t, const double* y, double
     const Raised reading(reads_outputs_);
     modes_.changes().record_outputs(t, y);
   }
-  dynamics_.branching().contact_rows().apply_forces(touched.wrenches(), nullptr);
+  dynamics_.switching_forces().contact_rows().apply_forces(touched.wrenches(), nullptr);
   solve_at(t, y, vdot);
   modes_.outputs().record();
-  if (dynamics_.branching().is_redundant()) {
+  if (dynamics_.switching_forces().is_redundant()) {
     solve_at(t, y, vdot);
     modes_.outputs().apply();
   }
-  dynamics_.branching().contact_rows().apply_forces(nullptr, nullptr);
+  dynamics_.switching_forces().contact_rows().apply_forces(nullptr, nullptr);
 }
 
 bool Formulation::holds_by_modes() const {
-  if (contacts_.are_used() || !dynamics_.branching().loads().empty()) return false;
-  const bool touches = contacts_.touch() != nullptr && !contacts_.touch()->equations().closed().empty();
+  if (contacts_.are_used() || !dynamics_.switching_forces().loads().empty()) return false;
+  const bool touches = contacts_.located() != nullptr && !contacts_.located()->equations().closed().empty();
   return touches || modes_.locks().any_at_rest();
 }
 
 LawAudit Formulation::law_audit(const double* y) {
   LawAudit out = contacts_.law_audit();
   if (!holds_by_modes()) return out;
-  if (contacts_.touch() != nullptr) out = contacts_.touch()->outputs().audit();
+  if (contacts_.located() != nullptr) out = contacts_.located()->outputs().audit();
   if (!modes_.locks().any_at_rest()) return out;
   dynamics_.set_position(y);
-  out.add(audit_locks(dynamics_.branching(), modes_.outputs().forces(), y + mechanism_.nq, mechanism_.nv));
+  out.add(audit_locks(dynamics_.switching_forces(), modes_.outputs().forces(), y + mechanism_.nq, mechanism_.nv));
   return out;
 }
 

@@ -102,7 +102,7 @@ void ImpulseSteps::serialize(Archive& archive) {
 }
 
 ImpulseSteps::AppliedForces::AppliedForces(ImpulseSteps& steps, const double* y)
-    : rows_(steps.with_.dynamics.branching().contact_rows()) {
+    : rows_(steps.with_.dynamics.switching_forces().contact_rows()) {
   const ContactState& state = steps.stepper_->state();
   if (steps.are_required()) {
     steps.with_.dynamics.set_position(y);

@@ -337,13 +337,13 @@ bool Projection::project(double t, double* y) {
   if (!rows_.is_regular()) rows_.update_singularity_status();  // the last accelerations used another weak fraction
   const bool closed = close(y) || (!rows_.is_regular() && rows_.close_in_full(y, y + mechanism_.nq));
   modes().locks().clear_rest(y + mechanism_.nq);
-  return closed && (contacts().touch() == nullptr || close_contacts(y));
+  return closed && (contacts().located() == nullptr || close_contacts(y));
 }
 
 // Loops and contacts in turn, as the corrections of each change the others in second order.
 bool Projection::close_contacts(double* y) {
   constexpr int most_turns = 4;
-  TouchEquations& touched = contacts().touch()->equations();
+  ContactEquations& touched = contacts().located()->equations();
   if (touched.closed().empty()) return true;
   bool closed = true;
   for (int k = 0; k < most_turns && touched.close_position(y) && mechanism_.rows > 0; ++k)

@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "kinematics/branches.h"
+#include "kinematics/force_modes.h"
 #include "kinematics/loads.h"
 #include "math/dual.h"
 
@@ -26,8 +26,8 @@ Dual::Directions derivatives_by_duals(const AlongCoordinate<F>& force, const dou
   Dual at(force.sign * q[force.q]);
   Dual speed(force.sign * v[force.v]);
   at.derivatives()[0] = speed.derivatives()[1] = 1;  // signs cancel
-  if constexpr (HasBranches<F>) {
-    const bool is_held = side != nullptr && *side != branch_of_state;
+  if constexpr (Switches<F>) {
+    const bool is_held = side != nullptr && *side != mode_of_state;
     return force.element.held(is_held ? *side : force.element.side(at, speed), at, speed, input.data()).derivatives();
   } else {
     return force.element.effort(at, speed, input.data()).derivatives();

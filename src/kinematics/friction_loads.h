@@ -68,9 +68,9 @@ std::vector<FrictionLoad> friction_loads(const Model<A>& model, const Loads& loa
     }
     ++index;
   };
-  loads.tree.each_branching([&](const auto& force) { add(force, -1); });
+  loads.tree.each_switching([&](const auto& force) { add(force, -1); });
   for (std::size_t c = 0; c < loads.cuts.size(); ++c)
-    loads.cuts[c].each_branching([&](const auto& force) { add(force, static_cast<int>(c)); });
+    loads.cuts[c].each_switching([&](const auto& force) { add(force, static_cast<int>(c)); });
   return out;
 }
 

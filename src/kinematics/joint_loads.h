@@ -11,7 +11,7 @@
 #include "element/joint_forces/registry.h"
 #include "element/kinds.h"
 #include "element/motors/registry.h"
-#include "kinematics/branches.h"
+#include "kinematics/force_modes.h"
 #include "kinematics/lists.h"
 
 namespace gelenk {
@@ -79,9 +79,9 @@ struct JointLoads {
   void add(const T* q, const T* v, const T* u, T* tau, const int* sides = nullptr) const {
     each_list(lists, [&](const auto& list) {
       for (const auto& force : list) {
-        if constexpr (HasBranches<std::decay_t<decltype(force.element)>>) {
-          const int held = sides == nullptr ? branch_of_state : *sides++;
-          tau[force.v] += force.held(held == branch_of_state ? force.side(q, v) : held, q, v, u);
+        if constexpr (Switches<std::decay_t<decltype(force.element)>>) {
+          const int held = sides == nullptr ? mode_of_state : *sides++;
+          tau[force.v] += force.held(held == mode_of_state ? force.side(q, v) : held, q, v, u);
         } else {
           tau[force.v] += force.effort(q, v, u);
         }
@@ -101,18 +101,18 @@ struct JointLoads {
     return sum;
   }
   // Number of forces with branches.
-  int branchings() const {
+  int switching_count() const {
     int n = 0;
-    each_branching([&](const auto&) { ++n; });
+    each_switching([&](const auto&) { ++n; });
     return n;
   }
-  bool has_branches() const { return branchings() > 0; }
+  bool has_branches() const { return switching_count() > 0; }
   // Calls visit(force) for each force with branches.
   template <class Visit>
-  void each_branching(Visit&& visit) const {
+  void each_switching(Visit&& visit) const {
     each_list(lists, [&](const auto& list) {
       for (const auto& force : list) {
-        if constexpr (HasBranches<std::decay_t<decltype(force.element)>>) visit(force);
+        if constexpr (Switches<std::decay_t<decltype(force.element)>>) visit(force);
       }
     });
   }

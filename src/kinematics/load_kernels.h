@@ -54,16 +54,16 @@ struct CutMotion {
 template <class A>
 CutMotion<A> counted_cut_motion(const Model<A>& model, const Workspace<A>& ws, int c, const double* reference);
 
-// Calls visit(force, q, v) for all forces with modes, in the order of Branching, with the coordinates and velocities to
-// which they refer. After loop_velocities.
+// Calls visit(force, q, v) for all forces with modes, in the order of SwitchingForces, with the coordinates and
+// velocities to which they refer. After loop_velocities.
 template <class A, class Visit>
-void each_branching(const Model<A>& model, const Loads& loads, const Workspace<A>& ws, const typename A::Scalar* q,
+void each_switching(const Model<A>& model, const Loads& loads, const Workspace<A>& ws, const typename A::Scalar* q,
                     const typename A::Scalar* v, const double* reference, Visit visit) {
-  loads.tree.each_branching([&](const auto& force) { visit(force, q, v); });
+  loads.tree.each_switching([&](const auto& force) { visit(force, q, v); });
   for (int c = 0; c < static_cast<int>(loads.cuts.size()); ++c) {
     if (!loads.cuts[c].has_branches()) continue;
     const CutMotion<A> at = counted_cut_motion(model, ws, c, reference);
-    loads.cuts[c].each_branching([&](const auto& force) { visit(force, at.q.data(), at.v.data()); });
+    loads.cuts[c].each_switching([&](const auto& force) { visit(force, at.q.data(), at.v.data()); });
   }
 }
 

@@ -57,7 +57,7 @@ void cut_loads(const Model<A>& model, const Loads& loads, const typename A::Scal
     const auto at = counted_cut_motion(model, ws, c, reference);
     T tau[6] = {T(0), T(0), T(0), T(0), T(0), T(0)};
     on.add(at.q.data(), at.v.data(), u, tau, sides);
-    if (sides != nullptr) sides += on.branchings();
+    if (sides != nullptr) sides += on.switching_count();
     const typename A::Force F_M = visit_joint<A>(cut.joint, [&](const auto& joint) -> typename A::Force {
       return joint.template wrench_from_tau<A>(at.q.data(), tau);
     });

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kinematics/loads.h"
 
-#include "kinematics/branching_forces.h"
+#include "kinematics/switching_force.h"
 
 namespace gelenk {
 
@@ -28,18 +28,18 @@ std::vector<int> links_with_loads(const Mechanism& mechanism, const Loads& loads
   return out;
 }
 
-std::vector<BranchingForce> branching_forces(const Loads& loads) {
-  std::vector<BranchingForce> out;
+std::vector<SwitchingForce> switching_forces_of(const Loads& loads) {
+  std::vector<SwitchingForce> out;
   const auto add = [&](const auto& force) {
-    BranchingForce& of = out.emplace_back(BranchingForce{force.joint, force.component, force.element.group, {}});
+    SwitchingForce& of = out.emplace_back(SwitchingForce{force.joint, force.component, force.element.group, {}});
     if constexpr (requires { force.element.is_excess(); }) {
       if (force.element.is_excess()) return;
     }
     const auto& events = force.element.events;
     of.events = {{{events[0][0], events[0][1]}, {events[1][0], events[1][1]}}};
   };
-  loads.tree.each_branching(add);
-  for (const JointLoads& on : loads.cuts) on.each_branching(add);
+  loads.tree.each_switching(add);
+  for (const JointLoads& on : loads.cuts) on.each_switching(add);
   return out;
 }
 

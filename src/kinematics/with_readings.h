@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "kinematics/branches.h"
+#include "kinematics/force_modes.h"
 #include "kinematics/load_kernels.h"
 #include "kinematics/output_kernels.h"
 #include "kinematics/readings.h"
@@ -74,11 +74,11 @@ class WithReadings : public Base {
   Force cut_reaction(int cut) const override { return kernels::force3<A>(kernels::cut_reaction(model_, ws_, cut)); }
   T contact_force(int cut, int i) const override { return -ws_.lambda[model_.cuts[cut].first_row + i]; }
   T coordinate_force(int row) const override { return -ws_.lambda[model_.first_coordinate_row + row]; }
-  void branching_forces(const T* u, const int* sides, const T* holding, T* out) const override {
+  void switching_forces(const T* u, const int* sides, const T* holding, T* out) const override {
     T* first = out;
-    kernels::each_branching(model_, loads_, ws_, q_.data(), v_.data(), cut_reference_.data(),
+    kernels::each_switching(model_, loads_, ws_, q_.data(), v_.data(), cut_reference_.data(),
                             [&](const auto& force, const T* q, const T* v) {
-                              const int side = *sides == branch_of_state ? force.side(q, v) : *sides;
+                              const int side = *sides == mode_of_state ? force.side(q, v) : *sides;
                               *out++ = T(force.sign) * force.held(side, q, v, u) + *holding++;
                               ++sides;
                             });

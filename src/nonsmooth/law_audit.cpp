@@ -7,7 +7,7 @@
 namespace gelenk {
 namespace {
 
-// Beyond a limit, this number of slacks (Branching::slack) is rounding.
+// Beyond a limit, this number of slacks (SwitchingForces::slack) is rounding.
 constexpr double slacks = 1e4;
 // Speeds up to this, relative to the largest or 1, may have either sign by rounding.
 constexpr double sign_rounding = 1e-8;
@@ -18,7 +18,7 @@ constexpr double passed_distances = 1e6;
 
 using Kind = BrokenLaw::Kind;
 
-void audit_friction(const Branching::Lock& lock, double friction, double speed, bool moves, double slack,
+void audit_friction(const SwitchingForces::Lock& lock, double friction, double speed, bool moves, double slack,
                     LawAudit& audit) {
   const double permitted = lock.sticking_limit.against(friction > 0 ? -1 : 1);
   audit.add((std::abs(friction) - permitted) / (audited_fraction * permitted + slack),
@@ -27,41 +27,41 @@ void audit_friction(const Branching::Lock& lock, double friction, double speed, 
     audit.add(std::abs(friction) / slack, {Kind::friction_along_motion, lock.friction, friction, speed});
 }
 
-void audit_limit(const Branching& branching, int i, double force, double slack, LawAudit& audit) {
-  const Branching::Lock lock = branching.lock(i);
+void audit_limit(const SwitchingForces& switching_forces, int i, double force, double slack, LawAudit& audit) {
+  const SwitchingForces::Lock lock = switching_forces.lock(i);
   const int side = force < 0 ? 1 : -1;  // the bound that would push like this
-  const Branching::Depth at = branching.depth(i, side);
+  const SwitchingForces::Depth at = switching_forces.depth(i, side);
   const double excess = std::abs(force) / slack;
   if (lock.one_way) {
     if (std::isinf(at.depth)) audit.add(excess, {Kind::limit_pulls, lock.limit, force});
     return;
   }
   if (at.depth < -distances * at.tolerance) {
-    const bool pulls = branching.depth(i, -side).depth >= -distances * at.tolerance;
+    const bool pulls = switching_forces.depth(i, -side).depth >= -distances * at.tolerance;
     audit.add(excess, pulls ? BrokenLaw{Kind::limit_pulls, lock.limit, force}
                             : BrokenLaw{Kind::limit_not_reached, lock.limit, force, -at.depth});
   }
   for (const int of : {1, -1}) {
-    const Branching::Depth passed = branching.depth(i, of);
+    const SwitchingForces::Depth passed = switching_forces.depth(i, of);
     audit.add(passed.depth / (passed_distances * passed.tolerance), {Kind::limit_passed, lock.limit, 0, passed.depth});
   }
 }
 
 }  // namespace
 
-LawAudit audit_locks(const Branching& branching, std::span<const double> forces, const double* v, int nv) {
+LawAudit audit_locks(const SwitchingForces& switching_forces, std::span<const double> forces, const double* v, int nv) {
   double fastest = 1;
   for (int k = 0; k < nv; ++k) fastest = std::max(fastest, std::abs(v[k]));
   LawAudit audit;
-  for (int i = 0; i < branching.locks(); ++i) {
-    const Branching::Lock lock = branching.lock(i);
-    const double slack = slacks * branching.slack(i) + least_audited_force;
-    const double speed = branching.speed(i, v);
+  for (int i = 0; i < switching_forces.locks(); ++i) {
+    const SwitchingForces::Lock lock = switching_forces.lock(i);
+    const double slack = slacks * switching_forces.slack(i) + least_audited_force;
+    const double speed = switching_forces.speed(i, v);
     const bool moves = std::abs(speed) > sign_rounding * fastest;
     double friction = 0;
-    for (const int law : branching.frictions(i)) friction += forces[static_cast<std::size_t>(law)];
+    for (const int law : switching_forces.frictions(i)) friction += forces[static_cast<std::size_t>(law)];
     if (lock.friction >= 0) audit_friction(lock, friction, speed, moves, slack, audit);
-    if (lock.limit >= 0) audit_limit(branching, i, forces[static_cast<std::size_t>(lock.limit)], slack, audit);
+    if (lock.limit >= 0) audit_limit(switching_forces, i, forces[static_cast<std::size_t>(lock.limit)], slack, audit);
   }
   return audit;
 }

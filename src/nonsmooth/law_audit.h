@@ -6,12 +6,12 @@
 #include <optional>
 #include <span>
 
-#include "dynamics/branching.h"
+#include "dynamics/switching_forces.h"
 
 namespace gelenk {
 
-// Forces are solved for to some 1e-13 of the largest (Branching::slack), and modes are decided within 1e-9 of a limit.
-// What is wrong by a decision is wrong by far more than this fraction of a limit, or of the forces beside it.
+// Forces are solved for to some 1e-13 of the largest (SwitchingForces::slack), and modes are decided within 1e-9 of a
+// limit. What is wrong by a decision is wrong by far more than this fraction of a limit, or of the forces beside it.
 inline constexpr double audited_fraction = 1e-6;
 // Natural units: where hardly any forces act, all are rounding.
 inline constexpr double least_audited_force = 1e-9;
@@ -54,8 +54,8 @@ class LawAudit {
   std::optional<BrokenLaw> worst_;
 };
 
-// Of the forces along joints. `branching`: at the state, with velocities v (nv) and with inputs set. forces: by force
-// with modes, in the user's signs, as output.
-LawAudit audit_locks(const Branching& branching, std::span<const double> forces, const double* v, int nv);
+// Of the forces along joints. `switching_forces`: at the state, with velocities v (nv) and with inputs set. forces: by
+// force with modes, in the user's signs, as output.
+LawAudit audit_locks(const SwitchingForces& switching_forces, std::span<const double> forces, const double* v, int nv);
 
 }  // namespace gelenk

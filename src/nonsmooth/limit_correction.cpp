@@ -24,7 +24,7 @@ double fastest(std::span<const double> v) {
 
 }  // namespace
 
-LimitCorrection::LimitCorrection(Branching& forces) : forces_(forces) {
+LimitCorrection::LimitCorrection(SwitchingForces& forces) : forces_(forces) {
   for (int i = 0; i < forces.locks(); ++i) {
     if (forces.lock(i).limit >= 0 && !forces.lock(i).one_way) limits_.push_back({.lock = i});
   }
@@ -33,7 +33,7 @@ LimitCorrection::LimitCorrection(Branching& forces) : forces_(forces) {
 void LimitCorrection::begin(const double* v) {
   for (Limit& limit : limits_) {
     for (const int side : {-1, 1}) {
-      const Branching::Depth at = forces_.depth(limit.lock, side);
+      const SwitchingForces::Depth at = forces_.depth(limit.lock, side);
       limit.approaches[side > 0 ? 1 : 0] = at.depth >= -at.tolerance && side * forces_.speed(limit.lock, v) > 0;
     }
   }
@@ -64,9 +64,9 @@ bool LimitCorrection::correct_position(std::span<double> dv) {
   std::vector<double> beyond;
   bool any = false;
   for (const Limit& limit : limits_) {
-    const Branching::Depth upper = forces_.depth(limit.lock, 1);
-    const Branching::Depth lower = forces_.depth(limit.lock, -1);
-    const Branching::Depth& nearer = upper.depth > lower.depth ? upper : lower;
+    const SwitchingForces::Depth upper = forces_.depth(limit.lock, 1);
+    const SwitchingForces::Depth lower = forces_.depth(limit.lock, -1);
+    const SwitchingForces::Depth& nearer = upper.depth > lower.depth ? upper : lower;
     if (!std::isfinite(nearer.depth)) continue;
     any = any || nearer.depth > nearer.tolerance;
     locks.push_back(limit.lock);
@@ -84,7 +84,7 @@ void LimitCorrection::correct_velocity(std::span<double> v) {
   const double rest = rest_fraction * fastest(v);
   for (const Limit& limit : limits_) {
     for (const int side : {-1, 1}) {
-      const Branching::Depth at = forces_.depth(limit.lock, side);
+      const SwitchingForces::Depth at = forces_.depth(limit.lock, side);
       if (!(at.depth >= -at.tolerance) || limit.approaches[side > 0 ? 1 : 0]) continue;
       const double speed = side * forces_.speed(limit.lock, v.data());
       any = any || speed > rest;

@@ -7,13 +7,13 @@
 #include <span>
 #include <vector>
 
-#include "dynamics/branching.h"
+#include "dynamics/switching_forces.h"
 
 namespace gelenk {
 
 class LimitCorrection {
  public:
-  explicit LimitCorrection(Branching& forces);
+  explicit LimitCorrection(SwitchingForces& forces);
 
   bool empty() const { return limits_.empty(); }
   // Call before the displacement, with the velocities v then: what struck a limit then does so afterwards.
@@ -32,7 +32,7 @@ class LimitCorrection {
   bool strike(const std::vector<int>& locks, const std::vector<int>& sides, const std::vector<double>& beyond,
               std::span<double> change);
 
-  Branching& forces_;
+  SwitchingForces& forces_;
   std::vector<Limit> limits_;
 };
 

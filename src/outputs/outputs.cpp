@@ -9,14 +9,14 @@
 
 namespace gelenk {
 Outputs::Outputs(const Scene& scene, const ReducedScene& reduced, const std::vector<Signal>& signals,
-                 const std::vector<std::vector<BranchingForce>>& branching)
+                 const std::vector<std::vector<SwitchingForce>>& switching_forces)
     : scene_(scene), reduced_(reduced) {
   for (const Sensor& sensor : scene.sensors) {
     ports_.emplace_back(scene, reduced, sensor, kind_of(*sensor.is).reads_reaction);
   }
   for (const Force& force : scene.forces) force_ports_.emplace_back(scene, reduced, force, false);
   for (const Signal& signal : signals) {
-    sources_.push_back(signal.level == 3   ? joint_force_source(signal, branching)
+    sources_.push_back(signal.level == 3   ? joint_force_source(signal, switching_forces)
                        : signal.joint >= 0 ? joint_source(signal)
                                            : element_source(scene, signal));
   }
@@ -66,14 +66,14 @@ Outputs::Source Outputs::joint_source(const Signal& signal) const {
 
 // Of an immobile joint the force is 0: its bodies are held without it.
 Outputs::Source Outputs::joint_force_source(const Signal& signal,
-                                            const std::vector<std::vector<BranchingForce>>& branching) const {
+                                            const std::vector<std::vector<SwitchingForce>>& switching_forces) const {
   Source source;
   source.sign = 0;
   const JointPlace& place = reduced_.joints[signal.joint];
   if (place.role == JointPlace::Role::merged) return source;
   const std::string_view group = joint_force_kinds()[static_cast<std::size_t>(signal.element)].group;
-  const std::vector<BranchingForce>& among = branching[static_cast<std::size_t>(place.island)];
-  const auto found = std::ranges::find_if(among, [&](const BranchingForce& of) {
+  const std::vector<SwitchingForce>& among = switching_forces[static_cast<std::size_t>(place.island)];
+  const auto found = std::ranges::find_if(among, [&](const SwitchingForce& of) {
     return of.joint == signal.joint && of.component == signal.component && of.group == group;
   });
   if (found == among.end()) return source;

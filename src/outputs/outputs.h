@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "dynamics/dynamics.h"
-#include "kinematics/branching_forces.h"
+#include "kinematics/switching_force.h"
 #include "mechanism/mechanism.h"
 #include "outputs/port_readings.h"
 #include "scene/signals.h"
@@ -25,7 +25,7 @@ struct ReadingOf {
   const T* vdot;
   const T* cut_q;
   const T* cut_v = nullptr;
-  // Of each force with modes (Branching) its force in the user's sign and its mode; null: there is none.
+  // Of each force with modes (SwitchingForces) its force in the user's sign and its mode; null: there is none.
   const T* forces = nullptr;
   const int* modes = nullptr;
   ContactReadings* contacts = nullptr;  // null: nothing touches
@@ -34,9 +34,9 @@ using Reading = ReadingOf<double>;
 
 class Outputs {
  public:
-  // scene: must outlive it. branching: the forces with modes of each island.
+  // scene: must outlive it. switching_forces: the forces with modes of each island.
   Outputs(const Scene& scene, const ReducedScene& reduced, const std::vector<Signal>& signals,
-          const std::vector<std::vector<BranchingForce>>& branching);
+          const std::vector<std::vector<SwitchingForce>>& switching_forces);
 
   // Stage up to which the island must be evaluated before value() is called.
   Stage stage(int output) const { return sources_[output].stage; }
@@ -89,7 +89,8 @@ class Outputs {
     double sign = 1;    // the value, for a constant
   };
   Source joint_source(const Signal& signal) const;
-  Source joint_force_source(const Signal& signal, const std::vector<std::vector<BranchingForce>>& branching) const;
+  Source joint_force_source(const Signal& signal,
+                            const std::vector<std::vector<SwitchingForce>>& switching_forces) const;
   // Not inline, so that value(), which is called for each joint state, remains short. dynamics: nullptr if all ports
   // are fixed in the world.
   template <class T>

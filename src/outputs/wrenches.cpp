@@ -63,7 +63,7 @@ namespace {
 template <class F>
 double effort_of(const F& force, const double* q, const double* v, const double* u, const double*& recorded) {
   using E = std::decay_t<decltype(force.element)>;
-  if constexpr (HasBranches<E>) {
+  if constexpr (Switches<E>) {
     [[maybe_unused]] const double of_run = *recorded++;
     if constexpr (Sticks<E> || Blocks<E>) return of_run;
     return force.sign * force.held(force.side(q, v), q, v, u);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "preparation/law_report.h"
 
-#include "kinematics/branching_forces.h"
+#include "kinematics/switching_force.h"
 #include "scene/element_numbers.h"
 #include "util/text.h"
 
@@ -14,7 +14,7 @@ std::string shown(const Scene& scene, double x, const std::string& unit) {
 }
 
 std::string of_joint(const Scene& scene, const Loads& loads, const BrokenLaw& broken) {
-  const BranchingForce of = branching_forces(loads)[static_cast<std::size_t>(broken.index)];
+  const SwitchingForce of = switching_forces_of(loads)[static_cast<std::size_t>(broken.index)];
   const Joint& joint = scene.joints[static_cast<std::size_t>(of.joint)];
   const Coordinate at = coordinate_of(kind_of(*joint.is), of.component);
   const std::string force = shown(scene, broken.found, unit_of("{f}", at));

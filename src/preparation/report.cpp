@@ -7,7 +7,7 @@
 
 #include "assembly/loop_closure.h"
 #include "contact_geometry/contact_finder.h"
-#include "kinematics/branching_forces.h"
+#include "kinematics/switching_force.h"
 #include "preparation/doubts.h"
 #include "scene/element_numbers.h"
 #include "util/text.h"
@@ -252,7 +252,7 @@ struct LimitedCoordinate {  // on which a force with modes acts
   Coordinate coordinate;
 };
 
-LimitedCoordinate limited(const Scene& scene, const BranchingForce& of, int side) {
+LimitedCoordinate limited(const Scene& scene, const SwitchingForce& of, int side) {
   const Joint& joint = scene.joints[static_cast<std::size_t>(of.joint)];
   return {prefix(scene) + "joints." + joint.name + ".limit." + (side > 0 ? "upper" : "lower"),
           coordinate_of(kind_of(*joint.is), of.component)};
@@ -261,7 +261,7 @@ LimitedCoordinate limited(const Scene& scene, const BranchingForce& of, int side
 }  // namespace
 
 std::string describe_unstoppable(const Scene& scene, const Loads& loads, int indicator) {
-  const BranchingForce of = branching_forces(loads)[static_cast<std::size_t>(indicator / 2)];
+  const SwitchingForce of = switching_forces_of(loads)[static_cast<std::size_t>(indicator / 2)];
   const LimitedCoordinate at = limited(scene, of, indicator % 2 == 0 ? 1 : -1);
   const std::string name(at.coordinate.name);
   return at.limit + ": found a start with " + name + " at it, from which the loops move " + name +
@@ -270,16 +270,16 @@ std::string describe_unstoppable(const Scene& scene, const Loads& loads, int ind
 
 std::vector<std::string> describe_violated_limits(const Scene& scene, const Loads& loads, Dynamics& dynamics,
                                                   const double* q) {
-  const Branching& forces = dynamics.branching();
+  const SwitchingForces& forces = dynamics.switching_forces();
   if (forces.locks() == 0) return {};
   dynamics.set_position(q);
   std::vector<std::string> out;
-  const std::vector<BranchingForce> places = branching_forces(loads);
+  const std::vector<SwitchingForce> places = switching_forces_of(loads);
   for (int i = 0; i < forces.locks(); ++i) {
     for (const int side : {1, -1}) {
-      const Branching::Depth at = forces.depth(i, side);
+      const SwitchingForces::Depth at = forces.depth(i, side);
       if (!(at.depth > at.tolerance)) continue;
-      const BranchingForce& of = places[static_cast<std::size_t>(forces.lock(i).limit)];
+      const SwitchingForce& of = places[static_cast<std::size_t>(forces.lock(i).limit)];
       const LimitedCoordinate limit = limited(scene, of, side);
       const std::string unit = unit_of("{q}", limit.coordinate);
       out.push_back(limit.limit + ": found a start with " + std::string(limit.coordinate.name) + " " +
@@ -380,7 +380,7 @@ std::string describe_closed_contact(const Scene& scene, const Mechanism& mechani
 }
 
 std::string describe_mode_boundary(const Scene& scene, const Loads& loads, int force, double t) {
-  const BranchingForce of = branching_forces(loads)[static_cast<std::size_t>(force)];
+  const SwitchingForce of = switching_forces_of(loads)[static_cast<std::size_t>(force)];
   return "t = " + text::rounded(t) + " s: joints." + scene.joints[of.joint].name + "." + std::string(of.group) +
          " is between two modes, or a load on which it depends is zero: derivatives do not exist there";
 }

@@ -3,7 +3,7 @@
 
 #include "analysis/trial_state.h"
 #include "dynamics/distributed_forces.h"
-#include "kinematics/branching_forces.h"
+#include "kinematics/switching_force.h"
 #include "linear/descent.h"
 #include "scene/element_numbers.h"
 
@@ -35,7 +35,7 @@ void RestForces::add(const Scene& scene, const EquilibriumProblem& of, const std
   poses.touch(at);
   poses.hold_friction();
   poses.evaluate(at);
-  Branching& forces = poses.forces();
+  SwitchingForces& forces = poses.forces();
   std::vector<int> locks;
   for (int i = 0; i < poses.locks(); ++i) {
     if (at.contacts[static_cast<std::size_t>(i)] != 0 || forces.lock(i).sticking_limit.largest() > 0)
@@ -49,11 +49,11 @@ void RestForces::add(const Scene& scene, const EquilibriumProblem& of, const std
   }
   is_balanced = gelenk::is_balanced(poses, at) && is_balanced;
 
-  const std::vector<BranchingForce> places = branching_forces(of.loads);
+  const std::vector<SwitchingForce> places = switching_forces_of(of.loads);
   Index next = 0;
   for (int i = 0; i < poses.locks(); ++i) {
-    const Branching::Lock lock = forces.lock(i);
-    const BranchingForce& at_joint = places[static_cast<std::size_t>(lock.friction >= 0 ? lock.friction : lock.limit)];
+    const SwitchingForces::Lock lock = forces.lock(i);
+    const SwitchingForce& at_joint = places[static_cast<std::size_t>(lock.friction >= 0 ? lock.friction : lock.limit)];
     const Joint& joint = scene.joints[static_cast<std::size_t>(at_joint.joint)];
     const Coordinate coordinate = coordinate_of(kind_of(*joint.is), at_joint.component);
     const std::string unit = unit_of("{f}", coordinate);

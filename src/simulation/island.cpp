@@ -67,7 +67,7 @@ void Island::start_integrator(double tolerance) {
 
 std::vector<std::array<std::string, 2>> Island::event_texts() const {
   std::vector<std::array<std::string, 2>> out;
-  for (const BranchingForce& of : branching_forces(loads_)) {
+  for (const SwitchingForce& of : switching_forces_of(loads_)) {
     const Joint& joint = scene_.joints[static_cast<std::size_t>(of.joint)];
     const Coordinate coordinate = coordinate_of(kind_of(*joint.is), of.component);
     const ElementPlace place{.name = {}, .frames = {}, .joints = {joint.name}, .coordinate = {}};

@@ -27,7 +27,7 @@ constexpr int most_iterations = 10'000;
 
 bool has_contacts(const Island& island) {
   const ContactMotion& contacts = island.formulation().contacts();
-  return contacts.touch() != nullptr || contacts.are_used();
+  return contacts.located() != nullptr || contacts.are_used();
 }
 
 }  // namespace
@@ -167,7 +167,7 @@ void Placement::realize_in_present_modes(Island& of) {
   EventModes& modes = of.equations_->modes();
   if (modes.locks().empty() || has_contacts(of)) return;
   const double* vdot = modes.locks().accelerations(of.time_, of.y_.data());
-  if (vdot == nullptr || of.dynamics_->branching().is_redundant()) return;
+  if (vdot == nullptr || of.dynamics_->switching_forces().is_redundant()) return;
   std::copy_n(vdot, of.vdot_.size(), of.vdot_.begin());
   modes.outputs().record();
   of.dynamics_->readings().set_root_poses();

@@ -56,9 +56,9 @@ void Simulation::Impl::make_islands() {
     size.free_coordinates += of.mechanism.nv - of.mobility.position_rank;
   }
   size.degrees_of_freedom = size.speeds - size.rank;
-  std::vector<std::vector<BranchingForce>> branching;
-  for (const auto& island : islands) branching.push_back(branching_forces(island->loads()));
-  readings = std::make_unique<Outputs>(scene, prepared.reduced, outputs, branching);
+  std::vector<std::vector<SwitchingForce>> switching_forces;
+  for (const auto& island : islands) switching_forces.push_back(switching_forces_of(island->loads()));
+  readings = std::make_unique<Outputs>(scene, prepared.reduced, outputs, switching_forces);
   immobile_energy = gelenk::immobile_energy(scene, prepared.reduced);
 }
 

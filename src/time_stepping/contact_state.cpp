@@ -10,7 +10,7 @@ void serialize_vector(Archive& archive, Eigen::Vector3d& x) { archive.serialize(
 
 }  // namespace
 
-const RememberedContact* ContactState::find(const TouchPoint& point) const {
+const RememberedContact* ContactState::find(const NearPoint& point) const {
   const auto found = std::ranges::lower_bound(contacts, point.key(), {}, &RememberedContact::key);
   return found != contacts.end() && found->key() == point.key() ? &*found : nullptr;
 }

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "contact_geometry/contact_finder.h"
-#include "dynamics/branching.h"
+#include "dynamics/switching_forces.h"
 #include "nonsmooth/contact_sum.h"
 #include "util/archive.h"
 
@@ -36,7 +36,7 @@ struct ContactState {
   // Of what a saved state has of many contacts, for which memory is taken at the start: of 200 points [64 bits].
   static constexpr std::size_t reserved_words = std::size_t{200} * 12;
 
-  const RememberedContact* find(const TouchPoint& point) const;
+  const RememberedContact* find(const NearPoint& point) const;
   // Saves or restores it. shapes: number of shapes of the mechanism.
   void serialize(Archive& archive, int shapes);
 };

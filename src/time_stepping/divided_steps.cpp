@@ -100,7 +100,7 @@ bool TimeStepper::attempt(double h, const double* u, double* y, bool last) {
   dynamics_.factorize();
   dynamics_.readings().set_root_poses();
   dynamics_.set_velocity(v0_.data());
-  if (dynamics_.branching().locks() > 0) dynamics_.solve(u, vdot_.data());
+  if (dynamics_.switching_forces().locks() > 0) dynamics_.solve(u, vdot_.data());
   collect(h);
   vm_ = v0_;
   if (!converge(h, u, last)) return false;

@@ -25,30 +25,30 @@ void append(std::initializer_list<DirectedLimit> limits, std::vector<double>& ou
 
 }  // namespace
 
-JointRows::JointRows(Branching& branching, int nv)
-    : branching_(branching), beside_(static_cast<std::size_t>(branching.locks()), -1) {
+JointRows::JointRows(SwitchingForces& switching_forces, int nv)
+    : switching_(switching_forces), beside_(static_cast<std::size_t>(switching_forces.locks()), -1) {
   std::vector<double> unit(static_cast<std::size_t>(nv));
   const auto are_same = [&](int a, int b) {
     return std::ranges::all_of(unit, [&](double& v) {
       v = 1;
-      const bool same = branching.speed(a, unit.data()) == branching.speed(b, unit.data());
+      const bool same = switching_forces.speed(a, unit.data()) == switching_forces.speed(b, unit.data());
       v = 0;
       return same;
     });
   };
-  for (int clutch = 0; clutch < branching.locks(); ++clutch) {
-    if (!branching.lock(clutch).one_way) continue;
-    for (int i = 0; i < branching.locks(); ++i) {
+  for (int clutch = 0; clutch < switching_forces.locks(); ++clutch) {
+    if (!switching_forces.lock(clutch).one_way) continue;
+    for (int i = 0; i < switching_forces.locks(); ++i) {
       if (i != clutch && are_same(i, clutch)) beside_[static_cast<std::size_t>(i)] = clutch;
     }
   }
 }
 
 void JointRows::add(const Start& at, ContactRows& rows, std::vector<Cone>& cones) {
-  for (int i = 0; i < branching_.locks(); ++i) {
-    const Branching::Lock lock = branching_.lock(i);
-    const double speed = branching_.speed(i, at.v);
-    const double change = at.h * std::abs(branching_.speed(i, at.vdot));
+  for (int i = 0; i < switching_.locks(); ++i) {
+    const SwitchingForces::Lock lock = switching_.lock(i);
+    const double speed = switching_.speed(i, at.v);
+    const double change = at.h * std::abs(switching_.speed(i, at.vdot));
     if (lock.friction >= 0) {
       // What friction has held is at rest, but for the speed that a projection may have given it. Where an input jumps,
       // it is no longer.
@@ -57,7 +57,7 @@ void JointRows::add(const Start& at, ContactRows& rows, std::vector<Cone>& cones
       const bool slides = !was_held && std::abs(speed) > rest_speed;
       Row row{.lock = i, .slides = slides ? (speed > 0 ? 1 : -1) : 0};
       row.at_rest = lock.sticking_limit;
-      row.sliding = slides ? branching_.sliding_limit(i, speed) : row.at_rest;
+      row.sliding = slides ? switching_.sliding_limit(i, speed) : row.at_rest;
       cones.push_back(Cone::within(rows.count(), 0, 0));
       set_friction_of(row, at.h, cones.back());
       rows.add_lock(i, lock.sign);
@@ -65,7 +65,7 @@ void JointRows::add(const Start& at, ContactRows& rows, std::vector<Cone>& cones
     }
     if (lock.limit < 0) continue;
     for (const int side : {1, -1}) {
-      const double depth = branching_.depth(i, side).depth;
+      const double depth = switching_.depth(i, side).depth;
       // A bound that other impulses may drive the coordinate to is struck in the next step.
       if (!(depth + at.h * (std::abs(speed) + change) >= -touch_tolerance)) continue;
       cones.push_back(side > 0 ? Cone::within(rows.count(), -unlimited, 0) : Cone::within(rows.count(), 0, unlimited));
@@ -76,12 +76,12 @@ void JointRows::add(const Start& at, ContactRows& rows, std::vector<Cone>& cones
 }
 
 void JointRows::add_passed_limits(double h, const double* v1, ContactRows& rows, std::vector<Cone>& cones) {
-  for (int i = 0; i < branching_.locks(); ++i) {
-    const Branching::Lock lock = branching_.lock(i);
+  for (int i = 0; i < switching_.locks(); ++i) {
+    const SwitchingForces::Lock lock = switching_.lock(i);
     if (lock.limit < 0 || lock.one_way) continue;
-    const double speed = branching_.speed(i, v1);
+    const double speed = switching_.speed(i, v1);
     const int side = speed > 0 ? 1 : -1;
-    const double depth = branching_.depth(i, side).depth;
+    const double depth = switching_.depth(i, side).depth;
     const auto is_row = [&](const Row& row) { return row.lock == i && row.side == side; };
     if (!(depth + h / 2 * std::abs(speed) > touch_tolerance) || std::ranges::any_of(rows_, is_row)) continue;
     cones.push_back(Cone::within(rows.count(), 0, 0));
@@ -104,10 +104,10 @@ bool JointRows::set_sliding_friction(double h, const double* v1, const double* v
     if (row.side != 0 || row.slides == 0) continue;
     Cone& cone = cones[i];
     const double held = row.slides * x[cone.first];
-    row.turns_back = row.turns_back || (row.slides * branching_.speed(row.lock, v1) < -rest_speed &&
+    row.turns_back = row.turns_back || (row.slides * switching_.speed(row.lock, v1) < -rest_speed &&
                                         held >= at_bound * h * row.at_rest.against(-row.slides));
     const Cone before = cone;
-    if (branching_.loads().empty()) row.sliding = branching_.sliding_limit(row.lock, branching_.speed(row.lock, vm));
+    if (switching_.loads().empty()) row.sliding = switching_.sliding_limit(row.lock, switching_.speed(row.lock, vm));
     set_friction_of(row, h, cone);
     changed = changed || std::abs(cone.upper - before.upper) > negligible_change * before.upper ||
               std::abs(cone.lower - before.lower) > negligible_change * -before.lower;
@@ -116,7 +116,7 @@ bool JointRows::set_sliding_friction(double h, const double* v1, const double* v
 }
 
 bool JointRows::have_loads() const {
-  return !branching_.loads().empty() && std::ranges::any_of(rows_, [](const Row& row) { return row.side == 0; });
+  return !switching_.loads().empty() && std::ranges::any_of(rows_, [](const Row& row) { return row.side == 0; });
 }
 
 void JointRows::read_limits(std::vector<double>& out) const {
@@ -130,9 +130,9 @@ void JointRows::find_limits(const double* vm, std::vector<double>& out) const {
   out.clear();
   for (const Row& row : rows_) {
     if (row.side != 0) continue;
-    const DirectedLimit at_rest = branching_.lock(row.lock).sticking_limit;
+    const DirectedLimit at_rest = switching_.lock(row.lock).sticking_limit;
     const DirectedLimit sliding =
-        row.slides == 0 ? at_rest : branching_.sliding_limit(row.lock, branching_.speed(row.lock, vm));
+        row.slides == 0 ? at_rest : switching_.sliding_limit(row.lock, switching_.speed(row.lock, vm));
     append({at_rest, sliding}, out);
   }
 }
@@ -159,7 +159,7 @@ void JointRows::remember(double h, const double* v1, const double* x, std::span<
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     const Row& row = rows_[i];
     const double force = x[cones[i].first] / h;
-    const double speed = branching_.speed(row.lock, v1);
+    const double speed = switching_.speed(row.lock, v1);
     const bool rests = std::abs(speed) <= rest_speed;
     LockForces& at = out[static_cast<std::size_t>(row.lock)];
     if (row.side == 0) {
@@ -180,7 +180,7 @@ void JointRows::share(std::vector<LockForces>& out) const {
     LockForces& at = out[i];
     LockForces* const clutch = beside_[i] < 0 ? nullptr : &out[static_cast<std::size_t>(beside_[i])];
     const bool is_held = at.contact != 0 || (clutch != nullptr && clutch->contact != 0);
-    if (!is_held || (clutch == nullptr && branching_.lock(static_cast<int>(i)).friction < 0)) continue;
+    if (!is_held || (clutch == nullptr && switching_.lock(static_cast<int>(i)).friction < 0)) continue;
     const double sum = at.friction + at.limit + (clutch == nullptr ? 0 : clutch->limit);
     at.limit = at.contact * sum < 0 ? sum : 0;
     const bool by_clutch = clutch != nullptr && at.limit == 0 && clutch->contact * sum < 0;

@@ -7,14 +7,14 @@
 #include <vector>
 
 #include "complementarity/cone.h"
-#include "dynamics/branching.h"
+#include "dynamics/switching_forces.h"
 
 namespace gelenk {
 
 class JointRows {
  public:
   // nv: number of velocities.
-  JointRows(Branching& branching, int nv);
+  JointRows(SwitchingForces& switching_forces, int nv);
 
   struct Row {
     int lock = 0;
@@ -63,7 +63,7 @@ class JointRows {
 
   void share(std::vector<LockForces>& out) const;
 
-  Branching& branching_;
+  SwitchingForces& switching_;
   std::vector<int> beside_;  // by lock: another one of the same coordinate, that of a one-way clutch; -1: there is none
   std::vector<Row> rows_;
 };

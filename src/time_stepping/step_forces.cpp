@@ -43,7 +43,7 @@ void TimeStepper::find_missed(double h) {
     const int link = mechanism_.shapes[static_cast<std::size_t>(shape)].link;
     return link < 0 ? 0.0 : mechanism_.links[static_cast<std::size_t>(link)].G.m;
   };
-  const bool hides = std::ranges::any_of(points_, [&](const TouchPoint& point) {
+  const bool hides = std::ranges::any_of(points_, [&](const NearPoint& point) {
     const double a = mass(point.a), b = mass(point.b);
     return a > 0 && b > 0 && std::max(a, b) > hiding_ratio * std::min(a, b);
   });
@@ -71,7 +71,7 @@ Spatial::Force TimeStepper::force_at(std::size_t i, double h) const {
 }
 
 // Adds such a force to `out`, by link, about the origin of the root frame.
-void TimeStepper::add_wrench(const TouchPoint& point, const Spatial::Force& on_b,
+void TimeStepper::add_wrench(const NearPoint& point, const Spatial::Force& on_b,
                              std::vector<Spatial::Force>& out) const {
   const Spatial::Force wrench{on_b.n + point.p.cross(on_b.f), on_b.f};
   out[static_cast<std::size_t>(mechanism_.shapes[static_cast<std::size_t>(point.b)].link)] += wrench;
@@ -87,7 +87,7 @@ void TimeStepper::remember(double h) {
   last_contacts_.swap(state_.contacts);
   state_.contacts.clear();
   for (std::size_t i = 0; i < points_.size(); ++i) {
-    const TouchPoint& point = points_[i];
+    const NearPoint& point = points_[i];
     const Cone& cone = cones_[i];
     const double* x = x_.data() + cone.first;
     if (!(x[0] > 0)) continue;
@@ -133,7 +133,7 @@ std::vector<ContactForce> TimeStepper::forces() {
   double reach = std::numeric_limits<double>::infinity();
   for (const LinkShape& shape : mechanism_.shapes) reach = std::min(reach, near_fraction * size_of(*shape.is));
   std::vector<ContactForce> out;
-  for (const TouchPoint& point : finder_.find(dynamics_.readings(), 0, 0, reach)) {
+  for (const NearPoint& point : finder_.find(dynamics_.readings(), 0, 0, reach)) {
     if (const RememberedContact* const of = state_.find(point))
       out.push_back({point.contact, point.a, point.b, point.p, of->force, of->moment, point.normal.dot(of->force)});
   }

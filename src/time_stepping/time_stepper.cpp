@@ -27,12 +27,12 @@ TimeStepper::TimeStepper(const Mechanism& mechanism, Dynamics& dynamics, const L
       dynamics_(dynamics),
       loads_(loads),
       cone_tolerance_(cone_tolerance),
-      rows_(dynamics.branching().contact_rows()),
+      rows_(dynamics.switching_forces().contact_rows()),
       finder_(mechanism, loads.contacts.size()),
       rotation_(mechanism),
       operator_(rows_),
       solver_(make_cone_solver(cone_solver_kinds().front().name)),
-      joints_(dynamics.branching(), mechanism.nv),
+      joints_(dynamics.switching_forces(), mechanism.nv),
       v0_(static_cast<std::size_t>(mechanism.nv)),
       v1_(v0_.size()),
       vm_(v0_.size()),
@@ -40,7 +40,7 @@ TimeStepper::TimeStepper(const Mechanism& mechanism, Dynamics& dynamics, const L
       vdot_before_(v0_.size()),
       dq_(v0_.size()),
       starts_(most_halvings + 1, std::vector<double>(static_cast<std::size_t>(mechanism.nq) + v0_.size())) {
-  state_.locks.resize(static_cast<std::size_t>(dynamics.branching().locks()));
+  state_.locks.resize(static_cast<std::size_t>(dynamics.switching_forces().locks()));
   state_.wrenches.resize(mechanism.links.size());
   state_.along.resize(v0_.size());
   state_.sums.resize(loads.contacts.size());
@@ -51,7 +51,7 @@ TimeStepper::TimeStepper(const Mechanism& mechanism, Dynamics& dynamics, const L
 // Allocates what all contacts at once need if they are few; later growth is geometric.
 void TimeStepper::reserve() {
   std::size_t points = 0;
-  std::size_t rows = 3 * static_cast<std::size_t>(dynamics_.branching().locks());  // friction and two bounds
+  std::size_t rows = 3 * static_cast<std::size_t>(dynamics_.switching_forces().locks());  // friction and two bounds
   finder_.each_pair([&](int contact) {
     const ContactLaw& law = loads_.contacts[static_cast<std::size_t>(contact)];
     const int size = Cone::contact(0, law.static_friction, law.spinning, law.rolling).size();
@@ -105,7 +105,7 @@ void TimeStepper::collect(double h) {
     points_ = finder_.find(dynamics_.readings(), h, h * loads_.gravity.norm(), 2 * touch_tolerance);
   turning_.assign(points_.size(), Turning::no);
   opens_.assign(points_.size(), 0.0);
-  for (const TouchPoint& point : points_) add_contact(point);
+  for (const NearPoint& point : points_) add_contact(point);
   joints_.add({h, v0_.data(), vdot_.data(), state_.locks}, rows_, cones_);
   for (std::vector<double>* of : all_by_row()) of->assign(static_cast<std::size_t>(rows_.count()), 0.0);
   strikes_.clear();
@@ -129,7 +129,7 @@ void TimeStepper::add_passed_limits(double h) {
   operator_.update();
 }
 
-void TimeStepper::add_contact(const TouchPoint& point) {
+void TimeStepper::add_contact(const NearPoint& point) {
   const ContactLaw& law = loads_.contacts[static_cast<std::size_t>(point.contact)];
   const Cone cone = Cone::contact(rows_.count(), law.static_friction, law.spinning, law.rolling);
   const Eigen::Matrix3d axes = contact_axes(point.normal);

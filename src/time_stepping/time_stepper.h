@@ -105,9 +105,9 @@ class TimeStepper final : public ContactReadings {
   bool settle_loads(double h, const double* u);
   void apply_mean_forces(double h, const double* u);
   Spatial::Force force_at(std::size_t i, double h) const;
-  void add_wrench(const TouchPoint& point, const Spatial::Force& on_b, std::vector<Spatial::Force>& out) const;
+  void add_wrench(const NearPoint& point, const Spatial::Force& on_b, std::vector<Spatial::Force>& out) const;
   void collect(double h);
-  void add_contact(const TouchPoint& point);
+  void add_contact(const NearPoint& point);
   void add_passed_limits(double h);
   std::span<Cone> joint_cones() { return std::span<Cone>(cones_).subspan(points_.size()); }
   std::array<std::vector<double>*, 9> all_by_row() {
@@ -162,7 +162,7 @@ class TimeStepper final : public ContactReadings {
   Missed missed_;
   std::vector<RecordedProblem>* recorded_ = nullptr;
 
-  std::vector<TouchPoint> points_;       // of this step
+  std::vector<NearPoint> points_;        // of this step
   std::vector<Eigen::Matrix3d> frames_;  // by point: normal and tangential axes, in columns
   enum class Turning : char { no, may_be_held, turns };
   std::vector<Turning> turning_;  // by point

@@ -9,11 +9,11 @@ namespace nb = nanobind;
 namespace native {
 namespace {
 
-using gelenk::Branching;
 using gelenk::BrokenLaw;
+using gelenk::SwitchingForces;
 
 // One coordinate with friction (force 0) and a limit (force 1), of which only what the auditor asks is known.
-class OneCoordinate final : public Branching {
+class OneCoordinate final : public SwitchingForces {
  public:
   Lock of;
   Depth upper{-INFINITY, 0}, lower{-INFINITY, 0};
@@ -74,15 +74,15 @@ void bind_laws(nb::module_& m) {
       "broken_law",
       [](const Numbers& forces, double speed, double sticking, double upper, double lower, bool one_way,
          double rounding) {
-        OneCoordinate branching;
-        branching.of.friction = 0;
-        branching.of.limit = 1;
-        branching.of.sticking_limit = {sticking, sticking};
-        branching.of.one_way = one_way;
-        branching.upper = {upper, 1e-12};
-        branching.lower = {lower, 1e-12};
-        branching.rounding = rounding;
-        const gelenk::LawAudit audit = gelenk::audit_locks(branching, forces, &speed, 1);
+        OneCoordinate switching_forces;
+        switching_forces.of.friction = 0;
+        switching_forces.of.limit = 1;
+        switching_forces.of.sticking_limit = {sticking, sticking};
+        switching_forces.of.one_way = one_way;
+        switching_forces.upper = {upper, 1e-12};
+        switching_forces.lower = {lower, 1e-12};
+        switching_forces.rounding = rounding;
+        const gelenk::LawAudit audit = gelenk::audit_locks(switching_forces, forces, &speed, 1);
         const auto broken = audit.broken();
         return std::pair(broken ? name_of(broken->kind) : std::string(), audit.excess());
       },

@@ -47,13 +47,13 @@ template <class F>
 concept HasJacobians = requires(const F& f, double x) { f.jacobians(x, x); };
 
 template <class F>
-concept HasBranches = requires(const F& f, double x) { f.side(x, x); };
+concept Switches = requires(const F& f, double x) { f.side(x, x); };
 
 // Elements that can keep their coordinate at rest, by friction and in contact.
 template <class F>
-concept Sticks = HasBranches<F> && requires(const F& f, const double* u) { f.sticking_limit(0.0, u); };
+concept Sticks = Switches<F> && requires(const F& f, const double* u) { f.sticking_limit(0.0, u); };
 template <class F>
-concept Blocks = HasBranches<F> && requires(const F& f) { f.restitution; };
+concept Blocks = Switches<F> && requires(const F& f) { f.restitution; };
 // Friction that may depend on the forces which bearings, guides and meshes transmit.
 template <class F>
 concept TakesLoads = Sticks<F> && requires(const F& f, const double* u) { f.sticking_load_factor(u); };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "event_driven/touch_equations.h"
+#include "event_driven/contact_equations.h"
 
 #include <algorithm>
 #include <cmath>
@@ -30,7 +30,7 @@ constexpr double overload_rounding = 1e-9;
 
 // Drops the rows along which what is held, or constraint equations, permit no motion: their response is rounding,
 // which must not become a divisor.
-void drop_blocked(const TouchEquations::RowMatrix& R, const TouchEquations::RowMatrix& Z, MatrixXd& G,
+void drop_blocked(const ContactEquations::RowMatrix& R, const ContactEquations::RowMatrix& Z, MatrixXd& G,
                   VectorXd& right) {
   for (Index i = 0; i < G.rows(); ++i) {
     if (std::abs(G(i, i)) > blocked_cosine * R.row(i).norm() * Z.col(i).norm()) continue;
@@ -42,48 +42,49 @@ void drop_blocked(const TouchEquations::RowMatrix& R, const TouchEquations::RowM
 
 }  // namespace
 
-TouchEquations::TouchEquations(const Mechanism& mechanism, Dynamics& dynamics, const Loads& loads, bool located)
+ContactEquations::ContactEquations(const Mechanism& mechanism, Dynamics& dynamics, const Loads& loads, bool located)
     : mechanism_(mechanism),
       dynamics_(dynamics),
       loads_(loads),
-      spots_(mechanism, located),
-      modes_(static_cast<std::size_t>(spots_.count())),
+      candidates_(mechanism, located),
+      modes_(static_cast<std::size_t>(candidates_.count())),
       least_norm_(rank_threshold),
       sharing_(rank_threshold),
       closing_gaps_(rank_threshold),
       closing_speeds_(rank_threshold) {}
 
-const ContactLaw& TouchEquations::law(int spot) const {
-  return loads_.contacts[static_cast<std::size_t>(spots_[spot].contact)];
+const ContactLaw& ContactEquations::law(int candidate) const {
+  return loads_.contacts[static_cast<std::size_t>(candidates_[candidate].contact)];
 }
 
-double TouchEquations::coefficient(int spot, int group, bool moves) const {
-  const ContactLaw& of = law(spot);
+double ContactEquations::coefficient(int candidate, int group, bool moves) const {
+  const ContactLaw& of = law(candidate);
   if (group == 0) return moves ? of.sliding_friction : of.static_friction;
   return group == 1 ? of.spinning : of.rolling;
 }
 
-void TouchEquations::set_modes(const std::vector<SpotMode>& modes) {
+void ContactEquations::set_modes(const std::vector<CandidateMode>& modes) {
   if (&modes != &modes_) modes_ = modes;
   keeps_directions_ = false;  // also where derivatives by differences have been given up
   closed_.clear();
-  for (int i = 0; i < spots_.count(); ++i) {
+  for (int i = 0; i < candidates_.count(); ++i) {
     if (modes_[static_cast<std::size_t>(i)].closed) closed_.push_back(i);
   }
 }
 
-void TouchEquations::add_row(const Entry& entry, const Vector3d& d, bool turns, double* out) const {
-  const Spot& spot = spots_[entry.spot];
-  dynamics_.branching().contact_rows().row(spot.core_link, spot.tip_link, entry.at.p, d, turns, out);
+void ContactEquations::add_row(const Entry& entry, const Vector3d& d, bool turns, double* out) const {
+  const ContactCandidate& candidate = candidates_[entry.candidate];
+  dynamics_.switching_forces().contact_rows().row(candidate.core_link, candidate.tip_link, entry.at.p, d, turns, out);
 }
 
 // Direction against which friction acts. Within a step that extends beyond a stop, the velocity's component along the
 // direction `before` the stop is mirrored, so that the equations are continuous there and what slips across it is still
 // slowed down. Along the opposite of the velocity it would be accelerated: stages of implicit methods would have a
 // second solution, in which the body veers off instead of stopping.
-Vector3d TouchEquations::moving_direction(const Entry& entry, int group, const std::vector<SpotMode>& modes) const {
+Vector3d ContactEquations::moving_direction(const Entry& entry, int group,
+                                            const std::vector<CandidateMode>& modes) const {
   const auto g = static_cast<std::size_t>(group);
-  const Vector3d& before = modes[static_cast<std::size_t>(entry.spot)].groups[g].direction;
+  const Vector3d& before = modes[static_cast<std::size_t>(entry.candidate)].groups[g].direction;
   const Vector3d& slip = entry.slip[g];
   const double speed = slip.norm();
   if (speed <= (keeps_directions_ ? slow_sliding : no_direction_)) return before;
@@ -95,7 +96,7 @@ Vector3d TouchEquations::moving_direction(const Entry& entry, int group, const s
 }
 
 // Numbers the rows and allocates them.
-void TouchEquations::number_rows(const std::vector<SpotMode>& modes, bool by_modes, Rows& out) const {
+void ContactEquations::number_rows(const std::vector<CandidateMode>& modes, bool by_modes, Rows& out) const {
   int kept = 0;
   int moving = 0;
   for (Entry& entry : out.entries) {
@@ -103,8 +104,8 @@ void TouchEquations::number_rows(const std::vector<SpotMode>& modes, bool by_mod
     for (int group = 0; group < contact_groups; ++group) {
       const auto g = static_cast<std::size_t>(group);
       entry.rows[g] = entry.moving[g] = -1;
-      if (!(coefficient(entry.spot, group, false) > 0)) continue;
-      if (by_modes && modes[static_cast<std::size_t>(entry.spot)].groups[g].moves) {
+      if (!(coefficient(entry.candidate, group, false) > 0)) continue;
+      if (by_modes && modes[static_cast<std::size_t>(entry.candidate)].groups[g].moves) {
         entry.moving[g] = moving++;
       } else {
         entry.rows[g] = kept;
@@ -120,10 +121,10 @@ void TouchEquations::number_rows(const std::vector<SpotMode>& modes, bool by_mod
   out.D.setZero(moving > 0 ? static_cast<Index>(out.entries.size()) : 0, mechanism_.nv);
 }
 
-void TouchEquations::set_group(const std::vector<SpotMode>& modes, int group, const RelativeMotion& motion,
-                               Entry& entry, Rows& out) {
+void ContactEquations::set_group(const std::vector<CandidateMode>& modes, int group, const RelativeMotion& motion,
+                                 Entry& entry, Rows& out) {
   const auto g = static_cast<std::size_t>(group);
-  const SpotState& at = entry.at;
+  const CandidateState& at = entry.at;
   entry.slip[g].setZero();
   entry.along[g].setZero();
   if (entry.rows[g] < 0 && entry.moving[g] < 0) return;
@@ -132,9 +133,9 @@ void TouchEquations::set_group(const std::vector<SpotMode>& modes, int group, co
   Vector3d velocity = turns ? motion.V.w : motion.velocity(at.p);
   Vector3d acceleration = turns ? motion.A.w : motion.acceleration(at.p, at.p_dot);
   Vector3d belt = Vector3d::Zero();
-  if (!turns && !law(entry.spot).belt_velocity.isZero(0)) {
+  if (!turns && !law(entry.candidate).belt_velocity.isZero(0)) {
     Vector3d rate;
-    belt = spots_.belt(entry.spot, law(entry.spot).belt_velocity, rate);
+    belt = candidates_.belt(entry.candidate, law(entry.candidate).belt_velocity, rate);
     velocity += belt;
     acceleration += rate - belt.dot(at.n) * at.n_dot;
   }
@@ -147,7 +148,7 @@ void TouchEquations::set_group(const std::vector<SpotMode>& modes, int group, co
     entry.along[g] = moving_direction(entry, group, modes);
     add_row(entry, entry.along[g], turns, out.S.row(entry.moving[g]).data());
     out.moving_rates[entry.moving[g]] = rate_along(entry.along[g]);
-    out.D.row(&entry - out.entries.data()) -= coefficient(entry.spot, group, true) * out.S.row(entry.moving[g]);
+    out.D.row(&entry - out.entries.data()) -= coefficient(entry.candidate, group, true) * out.S.row(entry.moving[g]);
     return;
   }
   for (Index k = 0; k < entry.kept(group); ++k) {
@@ -159,15 +160,16 @@ void TouchEquations::set_group(const std::vector<SpotMode>& modes, int group, co
   }
 }
 
-void TouchEquations::build(std::span<const int> spots, const std::vector<SpotMode>& modes, bool by_modes, Rows& out) {
-  out.entries.resize(spots.size());
-  for (std::size_t i = 0; i < spots.size(); ++i) out.entries[i].spot = spots[i];
+void ContactEquations::build(std::span<const int> candidates, const std::vector<CandidateMode>& modes, bool by_modes,
+                             Rows& out) {
+  out.entries.resize(candidates.size());
+  for (std::size_t i = 0; i < candidates.size(); ++i) out.entries[i].candidate = candidates[i];
   number_rows(modes, by_modes, out);
-  spots_.read_motion(dynamics_);
+  candidates_.read_motion(dynamics_);
   for (Entry& entry : out.entries) {
-    entry.at = spots_.state(entry.spot);
+    entry.at = candidates_.state(entry.candidate);
     entry.axes = contact_axes(entry.at.n);
-    const RelativeMotion motion = spots_.motion(entry.spot);
+    const RelativeMotion motion = candidates_.motion(entry.candidate);
     add_row(entry, entry.at.n, false, out.R.row(entry.first).data());
     out.rates[entry.first] = entry.at.n.dot(motion.acceleration(entry.at.p, entry.at.p_dot)) +
                              entry.at.n_dot.dot(motion.velocity(entry.at.p));
@@ -175,7 +177,7 @@ void TouchEquations::build(std::span<const int> spots, const std::vector<SpotMod
   }
 }
 
-void TouchEquations::respond(const RowMatrix& F, RowMatrix& Z) {
+void ContactEquations::respond(const RowMatrix& F, RowMatrix& Z) {
   Z = F.transpose();
   zero_.assign(static_cast<std::size_t>(std::max(1, mechanism_.rows) * F.rows()), 0.0);
   dynamics_.solve_linear_columns(Z.data(), zero_.data(), static_cast<int>(F.rows()));
@@ -183,7 +185,7 @@ void TouchEquations::respond(const RowMatrix& F, RowMatrix& Z) {
 
 // Of a force in a norm: moments count as the forces with the same effect, and where several contacts can exert those
 // forces, moments, which have narrow limits, are hardly used.
-double TouchEquations::weight(const Entry& entry, int group) const {
+double ContactEquations::weight(const Entry& entry, int group) const {
   if (group == 0) return 1;
   const Index n = entry.first;
   const Index r = entry.rows[static_cast<std::size_t>(group)];
@@ -193,7 +195,7 @@ double TouchEquations::weight(const Entry& entry, int group) const {
   return (rows_.entries.size() > 1 ? least_moment : 1) * std::sqrt(of_forces / of_moments);
 }
 
-double TouchEquations::accelerate(double* vdot, bool again) {
+double ContactEquations::accelerate(double* vdot, bool again) {
   if (closed_.empty()) return 0;
   if (!again) {
     solve_for_forces(vdot);
@@ -209,7 +211,7 @@ double TouchEquations::accelerate(double* vdot, bool again) {
 }
 
 // x_ <- the forces that are missing in vdot, which are added to it.
-void TouchEquations::solve_for_forces(double* vdot) {
+void ContactEquations::solve_for_forces(double* vdot) {
   build(closed_, modes_, true, rows_);
   B_ = rows_.R;
   if (rows_.any_moves()) {
@@ -236,19 +238,19 @@ void TouchEquations::solve_for_forces(double* vdot) {
 }
 
 // What contacts do to the forces that keep coordinates of joints at rest.
-void TouchEquations::add_holding_forces() {
-  Branching& branching = dynamics_.branching();
-  if (branching.locks() == 0) return;
+void ContactEquations::add_holding_forces() {
+  SwitchingForces& switching_forces = dynamics_.switching_forces();
+  if (switching_forces.locks() == 0) return;
   force_ = B_.transpose().lazyProduct(x_);
   zero_.assign(static_cast<std::size_t>(std::max(1, mechanism_.rows)), 0.0);
-  holding_.resize(static_cast<std::size_t>(branching.locks()));
+  holding_.resize(static_cast<std::size_t>(switching_forces.locks()));
   std::ranges::fill(holding_, 0.0);
   dynamics_.solve_linear(force_.data(), zero_.data(), nullptr, holding_.data());
-  branching.holding_forces().add(holding_);
+  switching_forces.holding_forces().add(holding_);
 }
 
 // Where friction is redundant, as at the corners of a box, it is shared in proportion to the normal forces.
-const VectorXd& TouchEquations::shared() {
+const VectorXd& ContactEquations::shared() {
   if (closed_.empty() || rows_.entries.size() <= 1 || x_.size() <= static_cast<Index>(rows_.entries.size())) return x_;
   double largest = 0;
   for (const Entry& entry : rows_.entries) largest = std::max(largest, x_[entry.first]);
@@ -267,11 +269,11 @@ const VectorXd& TouchEquations::shared() {
   return shared_;
 }
 
-const std::vector<TouchEquations::SpotForce>& TouchEquations::forces_of(const VectorXd& x) {
+const std::vector<ContactEquations::CandidateForce>& ContactEquations::forces_of(const VectorXd& x) {
   forces_.clear();
   if (closed_.empty()) return forces_;
   for (const Entry& entry : rows_.entries) {
-    SpotForce& out = forces_.emplace_back();
+    CandidateForce& out = forces_.emplace_back();
     out.normal = x[entry.first];
     out.force = out.normal * entry.at.n;
     out.moment.setZero();
@@ -284,14 +286,14 @@ const std::vector<TouchEquations::SpotForce>& TouchEquations::forces_of(const Ve
         out.held[g] = part.norm();
         for (Index k = 0; k < part.size(); ++k) on += part[k] * entry.axes.col((group == 1 ? 0 : 1) + k);
       } else {
-        on -= coefficient(entry.spot, group, true) * out.normal * entry.along[g];
+        on -= coefficient(entry.candidate, group, true) * out.normal * entry.along[g];
       }
     }
   }
   return forces_;
 }
 
-bool TouchEquations::are_overloaded() const {
+bool ContactEquations::are_overloaded() const {
   if (closed_.empty() || !least_norm_.was_unique()) return false;
   double slack = 0;
   for (const Entry& entry : rows_.entries) slack += overload_rounding * std::abs(x_[entry.first]);
@@ -301,7 +303,7 @@ bool TouchEquations::are_overloaded() const {
     for (int group = 0; group < contact_groups; ++group) {
       const int row = entry.rows[static_cast<std::size_t>(group)];
       if (row < 0) continue;
-      if (x_.segment(row, entry.kept(group)).norm() > coefficient(entry.spot, group, false) * normal + slack)
+      if (x_.segment(row, entry.kept(group)).norm() > coefficient(entry.candidate, group, false) * normal + slack)
         return true;
     }
   }
@@ -309,22 +311,22 @@ bool TouchEquations::are_overloaded() const {
 }
 
 // x <- the least multipliers, in the metric of the mass, that change N v by `left`; Z <- the response to N.
-void TouchEquations::close(const RowMatrix& N, Closing& of) {
+void ContactEquations::close(const RowMatrix& N, Closing& of) {
   respond(N, of.Z);
   of.G = N.lazyProduct(of.Z);
   drop_blocked(N, of.Z, of.G, of.left);
   of.solver.solve(of.G, of.left, of.x);
 }
 
-bool TouchEquations::close_position(double* q) {
+bool ContactEquations::close_position(double* q) {
   if (closed_.empty()) return false;
   bool moved = false;
   VectorXd& gaps = closing_gaps_.left;
   gaps.resize(static_cast<Index>(closed_.size()));
   for (int attempt = 0; attempt < most_corrections; ++attempt) {
     dynamics_.set_position(q);
-    spots_.read_position(dynamics_);
-    for (std::size_t i = 0; i < closed_.size(); ++i) gaps[static_cast<Index>(i)] = spots_.gap(closed_[i]);
+    candidates_.read_position(dynamics_);
+    for (std::size_t i = 0; i < closed_.size(); ++i) gaps[static_cast<Index>(i)] = candidates_.gap(closed_[i]);
     if (!(gaps.cwiseAbs().maxCoeff() > gap_rounding) || !gaps.allFinite()) break;
     build(closed_, modes_, true, kept_);
     closing_gaps_.N.resize(gaps.size(), mechanism_.nv);
@@ -340,7 +342,7 @@ bool TouchEquations::close_position(double* q) {
   return moved;
 }
 
-void TouchEquations::close_velocity(double* v) {
+void ContactEquations::close_velocity(double* v) {
   if (closed_.empty()) return;
   dynamics_.set_velocity(v);
   build(closed_, modes_, true, kept_);
@@ -352,14 +354,14 @@ void TouchEquations::close_velocity(double* v) {
   speeds -= closing_speeds_.Z.lazyProduct(closing_speeds_.x);
 }
 
-void add_wrenches(const TouchEquations& touch, const std::vector<TouchEquations::SpotForce>& forces,
-                  std::vector<Spatial::Force>& out) {
+void add_wrenches(const ContactEquations& contact_equations,
+                  const std::vector<ContactEquations::CandidateForce>& forces, std::vector<Spatial::Force>& out) {
   for (std::size_t i = 0; i < forces.size(); ++i) {
-    const TouchEquations::Entry& entry = touch.rows().entries[i];
-    const Spot& spot = touch.spots()[entry.spot];
+    const ContactEquations::Entry& entry = contact_equations.rows().entries[i];
+    const ContactCandidate& candidate = contact_equations.candidates()[entry.candidate];
     const Spatial::Force on_tip{forces[i].moment + entry.at.p.cross(forces[i].force), forces[i].force};
-    out[static_cast<std::size_t>(spot.tip_link)] += on_tip;
-    out[static_cast<std::size_t>(spot.core_link)] -= on_tip;
+    out[static_cast<std::size_t>(candidate.tip_link)] += on_tip;
+    out[static_cast<std::size_t>(candidate.core_link)] -= on_tip;
   }
 }
 

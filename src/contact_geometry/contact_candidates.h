@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The spots at which shapes of a mechanism can touch, each with a gap that is a smooth function of time: the tips of
-// one shape on the core of another (shape/rounded.h), corners on faces, edges on edges, rims on planes.
+// The candidates at which shapes of a mechanism can touch, each with a gap that is a smooth function of time: the tips
+// of one shape on the core of another (shape/rounded.h), corners on faces, edges on edges, rims on planes.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,7 +13,7 @@
 
 namespace gelenk {
 
-struct Spot {
+struct ContactCandidate {
   // corner: a tip on one face of a box.
   enum class Kind { tip, corner, edges, rim };
 
@@ -37,8 +37,8 @@ struct Spot {
   Eigen::Matrix3d R_belt;  // from the shape with the second surface to its link
 };
 
-// Where and how the shapes of a spot touch or nearly do, in the root frame.
-struct SpotState {
+// Where and how the shapes of a candidate touch or nearly do, in the root frame.
+struct CandidateState {
   Eigen::Vector3d p, p_dot;  // m, m/s: the point of contact
   Eigen::Vector3d n, n_dot;  // unit normal, from the core to the tip; 1/s
   double gap = 0, rate = 0;  // m, m/s
@@ -56,28 +56,28 @@ struct RelativeMotion {
   }
 };
 
-class Spots {
+class ContactCandidates {
  public:
   // located: otherwise there are none.
-  Spots(const Mechanism& mechanism, bool located);
+  ContactCandidates(const Mechanism& mechanism, bool located);
 
-  int count() const { return static_cast<int>(spots_.size()); }
-  const Spot& operator[](int spot) const { return spots_[static_cast<std::size_t>(spot)]; }
+  int count() const { return static_cast<int>(candidates_.size()); }
+  const ContactCandidate& operator[](int candidate) const { return candidates_[static_cast<std::size_t>(candidate)]; }
 
   // Reads the present position of `dynamics`, and its velocity and bias accelerations.
   void read_position(Dynamics& dynamics);
   void read_motion(Dynamics& dynamics);
 
   // After read_position(): whether the balls about the two shapes meet, without which nothing touches; after
-  // read_motion(), otherwise: their distance and its rate, shown by the first spot of a pair alone.
-  bool is_close(int spot) const { return pair_of(spot).is_close; }
-  bool shows_distance(int spot) const { return pair_of(spot).first == spot; }
-  double distance(int spot, double& rate) const;
+  // read_motion(), otherwise: their distance and its rate, shown by the first candidate of a pair alone.
+  bool is_close(int candidate) const { return pair_of(candidate).is_close; }
+  bool shows_distance(int candidate) const { return pair_of(candidate).first == candidate; }
+  double distance(int candidate, double& rate) const;
 
-  // Pairs of shapes, and their spots.
+  // Pairs of shapes, and their candidates.
   int pairs() const { return static_cast<int>(pairs_.size()); }
   struct Range {
-    int first = 0, last = 0;  // spot; the one after the last
+    int first = 0, last = 0;  // candidate; the one after the last
   };
   Range range(int pair) const;
   // After read_motion(): the motion of one shape of a pair, that with the tips or the core, as seen from the other one,
@@ -94,28 +94,28 @@ class Spots {
   // After read_position(): of a link, in the root frame.
   const Pose3& pose(int link) const { return poses_[static_cast<std::size_t>(link)]; }
   // After read_position(). Of a feature beyond its ends, as if it were longer.
-  double gap(int spot) const;
+  double gap(int candidate) const;
   // How far the point of contact is from the ends of a feature, negative beyond them; positive for what has none.
-  double margin(int spot) const;
+  double margin(int candidate) const;
   // Whether this feature is where the shapes touch if their gap is zero.
-  bool is_near(int spot) const;
+  bool is_near(int candidate) const;
   // After read_motion().
-  SpotState state(int spot) const;
-  RelativeMotion motion(int spot) const;
+  CandidateState state(int candidate) const;
+  RelativeMotion motion(int candidate) const;
   // A vector fixed to the link of the second surface, and its rate, both in the root frame.
-  Eigen::Vector3d belt(int spot, const Eigen::Vector3d& velocity, Eigen::Vector3d& rate) const;
+  Eigen::Vector3d belt(int candidate, const Eigen::Vector3d& velocity, Eigen::Vector3d& rate) const;
 
  private:
   // Two shapes in balls, the second with the tips.
   struct Pair {
-    int first = 0;  // spot
+    int first = 0;  // candidate
     int core_link = 0, tip_link = 0;
     Eigen::Vector3d core, tip;                       // centers in their links [m]
     double reach = INFINITY;                         // m: sum of the radii
     double core_arm = INFINITY, tip_arm = INFINITY;  // m: largest distances of points from the centers
     bool is_close = true;
   };
-  const Pair& pair_of(int spot) const { return pairs_[static_cast<std::size_t>((*this)[spot].pair)]; }
+  const Pair& pair_of(int candidate) const { return pairs_[static_cast<std::size_t>((*this)[candidate].pair)]; }
   Eigen::Vector3d between(const Pair& pair) const;
   void begin_pair(const Mechanism& mechanism, int tip, int core);
   struct Line {  // from the nearest point of the core's box to the center of the tip, in S
@@ -123,25 +123,25 @@ class Spots {
     Eigen::Vector3d free;  // 1 where the nearest point does not follow the center, else 0
     double distance = 0;
   };
-  // Spots of the tips of one shape on the core of another; both: numbers of shapes.
+  // ContactCandidates of the tips of one shape on the core of another; both: numbers of shapes.
   void add_pair(const Mechanism& mechanism, int contact, int tip, int core);
   void add_edges(const Mechanism& mechanism, int contact, int tip, int core);
   void add_rims(const Mechanism& mechanism, int contact, int tip, int core);
-  Spot spot_between(const Mechanism& mechanism, int contact, int tip, int core);
-  void add_corner(const Spot& spot);
-  Line line(const Spot& spot) const;
-  Eigen::Vector3d center(const Spot& spot) const;      // of the tip, in S
-  Eigen::Vector3d way_to_tip(const Spot& spot) const;  // Spot::way, in S
+  ContactCandidate candidate_between(const Mechanism& mechanism, int contact, int tip, int core);
+  void add_corner(const ContactCandidate& candidate);
+  Line line(const ContactCandidate& candidate) const;
+  Eigen::Vector3d center(const ContactCandidate& candidate) const;      // of the tip, in S
+  Eigen::Vector3d way_to_tip(const ContactCandidate& candidate) const;  // ContactCandidate::way, in S
   struct Crossing;
-  Crossing crossing(const Spot& spot) const;
-  bool is_near(const Spot& spot, const Crossing& at) const;
-  SpotState state_of_edges(const Spot& spot) const;
+  Crossing crossing(const ContactCandidate& candidate) const;
+  bool is_near(const ContactCandidate& candidate, const Crossing& at) const;
+  CandidateState state_of_edges(const ContactCandidate& candidate) const;
   struct Lowest;
-  Lowest lowest(const Spot& spot) const;
-  SpotState state_of_rim(const Spot& spot) const;
+  Lowest lowest(const ContactCandidate& candidate) const;
+  CandidateState state_of_rim(const ContactCandidate& candidate) const;
   const Spatial::Motion& velocity(int link) const { return V_[static_cast<std::size_t>(link)]; }
 
-  std::vector<Spot> spots_;
+  std::vector<ContactCandidate> candidates_;
   std::vector<Pair> pairs_;
   std::vector<int> links_;              // with shapes
   std::vector<Pose3> poses_;            // by link, in the root frame

@@ -2,7 +2,7 @@
 // Geometry of edges that cross and of rims above planes, in the root frame.
 #pragma once
 
-#include "contact_geometry/spots.h"
+#include "contact_geometry/contact_candidates.h"
 
 namespace gelenk {
 
@@ -14,7 +14,7 @@ inline constexpr double flat_sine = 1e-3;
 inline constexpr double near_tolerance = 1e-10;
 
 // The points of two lines next to each other.
-struct Spots::Crossing {
+struct ContactCandidates::Crossing {
   Eigen::Vector3d a, b;      // directions, of the tip and the core
   Eigen::Vector3d d;         // from the center of the core's edge to that of the tip's
   Eigen::Vector3d c, n;      // a x b; unit normal, from the core to the tip
@@ -28,7 +28,7 @@ struct Spots::Crossing {
 };
 
 // The point of a rim that is lowest above a plane.
-struct Spots::Lowest {
+struct ContactCandidates::Lowest {
   Eigen::Vector3d n, axis, c;  // normal, unit axis, center of the rim
   Eigen::Vector3d e;           // unit, from the lowest point to the center
   double sine = 0;             // of the angle between n and the axis

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "contact_geometry/spot_features.h"
+#include "contact_geometry/candidate_features.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -26,11 +26,11 @@ double least_cosine(const SolidEdge& edge, const Eigen::Matrix3d& R, const Vecto
 
 }  // namespace
 
-Spots::Crossing Spots::crossing(const Spot& spot) const {
-  const SolidEdge& tip = spot.tip_edge;
-  const SolidEdge& core = spot.core_edge;
-  const Pose3& X_tip = pose(spot.tip_link);
-  const Pose3& X_core = pose(spot.core_link);
+ContactCandidates::Crossing ContactCandidates::crossing(const ContactCandidate& candidate) const {
+  const SolidEdge& tip = candidate.tip_edge;
+  const SolidEdge& core = candidate.core_edge;
+  const Pose3& X_tip = pose(candidate.tip_link);
+  const Pose3& X_core = pose(candidate.core_link);
   Crossing out;
   out.a = X_tip.R * tip.direction;
   out.b = X_core.R * core.direction;
@@ -42,7 +42,7 @@ Spots::Crossing Spots::crossing(const Spot& spot) const {
     out.n = Vector3d::UnitZ();
     out.p_a = X_tip.point(tip.center);
     out.p_b = X_core.point(core.center);
-    out.gap = spot.size;
+    out.gap = candidate.size;
     return out;
   }
   Vector3d outward = out.d;
@@ -69,23 +69,23 @@ Spots::Crossing Spots::crossing(const Spot& spot) const {
   return out;
 }
 
-bool Spots::is_near(const Spot& spot, const Crossing& at) const {
+bool ContactCandidates::is_near(const ContactCandidate& candidate, const Crossing& at) const {
   if (!at.is_outside) return false;
-  if (at.gap > -depth_rounding || !spot.core_edge.is_sharp()) return true;
+  if (at.gap > -depth_rounding || !candidate.core_edge.is_sharp()) return true;
   // Edges on far sides of both solids seem to be deep inside.
-  const Pose3 X_0S = pose(spot.core_link) * spot.X_LS;
-  const Vector3d x = X_0S.R.transpose() * (at.p_a - spot.tip_edge.radius * at.n - X_0S.p);
-  return ((x.cwiseAbs() - spot.box.half).array() <= near_tolerance).all();
+  const Pose3 X_0S = pose(candidate.core_link) * candidate.X_LS;
+  const Vector3d x = X_0S.R.transpose() * (at.p_a - candidate.tip_edge.radius * at.n - X_0S.p);
+  return ((x.cwiseAbs() - candidate.box.half).array() <= near_tolerance).all();
 }
 
-SpotState Spots::state_of_edges(const Spot& spot) const {
-  const Crossing at = crossing(spot);
-  const Spatial::Motion& V_a = velocity(spot.tip_link);
-  const Spatial::Motion& V_b = velocity(spot.core_link);
-  SpotState out;
+CandidateState ContactCandidates::state_of_edges(const ContactCandidate& candidate) const {
+  const Crossing at = crossing(candidate);
+  const Spatial::Motion& V_a = velocity(candidate.tip_link);
+  const Spatial::Motion& V_b = velocity(candidate.core_link);
+  CandidateState out;
   out.gap = at.gap;
   out.n = at.n;
-  out.p = at.p_b + (spot.core_edge.radius + at.gap / 2) * at.n;
+  out.p = at.p_b + (candidate.core_edge.radius + at.gap / 2) * at.n;
   const auto velocity_of = [](const Spatial::Motion& V, const Vector3d& p) { return Vector3d(V.v + V.w.cross(p)); };
   out.rate = at.n.dot(velocity_of(V_a, at.p_a) - velocity_of(V_b, at.p_b));
   out.n_dot.setZero();
@@ -107,34 +107,34 @@ SpotState Spots::state_of_edges(const Spot& spot) const {
   const double D = at.sine * at.sine;
   const double t_dot = (k * right_a - right_b) / D;
   const Vector3d p_b_dot = velocity_of(V_b, center_b) + t_dot * at.b + at.t * b_dot;
-  out.p_dot = p_b_dot + (spot.core_edge.radius + at.gap / 2) * out.n_dot + out.rate / 2 * at.n;
+  out.p_dot = p_b_dot + (candidate.core_edge.radius + at.gap / 2) * out.n_dot + out.rate / 2 * at.n;
   return out;
 }
 
-Spots::Lowest Spots::lowest(const Spot& spot) const {
-  const Pose3& X_tip = pose(spot.tip_link);
-  const Pose3 X_0S = pose(spot.core_link) * spot.X_LS;
+ContactCandidates::Lowest ContactCandidates::lowest(const ContactCandidate& candidate) const {
+  const Pose3& X_tip = pose(candidate.tip_link);
+  const Pose3 X_0S = pose(candidate.core_link) * candidate.X_LS;
   Lowest out;
   out.n = X_0S.R.col(2);
-  out.axis = X_tip.R * spot.tip_edge.direction;
-  out.c = X_tip.point(spot.tip_edge.center);
+  out.axis = X_tip.R * candidate.tip_edge.direction;
+  out.c = X_tip.point(candidate.tip_edge.center);
   const Vector3d across = out.n - out.n.dot(out.axis) * out.axis;
   out.sine = across.norm();
   out.e = out.sine > no_tilt ? Vector3d(across / out.sine) : Vector3d(out.axis.unitOrthogonal());
-  out.gap = out.n.dot(out.c - X_0S.p) - spot.radius * out.sine - spot.crown;
+  out.gap = out.n.dot(out.c - X_0S.p) - candidate.radius * out.sine - candidate.crown;
   return out;
 }
 
-SpotState Spots::state_of_rim(const Spot& spot) const {
-  const Lowest at = lowest(spot);
-  const Spatial::Motion& V_tip = velocity(spot.tip_link);
-  const Spatial::Motion& V_core = velocity(spot.core_link);
-  SpotState out;
+CandidateState ContactCandidates::state_of_rim(const ContactCandidate& candidate) const {
+  const Lowest at = lowest(candidate);
+  const Spatial::Motion& V_tip = velocity(candidate.tip_link);
+  const Spatial::Motion& V_core = velocity(candidate.core_link);
+  CandidateState out;
   out.gap = at.gap;
   out.n = at.n;
   out.n_dot = V_core.w.cross(at.n);
-  const Vector3d lowest_point = at.c - spot.radius * at.e;
-  const double arm = spot.crown + at.gap / 2;
+  const Vector3d lowest_point = at.c - candidate.radius * at.e;
+  const double arm = candidate.crown + at.gap / 2;
   out.p = lowest_point - arm * at.n;
   const auto relative = [&](const Vector3d& p) {
     return Vector3d(V_tip.v + V_tip.w.cross(p) - V_core.v - V_core.w.cross(p));
@@ -147,7 +147,7 @@ SpotState Spots::state_of_rim(const Spot& spot) const {
     const Vector3d across_dot = out.n_dot - cosine_rate * at.axis - at.n.dot(at.axis) * axis_dot;
     e_dot = (across_dot - at.e.dot(across_dot) * at.e) / at.sine;
   }
-  out.p_dot = V_tip.v + V_tip.w.cross(at.c) - spot.radius * e_dot - out.rate / 2 * at.n - arm * out.n_dot;
+  out.p_dot = V_tip.v + V_tip.w.cross(at.c) - candidate.radius * e_dot - out.rate / 2 * at.n - arm * out.n_dot;
   return out;
 }
 

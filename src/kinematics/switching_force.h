@@ -10,7 +10,7 @@ namespace gelenk {
 struct Loads;
 
 // A force with modes.
-struct BranchingForce {
+struct SwitchingForce {
   int joint, component;    // joint of the scene, and which of its coordinates
   std::string_view group;  // key of the element in the joint
   // For each of its two event indicators the events at which it becomes negative and positive, with placeholders
@@ -18,7 +18,7 @@ struct BranchingForce {
   std::array<std::array<std::string_view, 2>, 2> events;
 };
 
-// All forces with modes, in the order of Branching.
-std::vector<BranchingForce> branching_forces(const Loads& loads);
+// All forces with modes, in the order of SwitchingForces.
+std::vector<SwitchingForce> switching_forces_of(const Loads& loads);
 
 }  // namespace gelenk

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "event_driven/hidden_touches.h"
+#include "event_driven/hidden_contacts.h"
 
 #include <algorithm>
 #include <array>
@@ -40,33 +40,33 @@ std::vector<Tip> corners_of(const LinkShape& shape) {
 
 }  // namespace
 
-HiddenTouches::HiddenTouches(const Mechanism& mechanism, Dynamics& dynamics, TouchEquations& touch)
+HiddenContacts::HiddenContacts(const Mechanism& mechanism, Dynamics& dynamics, ContactEquations& contact_equations)
     : mechanism_(mechanism),
       dynamics_(dynamics),
-      touch_(touch),
-      pairs_(static_cast<std::size_t>(touch.spots().pairs())),
+      contact_equations_(contact_equations),
+      pairs_(static_cast<std::size_t>(contact_equations.candidates().pairs())),
       samples_(most_halvings),
       qdot0_(static_cast<std::size_t>(mechanism.nq)),
       qdot1_(qdot0_.size()),
       q_(qdot0_.size()) {
-  const Spots& spots = touch.spots();
-  for (int i = 0; i < spots.count(); ++i) {
-    const Spot& spot = spots[i];
-    Pair& pair = pairs_[static_cast<std::size_t>(spot.pair)];
-    pair.core_link = spot.core_link;
-    pair.tip_link = spot.tip_link;
-    pair.core_center = spot.X_LS.p;
-    pair.tip_center = spot.X_tip.p;
-    pair.tip_is_smaller = spots.tip_is_smaller(spot.pair);
-    if (spot.kind == Spot::Kind::corner || spot.kind == Spot::Kind::edges) {
+  const ContactCandidates& candidates = contact_equations.candidates();
+  for (int i = 0; i < candidates.count(); ++i) {
+    const ContactCandidate& candidate = candidates[i];
+    Pair& pair = pairs_[static_cast<std::size_t>(candidate.pair)];
+    pair.core_link = candidate.core_link;
+    pair.tip_link = candidate.tip_link;
+    pair.core_center = candidate.X_LS.p;
+    pair.tip_center = candidate.X_tip.p;
+    pair.tip_is_smaller = candidates.tip_is_smaller(candidate.pair);
+    if (candidate.kind == ContactCandidate::Kind::corner || candidate.kind == ContactCandidate::Kind::edges) {
       if (!pair.is_sharp()) {
-        pair.core = corners_of(mechanism.shapes[static_cast<std::size_t>(spot.core)]);
-        pair.tip = corners_of(mechanism.shapes[static_cast<std::size_t>(spot.tip)]);
+        pair.core = corners_of(mechanism.shapes[static_cast<std::size_t>(candidate.core)]);
+        pair.tip = corners_of(mechanism.shapes[static_cast<std::size_t>(candidate.tip)]);
       }
-    } else if (spot.box.half_space || spot.kind == Spot::Kind::rim) {
-      pair.normal = spot.X_LS.R.col(2);
+    } else if (candidate.box.half_space || candidate.kind == ContactCandidate::Kind::rim) {
+      pair.normal = candidate.X_LS.R.col(2);
     } else {
-      pair.curvature = std::max(pair.curvature, 1 / (spot.radius + spot.box.radius));
+      pair.curvature = std::max(pair.curvature, 1 / (candidate.radius + candidate.box.radius));
     }
   }
   unsafe_.reserve(pairs_.size());
@@ -75,31 +75,34 @@ HiddenTouches::HiddenTouches(const Mechanism& mechanism, Dynamics& dynamics, Tou
 }
 
 // Of a pair at the position read last; infinite if it has sharp features and is closed.
-void HiddenTouches::gap(int pair, Gap& out) const {
-  const Spots& spots = touch_.spots();
-  const Spots::Range range = spots.range(pair);
+void HiddenContacts::gap(int pair, Gap& out) const {
+  const ContactCandidates& candidates = contact_equations_.candidates();
+  const ContactCandidates::Range range = candidates.range(pair);
   out.size = unlimited;
   if (range.first == range.last) return;
-  const auto mode = [&](int spot) -> const SpotMode& { return touch_.modes()[static_cast<std::size_t>(spot)]; };
+  const auto mode = [&](int candidate) -> const CandidateMode& {
+    return contact_equations_.modes()[static_cast<std::size_t>(candidate)];
+  };
   const Pair& of = pairs_[static_cast<std::size_t>(pair)];
   if (of.is_sharp()) {
     for (int i = range.first; i < range.last; ++i) {
       if (mode(i).closed) return;
     }
-    const Pose3& X_core = spots.pose(of.core_link);
-    const Pose3& X_tip = spots.pose(of.tip_link);
+    const Pose3& X_core = candidates.pose(of.core_link);
+    const Pose3& X_tip = candidates.pose(of.tip_link);
     out.X = X_core.inverse() * X_tip;
-    if (!spots.is_close(range.first)) {
+    if (!candidates.is_close(range.first)) {
       double rate = 0;  // not used
-      out.size = spots.distance(range.first, rate);
+      out.size = candidates.distance(range.first, rate);
       out.n = (out.X.point(of.tip_center) - of.core_center).normalized();
       return;
     }
-    const Spot& spot = spots[range.first];
+    const ContactCandidate& candidate = candidates[range.first];
     std::array<ContactPoint, max_contact_points> points;
-    const int count = find_contacts(*mechanism_.shapes[static_cast<std::size_t>(spot.core)].is, X_core * spot.X_LS,
-                                    *mechanism_.shapes[static_cast<std::size_t>(spot.tip)].is, X_tip * spot.X_tip,
-                                    unlimited, points.data());
+    const int count =
+        find_contacts(*mechanism_.shapes[static_cast<std::size_t>(candidate.core)].is, X_core * candidate.X_LS,
+                      *mechanism_.shapes[static_cast<std::size_t>(candidate.tip)].is, X_tip * candidate.X_tip,
+                      unlimited, points.data());
     for (int k = 0; k < count; ++k) {
       const ContactPoint& point = points[static_cast<std::size_t>(k)];
       if (!(point.gap < out.size)) continue;
@@ -108,26 +111,26 @@ void HiddenTouches::gap(int pair, Gap& out) const {
     }
     return;
   }
-  if (!spots.is_close(range.first)) {
+  if (!candidates.is_close(range.first)) {
     double rate = 0;  // not used
-    out.size = spots.distance(range.first, rate);
+    out.size = candidates.distance(range.first, rate);
     return;
   }
   for (int i = range.first; i < range.last; ++i) {
-    if (!mode(i).closed) out.size = std::min(out.size, spots.gap(i) + mode(i).leaves_from);
+    if (!mode(i).closed) out.size = std::min(out.size, candidates.gap(i) + mode(i).leaves_from);
   }
 }
 
 // At an end of the step.
-void HiddenTouches::read(int pair, int end) {
+void HiddenContacts::read(int pair, int end) {
   Pair& of = pairs_[static_cast<std::size_t>(pair)];
-  const Spots& spots = touch_.spots();
-  if (of.moves_tip()) of.tip_at[end] = spots.approach(pair, true);
-  if (of.moves_core()) of.core_at[end] = spots.approach(pair, false);
+  const ContactCandidates& candidates = contact_equations_.candidates();
+  if (of.moves_tip()) of.tip_at[end] = candidates.approach(pair, true);
+  if (of.moves_core()) of.core_at[end] = candidates.approach(pair, false);
 }
 
 // What overlaps already can touch no more: how deep it gets is watched elsewhere (ContactModes::find_penetration).
-void HiddenTouches::begin() {
+void HiddenContacts::begin() {
   for (std::size_t i = 0; i < pairs_.size(); ++i) {
     Gap& now = pairs_[i].gaps[0];
     gap(static_cast<int>(i), now);
@@ -139,12 +142,15 @@ void HiddenTouches::begin() {
 // Of what happens across a plane only that along its normal counts. The way of a center that velocities at the ends do
 // not explain shows turns within the step; the points of a shape turn with its angular velocity, and where it turns
 // about an axis outside, so does the velocity of its center.
-HiddenTouches::Bounds HiddenTouches::bound(const Pair& pair, const Spots::Approach& a, const Spots::Approach& b) const {
+HiddenContacts::Bounds HiddenContacts::bound(const Pair& pair, const ContactCandidates::Approach& a,
+                                             const ContactCandidates::Approach& b) const {
   const bool is_plane = !pair.normal.isZero(0);
   const auto along = [&](const Eigen::Vector3d& x) { return is_plane ? std::abs(pair.normal.dot(x)) : x.norm(); };
   const auto across = [&](const Eigen::Vector3d& w) { return is_plane ? pair.normal.cross(w).norm() : w.norm(); };
-  const auto speed = [&](const Spots::Approach& at) { return along(at.v) + across(at.w) * at.arm; };
-  const auto turning = [&](const Spots::Approach& at) { return across(at.w) * (at.w.norm() * at.arm + at.v.norm()); };
+  const auto speed = [&](const ContactCandidates::Approach& at) { return along(at.v) + across(at.w) * at.arm; };
+  const auto turning = [&](const ContactCandidates::Approach& at) {
+    return across(at.w) * (at.w.norm() * at.arm + at.v.norm());
+  };
   const double change = along(b.v - a.v) + across(b.w - a.w) * a.arm;
   const double unexplained = along(b.p - a.p - h_ / 2 * (a.v + b.v));
   Bounds out;
@@ -153,7 +159,7 @@ HiddenTouches::Bounds HiddenTouches::bound(const Pair& pair, const Spots::Approa
   return out;
 }
 
-bool HiddenTouches::is_safe(const Pair& pair, const Gap& a, const Gap& b, double h) const {
+bool HiddenContacts::is_safe(const Pair& pair, const Gap& a, const Gap& b, double h) const {
   const Bounds& bounds = pair.tip_is_smaller ? pair.tip_bounds : pair.core_bounds;
   const double g0 = std::max(0.0, a.size) + noticed_depth;
   const double g1 = std::max(0.0, b.size) + noticed_depth;
@@ -163,7 +169,7 @@ bool HiddenTouches::is_safe(const Pair& pair, const Gap& a, const Gap& b, double
 }
 
 // Whether the plane normal to the gap `at`, fixed to one of the shapes, separates them in all of the time h.
-bool HiddenTouches::stays_apart(const Pair& pair, const Gap& at, const Gap& a, const Gap& b, double h) {
+bool HiddenContacts::stays_apart(const Pair& pair, const Gap& at, const Gap& a, const Gap& b, double h) {
   const auto separates = [h](const Eigen::Vector3d& normal, const std::vector<Tip>& fixed,
                              const std::vector<Tip>& moving, const Pose3& X0, const Pose3& X1, double acceleration) {
     double plane = -unlimited;
@@ -180,14 +186,14 @@ bool HiddenTouches::stays_apart(const Pair& pair, const Gap& at, const Gap& a, c
   return separates(to_core, pair.tip, pair.core, a.X.inverse(), b.X.inverse(), pair.core_bounds.acceleration);
 }
 
-bool HiddenTouches::is_safe(const Sample& a, const Sample& b) const {
+bool HiddenContacts::is_safe(const Sample& a, const Sample& b) const {
   return std::ranges::all_of(unsafe_, [&](int pair) {
     const auto i = static_cast<std::size_t>(pair);
     return is_safe(pairs_[i], a.gaps[i], b.gaps[i], (b.s - a.s) * h_);
   });
 }
 
-double HiddenTouches::find(double t0, const double* y0, double t1, const double* y1) {
+double HiddenContacts::find(double t0, const double* y0, double t1, const double* y1) {
   unsafe_.clear();
   h_ = t1 - t0;
   for (std::size_t i = 0; i < pairs_.size(); ++i) {
@@ -219,25 +225,25 @@ double HiddenTouches::find(double t0, const double* y0, double t1, const double*
   const double s = search(first_, last_, 0);
   dynamics_.set_position(y1);
   dynamics_.set_velocity(y1 + mechanism_.nq);
-  touch_.spots().read_motion(dynamics_);
+  contact_equations_.candidates().read_motion(dynamics_);
   return s < 1 ? t0 + s * h_ : unlimited;
 }
 
 // Interpolates the position, and writes the gaps there.
-void HiddenTouches::look_at(double s, Sample& out) {
+void HiddenContacts::look_at(double s, Sample& out) {
   const double r = 1 - s;
   for (std::size_t k = 0; k < q_.size(); ++k) {
     q_[k] = r * r * (1 + 2 * s) * q0_[k] + s * s * (3 - 2 * s) * q1_[k] + s * r * h_ * (r * qdot0_[k] - s * qdot1_[k]);
   }
   dynamics_.normalize(q_.data());
   dynamics_.set_position(q_.data());
-  touch_.spots().read_position(dynamics_);
+  contact_equations_.candidates().read_position(dynamics_);
   out.s = s;
   for (const int pair : unsafe_) gap(pair, out.gaps[static_cast<std::size_t>(pair)]);
 }
 
 // Whether something penetrates, or comes so near between a and b that it may.
-bool HiddenTouches::may_touch(const Sample& a, const Sample& at, const Sample& b) const {
+bool HiddenContacts::may_touch(const Sample& a, const Sample& at, const Sample& b) const {
   return std::ranges::any_of(unsafe_, [&](int pair) {
     const auto i = static_cast<std::size_t>(pair);
     const double gap = at.gaps[i].size;
@@ -247,7 +253,7 @@ bool HiddenTouches::may_touch(const Sample& a, const Sample& at, const Sample& b
 }
 
 // Whether nothing is closer at b than at a, but for rounding: what leaves without a speed hardly moves at first.
-bool HiddenTouches::separates(const Sample& a, const Sample& b) const {
+bool HiddenContacts::separates(const Sample& a, const Sample& b) const {
   return std::ranges::all_of(unsafe_, [&](int pair) {
     const auto i = static_cast<std::size_t>(pair);
     return b.gaps[i].size > a.gaps[i].size - touch_tolerance;
@@ -256,7 +262,7 @@ bool HiddenTouches::separates(const Sample& a, const Sample& b) const {
 
 // The first fraction of the step at which something may touch between a and b; 1: nothing does. What has just left is
 // so near that bounds of speeds would permit no step; in one of the smallest parts it is seen to continue to leave.
-double HiddenTouches::search(const Sample& a, const Sample& b, int halvings) {
+double HiddenContacts::search(const Sample& a, const Sample& b, int halvings) {
   if (is_safe(a, b)) return 1;
   if (samples_left_ == 0) return a.s >= least_fraction ? a.s : 1;
   if (halvings == most_halvings) return separates(a, b) ? 1 : b.s < 1 ? b.s : a.s;

@@ -20,16 +20,16 @@
 #include <vector>
 
 #include "dynamics/dynamics.h"
-#include "event_driven/touch_equations.h"
+#include "event_driven/contact_equations.h"
 
 namespace gelenk {
 
-class HiddenTouches {
+class HiddenContacts {
  public:
   // All must outlive it.
-  HiddenTouches(const Mechanism& mechanism, Dynamics& dynamics, TouchEquations& touch);
+  HiddenContacts(const Mechanism& mechanism, Dynamics& dynamics, ContactEquations& contact_equations);
 
-  // Call where a step begins, after Spots::read_motion() there.
+  // Call where a step begins, after ContactCandidates::read_motion() there.
   void begin();
   // The earliest time found at which something touches within a step from (t0, y0), the state at begin(), to (t1, y1)
   // [s]; infinite: nothing does. What remains closed, and sharp features of pairs of which others are closed, are not
@@ -53,13 +53,13 @@ class HiddenTouches {
     int core_link = 0, tip_link = 0;
     Eigen::Vector3d core_center, tip_center;  // origins of the frames of the shapes in their links [m]
     bool tip_is_smaller = true;
-    double curvature = 0;                              // 1/m, of the surfaces together; 0: that of planes
-    Eigen::Vector3d normal = Eigen::Vector3d::Zero();  // of a plane, in its link; zero: otherwise
-    std::vector<Tip> core, tip;                        // with sharp features: the corners, in the links of the shapes
-    Gap gaps[2];                                       // at the ends
-    Spots::Approach core_at[2], tip_at[2];             // at the ends; of shapes without sharp features the smaller one
-    Bounds core_bounds, tip_bounds;                    // the same
-    double error_bound = 0;                            // m: of the interpolated gap
+    double curvature = 0;                               // 1/m, of the surfaces together; 0: that of planes
+    Eigen::Vector3d normal = Eigen::Vector3d::Zero();   // of a plane, in its link; zero: otherwise
+    std::vector<Tip> core, tip;                         // with sharp features: the corners, in the links of the shapes
+    Gap gaps[2];                                        // at the ends
+    ContactCandidates::Approach core_at[2], tip_at[2];  // at the ends; of shapes without sharp features the smaller one
+    Bounds core_bounds, tip_bounds;                     // the same
+    double error_bound = 0;                             // m: of the interpolated gap
 
     bool is_sharp() const { return !tip.empty(); }
     // Whether the motion of this shape is looked at: that of the smaller one, with sharp features of both.
@@ -74,7 +74,7 @@ class HiddenTouches {
 
   void gap(int pair, Gap& out) const;
   void read(int pair, int end);
-  Bounds bound(const Pair& pair, const Spots::Approach& a, const Spots::Approach& b) const;
+  Bounds bound(const Pair& pair, const ContactCandidates::Approach& a, const ContactCandidates::Approach& b) const;
   bool is_safe(const Pair& pair, const Gap& a, const Gap& b, double h) const;
   static bool stays_apart(const Pair& pair, const Gap& at, const Gap& a, const Gap& b, double h);
   bool is_safe(const Sample& a, const Sample& b) const;
@@ -85,7 +85,7 @@ class HiddenTouches {
 
   const Mechanism& mechanism_;
   Dynamics& dynamics_;
-  TouchEquations& touch_;
+  ContactEquations& contact_equations_;
   std::vector<Pair> pairs_;
   std::vector<int> unsafe_;  // pairs of the present step
   Sample first_, last_;

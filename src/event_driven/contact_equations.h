@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Equations of motion with closed contacts between events. In its mode, each closed spot has a normal force and, where
-// friction holds, tangential forces and moments that keep relative accelerations zero; where it does not hold, friction
-// opposes the motion in proportion to the normal force. With the rows R of what is kept, and B = R^T + D^T, where D
-// has what slips,
+// Equations of motion with closed contacts between events. In its mode, each closed candidate has a normal force and,
+// where friction holds, tangential forces and moments that keep relative accelerations zero; where it does not hold,
+// friction opposes the motion in proportion to the normal force. With the rows R of what is kept, and B = R^T + D^T,
+// where D has what slips,
 //
 //   M vdot + J^T lambda = f + B x,    J vdot = gamma,    R vdot = -(rates of R) v
 //
@@ -16,7 +16,7 @@
 #include <span>
 #include <vector>
 
-#include "contact_geometry/spots.h"
+#include "contact_geometry/contact_candidates.h"
 #include "element/contacts/contact.h"
 #include "linear/least_norm.h"
 #include "nonsmooth/rounding.h"
@@ -26,7 +26,7 @@ namespace gelenk {
 // Groups of components of a contact, as in cone/cone.h: tangential forces, moment about the normal, rolling moments.
 inline constexpr int contact_groups = 3;
 
-struct SpotMode {
+struct CandidateMode {
   struct Group {
     bool moves = false;
     Eigen::Vector3d direction = Eigen::Vector3d::Zero();  // of the motion, in the root frame, while it moves
@@ -38,33 +38,33 @@ struct SpotMode {
   double leaves_from = 0;  // m: depth up to which shapes that still touch may separate; 0: they do not touch
   std::array<Group, contact_groups> groups{};
 
-  bool operator==(const SpotMode&) const = default;
+  bool operator==(const CandidateMode&) const = default;
 };
 
 // Speeds far above those by which differences are taken, up to which directions are kept then [natural units].
 inline constexpr double slow_sliding = 1e-4;
 
-class TouchEquations {
+class ContactEquations {
  public:
-  // All must outlive it. loads: with the laws of contacts. located: otherwise there are no spots.
-  TouchEquations(const Mechanism& mechanism, Dynamics& dynamics, const Loads& loads, bool located);
+  // All must outlive it. loads: with the laws of contacts. located: otherwise there are no candidates.
+  ContactEquations(const Mechanism& mechanism, Dynamics& dynamics, const Loads& loads, bool located);
 
-  Spots& spots() { return spots_; }
-  const Spots& spots() const { return spots_; }
-  const ContactLaw& law(int spot) const;
+  ContactCandidates& candidates() { return candidates_; }
+  const ContactCandidates& candidates() const { return candidates_; }
+  const ContactLaw& law(int candidate) const;
   // Largest force or moment of a group per normal force.
-  double coefficient(int spot, int group, bool moves) const;
-  const std::vector<SpotMode>& modes() const { return modes_; }
-  void set_modes(const std::vector<SpotMode>& modes);
+  double coefficient(int candidate, int group, bool moves) const;
+  const std::vector<CandidateMode>& modes() const { return modes_; }
+  void set_modes(const std::vector<CandidateMode>& modes);
   // See EventSource.
   void keep_directions_below(double speed) { no_direction_ = speed; }
   std::span<const int> closed() const { return closed_; }
 
-  // --- the rows of some spots, after set_position() and set_velocity() of `dynamics` ---
+  // --- the rows of some candidates, after set_position() and set_velocity() of `dynamics` ---
   using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   struct Entry {
-    int spot = 0;
-    SpotState at;
+    int candidate = 0;
+    CandidateState at;
     Eigen::Matrix3d axes;                               // the normal and two tangential axes, in columns
     int first = 0;                                      // its normal row
     std::array<int, contact_groups> rows{};             // first row of each group that is kept; -1: there is none
@@ -88,7 +88,7 @@ class TouchEquations {
     bool any_moves() const { return S.rows() > 0; }
   };
   // by_modes: otherwise nothing moves, and all groups have rows.
-  void build(std::span<const int> spots, const std::vector<SpotMode>& modes, bool by_modes, Rows& out);
+  void build(std::span<const int> candidates, const std::vector<CandidateMode>& modes, bool by_modes, Rows& out);
   // Z <- K^-1 F^T, F by rows, with the last factors of `dynamics`; by velocity and row.
   void respond(const RowMatrix& F, RowMatrix& Z);
 
@@ -108,16 +108,16 @@ class TouchEquations {
   // the forces of the last call as loads; what is left is added to them. Returns by how much they have changed,
   // relative to the largest.
   double accelerate(double* vdot, bool again = false);
-  // Forces of the last accelerate(), by closed spot, distributed so that where they are redundant, friction is in
+  // Forces of the last accelerate(), by closed candidate, distributed so that where they are redundant, friction is in
   // proportion to normal forces.
-  struct SpotForce {
+  struct CandidateForce {
     double normal = 0;                          // N
     std::array<double, contact_groups> held{};  // N, N m: of the groups that are kept
     Eigen::Vector3d force, moment;              // on the tip, in the root frame
   };
-  const std::vector<SpotForce>& forces() { return forces_of(shared()); }
+  const std::vector<CandidateForce>& forces() { return forces_of(shared()); }
   // The same of other multipliers x of the rows, with the same effect.
-  const std::vector<SpotForce>& forces_of(const Eigen::VectorXd& x);
+  const std::vector<CandidateForce>& forces_of(const Eigen::VectorXd& x);
   // The multipliers of the rows in the last accelerate().
   const Eigen::VectorXd& multipliers() const { return x_; }
   // At the last accelerate(), by closed(): whether what is held permits no motion along the normal, so that the contact
@@ -135,9 +135,10 @@ class TouchEquations {
   void close_velocity(double* v);
 
  private:
-  Eigen::Vector3d moving_direction(const Entry& entry, int group, const std::vector<SpotMode>& modes) const;
-  void number_rows(const std::vector<SpotMode>& modes, bool by_modes, Rows& out) const;
-  void set_group(const std::vector<SpotMode>& modes, int group, const RelativeMotion& motion, Entry& entry, Rows& out);
+  Eigen::Vector3d moving_direction(const Entry& entry, int group, const std::vector<CandidateMode>& modes) const;
+  void number_rows(const std::vector<CandidateMode>& modes, bool by_modes, Rows& out) const;
+  void set_group(const std::vector<CandidateMode>& modes, int group, const RelativeMotion& motion, Entry& entry,
+                 Rows& out);
   void add_row(const Entry& entry, const Eigen::Vector3d& d, bool turns, double* out) const;
   double weight(const Entry& entry, int group) const;
   void solve_for_forces(double* vdot);
@@ -148,8 +149,8 @@ class TouchEquations {
   const Mechanism& mechanism_;
   Dynamics& dynamics_;
   const Loads& loads_;
-  Spots spots_;
-  std::vector<SpotMode> modes_;
+  ContactCandidates candidates_;
+  std::vector<CandidateMode> modes_;
   std::vector<int> closed_;
   // A motion so slow that differences cannot show how its direction turns.
   struct SlowMotion {
@@ -161,9 +162,9 @@ class TouchEquations {
   };
   double no_direction_ = rest_speed;
   bool keeps_directions_ = false;
-  std::vector<SpotMode> modes_before_;
+  std::vector<CandidateMode> modes_before_;
   std::vector<SlowMotion> slow_;
-  std::vector<Eigen::Vector3d> differenced_slips_;  // by spot and group
+  std::vector<Eigen::Vector3d> differenced_slips_;  // by candidate and group
   Eigen::MatrixXd turning_;                         // by slow motion and component: derivatives of its velocity across
   Rows rows_, kept_;
   RowMatrix B_, Z_;
@@ -182,11 +183,11 @@ class TouchEquations {
   void close(const RowMatrix& N, Closing& of);
   Closing closing_gaps_, closing_speeds_;
   std::vector<double> holding_;  // by lock
-  std::vector<SpotForce> forces_;
+  std::vector<CandidateForce> forces_;
 };
 
-// Adds forces of closed spots to `out`, by link (ContactRows::apply_forces).
-void add_wrenches(const TouchEquations& touch, const std::vector<TouchEquations::SpotForce>& forces,
-                  std::vector<Spatial::Force>& out);
+// Adds forces of closed candidates to `out`, by link (ContactRows::apply_forces).
+void add_wrenches(const ContactEquations& contact_equations,
+                  const std::vector<ContactEquations::CandidateForce>& forces, std::vector<Spatial::Force>& out);
 
 }  // namespace gelenk

@@ -4,7 +4,7 @@
 namespace gelenk {
 
 // In place of the mode of a force with modes: that of the state; and friction without effect.
-inline constexpr int branch_of_state = 2;
-inline constexpr int branch_released = 3;
+inline constexpr int mode_of_state = 2;
+inline constexpr int mode_released = 3;
 
 }  // namespace gelenk

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "contact_geometry/contact_finder.h"
-#include "event_driven/touch_equations.h"
+#include "event_driven/contact_equations.h"
 #include "nonsmooth/contact_sum.h"
 #include "nonsmooth/law_audit.h"
 
@@ -16,23 +16,24 @@ namespace gelenk {
 
 struct Scene;
 
-class TouchOutputs final : public ContactReadings {
+class ContactOutputs final : public ContactReadings {
  public:
-  // Numbers of indicators of a spot: of its contact, of each group of friction, and of the ends of its features.
-  static constexpr int per_spot = 2 + contact_groups;
+  // Numbers of indicators of a candidate: of its contact, of each group of friction, and of the ends of its features.
+  static constexpr int per_candidate = 2 + contact_groups;
   // Far above what events and steps with impulses leave [natural units of length].
   static constexpr double least_overlap = 100 * touch_tolerance;
 
   // All must outlive it. contacts: of the scene.
-  TouchOutputs(const Mechanism& mechanism, Dynamics& dynamics, TouchEquations& touch, std::size_t contacts);
+  ContactOutputs(const Mechanism& mechanism, Dynamics& dynamics, ContactEquations& contact_equations,
+                 std::size_t contacts);
 
   // While outputs are determined, modes are previewed, and then all contacts open, so that the recorded forces act as
   // loads.
-  void keep_modes() { kept_ = touch_.modes(); }
-  void open_all() { touch_.set_modes(open_); }
-  void return_to_modes() { touch_.set_modes(kept_); }
+  void keep_modes() { kept_ = contact_equations_.modes(); }
+  void open_all() { contact_equations_.set_modes(open_); }
+  void return_to_modes() { contact_equations_.set_modes(kept_); }
   // Records the forces and modes after the accelerations have been solved for. distributed: forces with the same
-  // effect, by row (TouchEquations::forces_of); null: those solved for.
+  // effect, by row (ContactEquations::forces_of); null: those solved for.
   void record(const Eigen::VectorXd* distributed);
   const LawAudit& audit() const { return audit_; }
   // The recorded forces by link (ContactRows::apply_forces).
@@ -49,16 +50,16 @@ class TouchOutputs final : public ContactReadings {
                                                       const std::vector<std::string>& contacts) const;
 
  private:
-  void add_to_audit(const TouchEquations::Entry& entry, const TouchEquations::SpotForce& force, double slack);
+  void add_to_audit(const ContactEquations::Entry& entry, const ContactEquations::CandidateForce& force, double slack);
 
   const Mechanism& mechanism_;
   Dynamics& dynamics_;
-  TouchEquations& touch_;
+  ContactEquations& contact_equations_;
   ContactFinder finder_;
   std::vector<ContactSum> sums_;  // by contact of the scene
   std::vector<ContactForce> forces_;
   std::vector<Spatial::Force> wrenches_;  // by link
-  std::vector<SpotMode> kept_, open_;
+  std::vector<CandidateMode> kept_, open_;
   LawAudit audit_;  // of the recorded forces
 };
 

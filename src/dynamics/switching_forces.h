@@ -11,7 +11,7 @@
 #include "dynamics/contact_rows.h"
 #include "dynamics/holding_forces.h"
 #include "dynamics/load_dependence.h"
-#include "kinematics/branches.h"
+#include "kinematics/force_modes.h"
 
 namespace gelenk {
 
@@ -36,9 +36,9 @@ struct LockForces {
   int motion = 0, contact = 0;
 };
 
-class Branching {
+class SwitchingForces {
  public:
-  virtual ~Branching() = default;
+  virtual ~SwitchingForces() = default;
 
   // --- all forces with modes ---
   virtual int count() const = 0;
@@ -50,7 +50,7 @@ class Branching {
   virtual void indicators(const std::vector<double>& holding, const double* vdot, double* g, double* gdot) const = 0;
   // Whether rates of indicators at the current state depend on vdot, of forces other than friction and limits.
   virtual bool needs_accelerations() const = 0;
-  // Holds the forces in these modes (or branch_of_state, branch_released) in the equations and in
+  // Holds the forces in these modes (or mode_of_state, mode_released) in the equations and in
   // differentiate(); `sides` is read at each evaluation. null: they are in the modes of the state, and nothing is
   // locked.
   virtual void hold(const int* sides) = 0;
@@ -109,10 +109,10 @@ class Branching {
 
 // Whether something that slips may come to rest with the present inputs, so that the rate of its speed matters. Open
 // brakes and clutches have no friction, and accelerations cost an evaluation.
-inline bool any_can_stick(Branching& branching) {
-  if (!branching.loads().empty()) return true;
-  for (int i = 0; i < branching.locks(); ++i) {
-    const Branching::Lock lock = branching.lock(i);
+inline bool any_can_stick(SwitchingForces& switching_forces) {
+  if (!switching_forces.loads().empty()) return true;
+  for (int i = 0; i < switching_forces.locks(); ++i) {
+    const SwitchingForces::Lock lock = switching_forces.lock(i);
     if (lock.one_way || lock.sticking_limit.largest() > 0 || lock.slipping_limit.largest() > 0) return true;
   }
   return false;
@@ -120,25 +120,25 @@ inline bool any_can_stick(Branching& branching) {
 
 // by_force <- the parts of the laws of a lock of its friction (T), by force with modes.
 template <class T>
-void share_friction(const Branching& branching, int lock, int motion, const T& friction, T* by_force) {
-  const std::span<const int> laws = branching.frictions(lock);
+void share_friction(const SwitchingForces& switching_forces, int lock, int motion, const T& friction, T* by_force) {
+  const std::span<const int> laws = switching_forces.frictions(lock);
   for (const int law : laws)
-    by_force[law] = laws.size() == 1 ? friction : T(branching.part_of_friction(law, motion)) * friction;
+    by_force[law] = laws.size() == 1 ? friction : T(switching_forces.part_of_friction(law, motion)) * friction;
 }
 
 // The forces of friction and limits at rest, by force with modes, from the holding forces x (T), by lock: a limit
 // pushes, and what pulls is friction. sides: the held modes.
 template <class T>
-void share_holding_forces(const Branching& branching, const int* sides, const T* x, T* by_force) {
-  std::fill_n(by_force, branching.count(), T(0));
-  for (int i = 0; i < branching.locks(); ++i) {
-    const Branching::Lock lock = branching.lock(i);
+void share_holding_forces(const SwitchingForces& switching_forces, const int* sides, const T* x, T* by_force) {
+  std::fill_n(by_force, switching_forces.count(), T(0));
+  for (int i = 0; i < switching_forces.locks(); ++i) {
+    const SwitchingForces::Lock lock = switching_forces.lock(i);
     const int contact = lock.limit < 0 ? 0 : sides[lock.limit];
     const bool pushes = contact > 0 ? x[i] < T(0) : x[i] > T(0);
     if (contact != 0 && (pushes || lock.friction < 0)) {
       by_force[lock.limit] = x[i];
     } else if (lock.friction >= 0 && sides[lock.friction] == 0) {
-      share_friction(branching, i, 0, x[i], by_force);
+      share_friction(switching_forces, i, 0, x[i], by_force);
     }
   }
 }
