@@ -11,7 +11,7 @@
 # make reductions  measure the gain of each reduction: tables of docs/reductions.md
 # make charts   measure the methods: charts and tables of docs/work-precision.md and docs/stability.md
 # make accuracy  measure the errors of adaptive integrators against their tolerance: docs/accuracy.md; QUICK=1: a subset
-# make nonsmooth  measure dry friction, hard limits, contacts, cone solvers: docs/friction.md, docs/contact.md; QUICK=1: a subset
+# make nonsmooth  measure dry friction, hard limits, contacts, cone solvers: docs/nonsmooth-measurements.md, docs/cone-solvers.md; QUICK=1: a subset
 # make gallery  draw the pictures of docs/gallery and write its list
 # make tutorial  draw the figures of docs/tutorial-*.md
 # make real-time  measure control loops that step FMUs: table of docs/fmu.md

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Measure the cone solvers for docs/contact.md: part of `make nonsmooth`.
+"""Measure the cone solvers for docs/cone-solvers.md: part of `make nonsmooth`.
 
 Pictures are written to docs/pictures/, all figures as CSV to out/nonsmooth/. `--quick` solves twelve problems
 and writes to out/nonsmooth/ only, as a test.
@@ -20,7 +20,7 @@ MAKER = "benchmarks/cones.py"
 
 
 def main() -> None:
-    study = NonsmoothStudy("contact.md", quick_parser(__doc__).parse_args().quick)
+    study = NonsmoothStudy("cone-solvers.md", quick_parser(__doc__).parse_args().quick)
     numbers = range(12 if study.quick else COUNT)
     scenes = recorded_scenes()[::2] if study.quick else recorded_scenes()
     parts = {}

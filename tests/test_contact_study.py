@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The study of docs/contact.md: closed forms of its problems, errors, orders, piles."""
+"""The study of contacts in docs/nonsmooth-measurements.md: closed forms, errors, orders, piles."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def test_closed_forms(name: str, row: int, expected: list[float]) -> None:
 
 
 # The smallest error of MuJoCo 4.0, Drake 1.58 and EXUDYN 1.13 with steps of 1 ms, each with default and
-# tightened settings: the table of docs/contact.md.
+# tightened settings: the table of docs/nonsmooth-measurements.md.
 BEST = {
     "sticks": 3.4e-6, "slides": 2.5e-4, "back": 1.7e-3, "bounces": 3.6e-2, "rolls": 4.9e-4, "upright": 5.0e-4,
     "tips": 2.2e-3, "edge": 6.1e-4,

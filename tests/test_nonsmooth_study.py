@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The study of docs/friction.md: its exact solutions, its regularized laws, and a sample of its trials."""
+"""The study of docs/nonsmooth-measurements.md: exact solutions, regularized laws, a sample of its trials."""
 
 from __future__ import annotations
 

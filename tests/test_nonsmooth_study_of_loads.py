@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The part of the study of docs/friction.md on bearings, gears with losses, clutches and freewheels."""
+"""The study of docs/nonsmooth-measurements.md: bearings, gears with losses, clutches and freewheels."""
 
 from __future__ import annotations
 

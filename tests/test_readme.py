@@ -139,6 +139,7 @@ PAGES = (
     "scene-format", "reductions", "methods", "linearization", "modes", "assembly", "tutorial-lqr",
     "tutorial-wheels", "tutorial-stiction", "tutorial-gripper", "command-line", "viewer",
     "internals/architecture", "internals/notation", "gallery/README", "sweeps", "gradients",
+    "nonsmooth-laws", "located-events", "time-stepping", "cone-solvers", "nonsmooth-measurements",
 )  # fmt: skip
 
 

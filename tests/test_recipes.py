@@ -63,8 +63,7 @@ SAYING_FORCES = (
     "outputs/wrenches.cpp",
 )
 LAYOUT = ("test_sizes.py", "test_layout.py", "test_folders.py")
-# These see every joint, force, constraint, sensor and motor there is. A law of friction is asked by the dynamics
-# alone, for located events and time steps.
+# These see every joint, force, constraint, sensor and motor there is; the dynamics ask laws of friction.
 KERNELS = (
     "dynamics/dynamics.cpp",
     "kinematics/forces_by_kind.cpp",
@@ -219,7 +218,8 @@ def test_new_kinds_are_read_and_written_back(told: dict[str, Any]) -> None:
 def test_new_kinds_have_signals_with_units(told: dict[str, Any]) -> None:
     units = {name: unit for name, (unit, _) in told["outputs"].items()}
     expected = {
-        "A.phi": "rad", "A.w": "rad/s", "B.detent.tau": "N.m", "B.detent.mode": "1", "band.tau": "N.m", "bore.f[1]": "N", "bore.f[2]": "N",
+        "A.phi": "rad", "A.w": "rad/s", "B.detent.tau": "N.m", "B.detent.mode": "1", "band.tau": "N.m",
+        "bore.f[1]": "N", "bore.f[2]": "N",
         "level.h": "m", "level.rise": "m/s",
     }  # fmt: skip
     assert {name: units.get(name) for name in expected} == expected
@@ -231,7 +231,8 @@ def test_new_kinds_have_signals_with_units(told: dict[str, Any]) -> None:
 def test_numbers_of_new_kinds_are_parameters_with_units(told: dict[str, Any]) -> None:
     units = {name: unit for name, (unit, _) in told["settable"].items()}
     expected = {
-        "A.ratio": "1", "A.preload.size": "N.m", "B.detent.holding": "N.m", "B.detent.width": "rad", "turn.gain": "N.m/rad", "rope.strength": "N.m2",
+        "A.ratio": "1", "A.preload.size": "N.m", "B.detent.holding": "N.m", "B.detent.width": "rad",
+        "turn.gain": "N.m/rad", "rope.strength": "N.m2",
         "band.radius": "m", "band.other_radius": "m",
     }  # fmt: skip
     assert {name: units.get(name) for name in expected} == expected

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Measurements of contacts for docs/contact.md: single bodies with known motions, and the cost of piles."""
+"""Measurements of contacts for docs/nonsmooth-measurements.md: bodies with known motions, cost of piles."""

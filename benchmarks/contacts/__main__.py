@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Measure contacts against known motions for docs/contact.md: part of `make nonsmooth`.
+"""Measure contacts against known motions for docs/nonsmooth-measurements.md: part of `make nonsmooth`.
 
 The picture is written to docs/pictures/, all figures as CSV to out/nonsmooth/. MuJoCo, Drake and EXUDYN run
 if they are installed. `--quick` runs two steps of each series and writes to out/nonsmooth/ only, as a test.
@@ -118,7 +118,7 @@ def table_of_events(chosen: list[Problem], found: list[Run]) -> str:
 
 
 def main() -> None:
-    study = NonsmoothStudy("contact.md", quick_parser(__doc__).parse_args().quick)
+    study = NonsmoothStudy("nonsmooth-measurements.md", quick_parser(__doc__).parse_args().quick)
     chosen = problems.problems()
     found: list[Run] = []
     for problem in chosen:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The picture of contacts in docs/contact.md: work against error, a panel for each problem."""
+"""The picture of contacts in docs/nonsmooth-measurements.md: work against error, a panel for each problem."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The failure map of contacts in docs/contact.md: part of `make nonsmooth`.
+"""The failure map of contacts in docs/nonsmooth-measurements.md: part of `make nonsmooth`.
 
 Located events are right if errors stay below 100 times the tolerance and the size of the motion; steps with
 impulses if they stay below the way that the fastest point makes in two steps.
@@ -52,7 +52,7 @@ WAYS = (
 
 
 def main() -> None:
-    study = NonsmoothStudy("contact.md", quick_parser(__doc__).parse_args().quick)
+    study = NonsmoothStudy("nonsmooth-measurements.md", quick_parser(__doc__).parse_args().quick)
     for expected in (SceneWarning, StartWarning):
         warnings.simplefilter("ignore", expected)
     chosen = trials()[:: 12 if study.quick else 1]

@@ -3,8 +3,9 @@
 
 Spheres fall into an open box of five half-spaces, with friction, from a loose lattice with random offsets.
 Time is measured while they fall and after they have settled, and divided by the number of touching pairs,
-which is counted from positions in the same way for all engines. The table is written to docs/contact.md, with
-`--print` to the terminal only. A run that needs more than `--budget` seconds of CPU time ends there.
+which is counted from positions in the same way for all engines. The table is written to
+docs/nonsmooth-measurements.md, with `--print` to the terminal only. A run that needs more than `--budget`
+seconds of CPU time ends there.
 """
 
 from __future__ import annotations
@@ -263,7 +264,7 @@ def main() -> None:
     parser.add_argument("--ten-thousand", action="store_true", help="10 000 spheres, too")
     parser.add_argument("--only", nargs="+", choices=list(SERIES), default=list(SERIES))
     parser.add_argument("--budget", type=float, default=600.0, help="of a run [s]")
-    parser.add_argument("--print", action="store_true", help="do not write to docs/contact.md")
+    parser.add_argument("--print", action="store_true", help="do not write to docs/nonsmooth-measurements.md")
     given = parser.parse_args()
     found = []
     for count in [*given.spheres, *([10_000] if given.ten_thousand else [])]:
@@ -285,7 +286,8 @@ def main() -> None:
     if given.print:
         print(table(found))
     else:
-        put(ROOT / "docs" / "contact.md", "benchmarks/contacts/piles.py", {"piles": table(found)})
+        page = ROOT / "docs" / "nonsmooth-measurements.md"
+        put(page, "benchmarks/contacts/piles.py", {"piles": table(found)})
 
 
 if __name__ == "__main__":

@@ -4,7 +4,7 @@
 Balls are thrown on a floor, bounce, slide and roll, without touching each other, so that their motion can be
 computed to any accuracy. CPU time is divided between phases in which nothing happens and events. The picture
 and the table, from which the thresholds of `auto` are chosen (src/event/scheme_watch.h), are written to
-docs/contact.md, with `--print` to the terminal only.
+docs/nonsmooth-measurements.md, with `--print` to the terminal only.
 """
 
 from __future__ import annotations
@@ -167,7 +167,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     picture = ROOT / "docs" / "pictures" / "contact-schemes.png"
     draw(picture)
     put(
-        ROOT / "docs" / "contact.md",
+        ROOT / "docs" / "nonsmooth-measurements.md",
         MAKER,
         {"schemes": f"![work against error of both schemes](pictures/{picture.name})\n\n{shown}"},
     )

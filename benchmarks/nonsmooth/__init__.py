@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Dry friction and hard limits, measured: docs/friction.md."""
+"""Dry friction and hard limits, measured: docs/nonsmooth-measurements.md."""

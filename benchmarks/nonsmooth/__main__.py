@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Measure dry friction and hard limits for docs/friction.md: `make nonsmooth`.
+"""Measure dry friction and hard limits for docs/nonsmooth-measurements.md: `make nonsmooth`.
 
 Pictures are written to docs/pictures/, all figures as CSV to out/nonsmooth/. MuJoCo and EXUDYN run if
 they are installed. `--quick` runs a small part of everything and writes to out/nonsmooth/ only, as a test.
@@ -91,7 +91,7 @@ def main() -> None:
     parser.add_argument("--only", choices=["charts", "map"])
     parser.add_argument("--part", choices=PARTS)
     given = parser.parse_args()
-    study = NonsmoothStudy("friction.md", given.quick)
+    study = NonsmoothStudy("nonsmooth-measurements.md", given.quick)
     for expected in (SceneWarning, StartWarning):  # tolerances below those that ida and cvode achieve
         warnings.simplefilter("ignore", expected)
     warnings.filterwarnings("ignore", "lsoda", UserWarning)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Pictures of docs/friction.md: work-precision diagrams and the failure map."""
+"""Pictures of docs/nonsmooth-measurements.md: work-precision diagrams and the failure map."""
 
 from __future__ import annotations
 

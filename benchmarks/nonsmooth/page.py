@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Generated parts of docs/friction.md."""
+"""Generated parts of docs/nonsmooth-measurements.md."""
 
 from __future__ import annotations
 

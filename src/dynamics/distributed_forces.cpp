@@ -2,6 +2,7 @@
 #include "dynamics/distributed_forces.h"
 
 #include <limits>
+#include <utility>
 
 #include "linear/least_load.h"
 
@@ -10,30 +11,67 @@ namespace gelenk {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-HoldingBounds holding_bounds(const SwitchingForces& forces, const std::vector<int>& locks,
-                             const std::vector<int>& contacts) {
+namespace {
+
+void set_holding_bounds(const SwitchingForces& forces, const std::vector<int>& locks, const std::vector<int>& contacts,
+                        HoldingBounds& out) {
   constexpr double unlimited = std::numeric_limits<double>::infinity();
   const auto n = static_cast<Index>(locks.size());
-  HoldingBounds out{VectorXd(n), VectorXd(n)};
+  out.lower.resize(n);
+  out.upper.resize(n);
   for (Index i = 0; i < n; ++i) {
     const int lock = locks[static_cast<std::size_t>(i)];
-    const DirectedLimit limit = forces.lock(lock).sticking_limit;
+    const DirectedLimit limit = forces.sticking_limit(lock);
     const int side = contacts[static_cast<std::size_t>(lock)];
     out.lower[i] = side > 0 ? -unlimited : -limit.against(1);
     out.upper[i] = side < 0 ? unlimited : limit.against(-1);
   }
+}
+
+// Of the last solve().
+void set_holding_forces(SwitchingForces& forces, const std::vector<int>& locks, VectorXd& out) {
+  out.resize(static_cast<Index>(locks.size()));
+  for (Index i = 0; i < out.size(); ++i)
+    out[i] = forces.holding_forces().values()[static_cast<std::size_t>(locks[static_cast<std::size_t>(i)])];
+}
+
+bool are_same(const VectorXd& a, const VectorXd& b) { return a.size() == b.size() && a == b; }
+
+}  // namespace
+
+HoldingBounds holding_bounds(const SwitchingForces& forces, const std::vector<int>& locks,
+                             const std::vector<int>& contacts) {
+  HoldingBounds out;
+  set_holding_bounds(forces, locks, contacts, out);
   return out;
 }
 
 VectorXd distributed_forces(SwitchingForces& forces, const std::vector<int>& locks, const HoldingBounds& bounds) {
-  VectorXd x(static_cast<Index>(locks.size()));
-  for (Index i = 0; i < x.size(); ++i)
-    x[i] = forces.holding_forces().values()[static_cast<std::size_t>(locks[static_cast<std::size_t>(i)])];
+  VectorXd x;
+  set_holding_forces(forces, locks, x);
   if (!forces.is_redundant()) return x;
   Eigen::MatrixXd W;
   VectorXd scale;
   forces.compliance(locks, W, scale);
-  return least_load(W, W * x, bounds.lower, bounds.upper);
+  const VectorXd b = W * x;
+  least_load(W, b, bounds.lower, bounds.upper, x);
+  return x;
+}
+
+const VectorXd& DistributedForces::find(SwitchingForces& forces, const std::vector<int>& locks,
+                                        const std::vector<int>& contacts) {
+  set_holding_forces(forces, locks, x_now_);
+  if (!forces.is_redundant()) return x_now_;
+  set_holding_bounds(forces, locks, contacts, bounds_now_);
+  forces.compliance(locks, W_now_, scale_);
+  b_now_.noalias() = W_now_ * x_now_;
+  if (are_same(b_now_, b_) && W_now_ == W_ && bounds_now_.lower == bounds_.lower && bounds_now_.upper == bounds_.upper)
+    return x_;
+  std::swap(W_, W_now_);
+  std::swap(b_, b_now_);
+  std::swap(bounds_, bounds_now_);
+  least_load(W_, b_, bounds_.lower, bounds_.upper, x_);
+  return x_;
 }
 
 }  // namespace gelenk

@@ -22,4 +22,22 @@ HoldingBounds holding_bounds(const SwitchingForces& forces, const std::vector<in
 // (linear/least_load.h). Overwrites the multipliers of that solve().
 Eigen::VectorXd distributed_forces(SwitchingForces& forces, const std::vector<int>& locks, const HoldingBounds& bounds);
 
+// The same for forces that are asked for several times in a step, most often under the same conditions: a mechanism
+// that is held stays where it is. To distribute them again costs many times an evaluation.
+class DistributedForces {
+ public:
+  const Eigen::VectorXd& find(SwitchingForces& forces, const std::vector<int>& locks, const std::vector<int>& contacts);
+
+ private:
+  // Those of the last result.
+  Eigen::MatrixXd W_;
+  Eigen::VectorXd b_;
+  HoldingBounds bounds_;
+  Eigen::VectorXd x_;
+  // Of this call.
+  Eigen::MatrixXd W_now_;
+  Eigen::VectorXd b_now_, scale_, x_now_;
+  HoldingBounds bounds_now_;
+};
+
 }  // namespace gelenk

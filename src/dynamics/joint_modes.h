@@ -95,7 +95,7 @@ class JointModes final : public SwitchingForces {
         force.element.indicators(side, speed, acceleration, holding[lock], limits, g, gdot);
         if (is_in_contact(lock)) g[0] = g[1] = -1;  // what leaves a contact has overcome friction
       } else if constexpr (Blocks<Element>) {
-        const double adhesion = this->lock(lock).sticking_limit.against(-side) + slack(lock);
+        const double adhesion = sticking_limit(lock).against(-side) + slack(lock);
         if constexpr (BoundsSpeed<Element>) {
           const double acceleration = vdot == nullptr ? NAN : this->speed(lock, vdot);
           force.element.indicators(side, speed, acceleration, holding[lock], adhesion, g, gdot);
@@ -196,10 +196,6 @@ class JointModes final : public SwitchingForces {
       laws_.visit_friction(i, [&](const auto& law, double q, const double* u) { out += limit(i, law, q, u); });
     return out;
   }
-  DirectedLimit sticking_limit(int lock) const {
-    return sum_of_friction(
-        lock, [&](int i, const auto& law, double q, const double* u) { return loaded_.at_rest(i, law, q, u); });
-  }
   // What slips at the present velocities, of the friction that depends on loads; brings its factors up to date.
   const std::vector<typename LoadedFriction<A>::Slipping>& find_slipping() {
     slipping_.clear();
@@ -220,7 +216,12 @@ class JointModes final : public SwitchingForces {
     for (const auto& term : locks_.row(lock)) f[term.v] += laws_.lock(lock).sign * size * term.factor;
   }
 
-  // Called by users of SwitchingForces alone. Without any forces, more than 0.
+  // These are called by users of SwitchingForces alone.
+  DirectedLimit sticking_limit(int lock) const override {
+    return sum_of_friction(
+        lock, [&](int i, const auto& law, double q, const double* u) { return loaded_.at_rest(i, law, q, u); });
+  }
+  // Without any forces, more than 0.
   double slack(int lock) const override {
     return slack_fraction * force_size_.value() * locks_.inverse_mobility(lock) + std::numeric_limits<double>::min();
   }
@@ -235,16 +236,22 @@ class JointModes final : public SwitchingForces {
 
   void compliance(const std::vector<int>& locks, Eigen::MatrixXd& W, Eigen::VectorXd& scale) override {
     const auto size = static_cast<Eigen::Index>(locks.size());
-    Eigen::MatrixXd y(state_.model.nv, size);
-    Eigen::MatrixXd z(state_.model.nv, size);
-    scale.resize(size);
-    for (Eigen::Index i = 0; i < size; ++i) {
-      locks_.whiten(locks[i], y.col(i).data());
-      locks_.permitted_part(y.col(i).data(), z.col(i).data());
-      z.col(i) *= laws_.lock(locks[i]).sign;
-      scale[i] = force_size_.value() * y.col(i).norm();
+    if (compliance_of_ != locks || compliance_generation_ != locks_.generation()) {
+      whitened_.resize(state_.model.nv);
+      permitted_.resize(state_.model.nv, size);
+      sizes_.resize(size);
+      for (Eigen::Index i = 0; i < size; ++i) {
+        locks_.whiten(locks[i], whitened_.data());
+        locks_.permitted_part(whitened_.data(), permitted_.col(i).data());
+        permitted_.col(i) *= laws_.lock(locks[i]).sign;
+        sizes_[i] = whitened_.norm();
+      }
+      compliance_.noalias() = permitted_.transpose() * permitted_;
+      compliance_of_ = locks;
+      compliance_generation_ = locks_.generation();
     }
-    W = z.transpose() * z;
+    W = compliance_;
+    scale = force_size_.value() * sizes_;
   }
 
   void strike(const std::vector<int>& locks, const Eigen::VectorXd& impulses, double* v) override {
@@ -289,6 +296,11 @@ class JointModes final : public SwitchingForces {
   std::vector<typename LoadedFriction<A>::Slipping> slipping_;
   ForceSize<A> force_size_;  // of the last solve()
   std::vector<double> work_, difference_, lambda_;
+  // Of compliance(), which mechanisms at rest are asked for again and again.
+  std::vector<int> compliance_of_;
+  long compliance_generation_ = -1;
+  Eigen::VectorXd whitened_, sizes_;
+  Eigen::MatrixXd permitted_, compliance_;
 };
 
 }  // namespace gelenk

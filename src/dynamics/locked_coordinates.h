@@ -68,6 +68,8 @@ class LockedCoordinates {
   int count() const { return static_cast<int>(rows_.size()); }
   const Row& row(int i) const { return rows_[static_cast<std::size_t>(i)]; }
   bool any() const { return locked_count_ > 0; }
+  // Changes when M and Y do.
+  long generation() const { return generation_; }
   // Whether accelerations leave locked coordinates out: in a tree without constraint equations.
   bool is_tree() const { return tree_.has_value(); }
   bool is_locked(int i) const { return locked_[i] != 0; }
@@ -94,6 +96,7 @@ class LockedCoordinates {
   }
   // Call after M and Y have been factorized again.
   void factors_changed() {
+    ++generation_;
     locks_changed();
     std::ranges::fill(mobility_is_current_, 0);
   }
@@ -249,6 +252,7 @@ class LockedCoordinates {
   std::vector<std::vector<int>> pattern_;  // by lock: the nonzeros of its whitened row, ascending
   std::vector<char> locked_;
   int locked_count_ = 0;
+  long generation_ = 0;
   bool is_current_ = false;  // factor_
   std::vector<int> held_;    // the locked coordinates, by row of the factor
   mutable std::vector<std::vector<double>> y_;

@@ -69,6 +69,7 @@ class SwitchingForces {
   };
   virtual int locks() const = 0;
   virtual Lock lock(int lock) const = 0;
+  virtual DirectedLimit sticking_limit(int lock) const = 0;  // the same as in lock(), which costs more
   // The laws of its friction, which add up and share one mode: indices in all forces with modes.
   virtual std::span<const int> frictions(int lock) const = 0;
   // The part of the friction of its coordinate that one of them exerts: at rest, where they exert it in proportion to

@@ -2,7 +2,7 @@
 // Decides between located events, which keep the tolerance where few shapes touch, and steps with impulses, which bear
 // many contacts, by what contacts between shapes do: neither events of joints nor stiffness count, since steps with
 // impulses are no remedy for these. Where the two cost the same, and how much more events may cost, since they are more
-// accurate by orders of magnitude, was measured: see docs/contact.md.
+// accurate by orders of magnitude, was measured: see docs/nonsmooth-measurements.md.
 #pragma once
 
 #include <algorithm>

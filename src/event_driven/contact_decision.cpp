@@ -37,8 +37,8 @@ void symmetrize(Eigen::MatrixXd& G) { G = Eigen::MatrixXd((G + G.transpose()) / 
 
 }  // namespace
 
-ContactDecision::ContactDecision(ContactEquations& contact_equations)
-    : contact_equations_(contact_equations), solver_(make_cone_solver(cone_solver_kinds().front().name)) {}
+ContactDecision::ContactDecision(ContactEquations& equations)
+    : equations_(equations), solver_(make_cone_solver(cone_solver_kinds().front().name)) {}
 
 // What has let go has no force, at first.
 void ContactDecision::set_cones(const std::vector<Trigger>& triggered) {
@@ -48,7 +48,7 @@ void ContactDecision::set_cones(const std::vector<Trigger>& triggered) {
     std::array<double, contact_groups> coefficients{};
     for (int group = 0; group < contact_groups; ++group) {
       const auto g = static_cast<std::size_t>(group);
-      coefficients[g] = contact_equations_.coefficient(entry.candidate, group, slides_[i][g]);
+      coefficients[g] = equations_.coefficient(entry.candidate, group, slides_[i][g]);
       if (triggered[static_cast<std::size_t>(entry.candidate)].groups[g]) coefficients[g] *= 1 - break_away_fraction;
     }
     const Cone cone = cone_of(entry, coefficients);
@@ -148,7 +148,7 @@ void ContactDecision::find_motion(std::size_t i, int group, const VectorXd& a, b
   const ContactEquations::Entry& entry = rows_.entries[i];
   const auto g = static_cast<std::size_t>(group);
   const auto part = x_.segment(entry.rows[g], entry.kept(group));
-  const double limit = contact_equations_.coefficient(entry.candidate, group, slides_[i][g]) * x_[entry.first];
+  const double limit = equations_.coefficient(entry.candidate, group, slides_[i][g]) * x_[entry.first];
   const double size = part.norm();
   if (!(size >= limit * (1 - 2 * break_away_fraction) && size > 0)) return;
   // Redundant forces may be at their limits although nothing moves.
@@ -167,15 +167,14 @@ VectorXd ContactDecision::normal_forces() const {
 bool ContactDecision::let_slide(const std::vector<CandidateMode>& tentative, const std::vector<CandidateMode>& next) {
   bool changed = let_locks_slip();
   for (std::size_t i = 0; i < candidates_.size(); ++i) {
-    const int candidate = candidates_[i];
-    const auto at = static_cast<std::size_t>(candidate);
+    const int point = candidates_[i];
+    const auto at = static_cast<std::size_t>(point);
     for (std::size_t g = 0; g < contact_groups; ++g) {
       const bool begins = next[at].closed && next[at].groups[g].moves && !tentative[at].groups[g].moves;
       if (!begins || slides_[i][g]) continue;
       slides_[i][g] = true;
       const int group = static_cast<int>(g);
-      changed = changed || contact_equations_.coefficient(candidate, group, true) !=
-                               contact_equations_.coefficient(candidate, group, false);
+      changed = changed || equations_.coefficient(point, group, true) != equations_.coefficient(point, group, false);
     }
     if (opens_[i] == 0) continue;
     const double leaving = (G_ * x_ + C_ * normal_forces() + b_)[rows_.entries[i].first];
@@ -204,15 +203,15 @@ void ContactDecision::add_lock_rows() {
 
 void ContactDecision::set_up(const std::vector<CandidateMode>& tentative, const std::vector<Trigger>& triggered,
                              const double* vdot) {
-  contact_equations_.build(candidates_, tentative, true, rows_);
+  equations_.build(candidates_, tentative, true, rows_);
   add_lock_rows();
   ContactEquations::RowMatrix Z;
-  contact_equations_.respond(rows_.R, Z);
+  equations_.respond(rows_.R, Z);
   G_ = rows_.R * Z;
   symmetrize(G_);
   C_.setZero(rows_.R.rows(), static_cast<Index>(candidates_.size()));
   if (rows_.any_moves()) {
-    contact_equations_.respond(rows_.D, Z);
+    equations_.respond(rows_.D, Z);
     C_ = rows_.R * Z;
   }
   const Eigen::Map<const VectorXd> free(vdot, rows_.R.cols());

@@ -25,7 +25,7 @@ struct Trigger {
 
 class ContactDecision {
  public:
-  explicit ContactDecision(ContactEquations& contact_equations);
+  explicit ContactDecision(ContactEquations& equations);
 
   ConeSolver& solver() { return *solver_; }
   // Decides on candidates that touch and on locks, at the state of the last solve() of `dynamics` with all contacts
@@ -67,7 +67,7 @@ class ContactDecision {
   bool let_locks_slip();
   bool let_slide(const std::vector<CandidateMode>& tentative, const std::vector<CandidateMode>& next);
 
-  ContactEquations& contact_equations_;
+  ContactEquations& equations_;
   std::unique_ptr<ConeSolver> solver_;
   std::vector<int> candidates_;
   ContactEquations::Rows rows_;

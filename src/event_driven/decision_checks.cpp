@@ -33,9 +33,9 @@ bool ContactDecision::presses(int candidate) const {
 // By candidate: in the modes of the last check().
 VectorXd ContactDecision::normal_forces_in_modes() {
   VectorXd out = VectorXd::Zero(static_cast<Index>(candidates_.size()));
-  const auto& forces = contact_equations_.forces();
+  const auto& forces = equations_.forces();
   for (std::size_t i = 0; i < forces.size(); ++i) {
-    const auto at = std::ranges::find(candidates_, contact_equations_.closed()[i]) - candidates_.begin();
+    const auto at = std::ranges::find(candidates_, equations_.closed()[i]) - candidates_.begin();
     if (at < out.size()) out[at] = forces[i].normal;
   }
   return out;
@@ -63,12 +63,11 @@ bool ContactDecision::locks_exceed_limits() const {
 // depends on them: what cannot hold alone gives way to the contact, and a contact that need not hold has no force.
 // Returns whether any has changed.
 bool ContactDecision::resolve_redundancy(std::vector<CandidateMode>& next) {
-  if (problem_->locks.empty() || contact_equations_.closed().empty() || !contact_equations_.rows().any_moves())
-    return false;
+  if (problem_->locks.empty() || equations_.closed().empty() || !equations_.rows().any_moves()) return false;
   bool releases = false, opens = false;
-  for (std::size_t i = 0; i < contact_equations_.closed().size(); ++i) {
-    if (!contact_equations_.rows().entries[i].any_moves() || !contact_equations_.is_blocked(i)) continue;
-    const int candidate = contact_equations_.closed()[i];
+  for (std::size_t i = 0; i < equations_.closed().size(); ++i) {
+    if (!equations_.rows().entries[i].any_moves() || !equations_.is_blocked(i)) continue;
+    const int candidate = equations_.closed()[i];
     releases = let_go_beyond_limits(candidate) || releases;
     if (releases) continue;
     next[static_cast<std::size_t>(candidate)].closed = false;
@@ -96,15 +95,15 @@ bool ContactDecision::let_go_beyond_limits(int candidate) {
 // Whether friction that holds in these modes needs more than its limit, or a limit of a joint would have to pull.
 bool ContactDecision::exceeds_limits(const std::vector<Trigger>& triggered) {
   if (locks_exceed_limits()) return true;
-  const auto& forces = contact_equations_.forces();
+  const auto& forces = equations_.forces();
   double sum = 0;
   for (const auto& force : forces) sum += std::abs(force.normal);
   for (std::size_t i = 0; i < forces.size(); ++i) {
-    const ContactEquations::Entry& entry = contact_equations_.rows().entries[i];
+    const ContactEquations::Entry& entry = equations_.rows().entries[i];
     for (int group = 0; group < contact_groups; ++group) {
       const auto g = static_cast<std::size_t>(group);
       if (entry.rows[g] < 0) continue;
-      const double limit = contact_equations_.coefficient(entry.candidate, group, false) * forces[i].normal;
+      const double limit = equations_.coefficient(entry.candidate, group, false) * forces[i].normal;
       const bool breaks_away = triggered[static_cast<std::size_t>(entry.candidate)].groups[g];
       if (forces[i].held[g] > limit + (breaks_away ? -break_away_fraction * limit : limit_fraction * sum)) return true;
     }
@@ -116,15 +115,15 @@ bool ContactDecision::exceeds_limits(const std::vector<Trigger>& triggered) {
 // are not those of the cone problem, contacts that press in that do not count.
 int ContactDecision::most_pulling() const {
   double largest = 0;
-  const auto& forces = contact_equations_.forces();
+  const auto& forces = equations_.forces();
   for (const auto& force : forces) largest = std::max(largest, std::abs(force.normal));
   double least = -acceleration_tolerance * largest;
   int out = -1;
   for (std::size_t i = 0; i < forces.size(); ++i) {
-    const bool is_redundant = !contact_equations_.are_unique() || contact_equations_.is_blocked(i);
-    if (!(forces[i].normal < least) || (is_redundant && presses(contact_equations_.closed()[i]))) continue;
+    const bool is_redundant = !equations_.are_unique() || equations_.is_blocked(i);
+    if (!(forces[i].normal < least) || (is_redundant && presses(equations_.closed()[i]))) continue;
     least = forces[i].normal;
-    out = contact_equations_.closed()[i];
+    out = equations_.closed()[i];
   }
   return out;
 }
@@ -152,10 +151,10 @@ bool ContactDecision::obeys(std::size_t i, const CandidateMode& mode, const Vect
 
 // Whether accelerations in these modes obey the laws. pulls: see most_pulling().
 bool ContactDecision::check(const double* vdot, const std::vector<CandidateMode>& next, int& pulls) {
-  contact_equations_.set_modes(next);
+  equations_.set_modes(next);
   VectorXd a = Eigen::Map<const VectorXd>(vdot, rows_.R.cols());
   if (problem_->locks.empty()) {
-    contact_equations_.accelerate(a.data());
+    equations_.accelerate(a.data());
   } else {
     problem_->accelerate(a.data());
   }

@@ -21,7 +21,7 @@ int LockModes::treat(FrictionTreatment friction, double t, const double* y) {
     if (friction == FrictionTreatment::locked) motion = 0;
     const bool is_free = friction == FrictionTreatment::off ||
                          (friction == FrictionTreatment::sliding && motion == 0) ||
-                         (friction == FrictionTreatment::present && forces_.lock(i).sticking_limit.vanishes);
+                         (friction == FrictionTreatment::present && forces_.sticking_limit(i).vanishes);
     if (is_free) motion = mode_released;
   }
   set_state(out);

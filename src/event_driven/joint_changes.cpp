@@ -127,7 +127,7 @@ void JointChanges::force_away() {
 // Whether friction at rest is at its limit, within what distributed forces are in error.
 bool JointChanges::uses_limit_up(int lock) const {
   const double holding = modes_.holding_[static_cast<std::size_t>(lock)];
-  const double limit = forces_.lock(lock).sticking_limit.against(holding > 0 ? -1 : 1);
+  const double limit = forces_.sticking_limit(lock).against(holding > 0 ? -1 : 1);
   return modes_.modes_.contacts[static_cast<std::size_t>(lock)] == 0 && limit > 0 &&
          std::abs(holding) >= (1 - shared_fraction) * limit;
 }

@@ -178,7 +178,7 @@ LockModes::State JointDecisions::all_at_rest(double t, const double* y) {
 std::vector<double> JointDecisions::limits() const {
   std::vector<double> out;
   for (int i = 0; i < forces_.locks(); ++i) {
-    const DirectedLimit limit = forces_.lock(i).sticking_limit;
+    const DirectedLimit limit = forces_.sticking_limit(i);
     out.push_back(limit.positive);
     out.push_back(limit.negative);
   }

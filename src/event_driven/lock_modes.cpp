@@ -98,16 +98,17 @@ const std::vector<double>& LockModes::distribute_holding_forces() {
 }
 
 // holding: out, see distribute_holding_forces().
-void LockModes::distribute(std::vector<double>& holding) const {
+void LockModes::distribute(std::vector<double>& holding) {
   holding = forces_.holding_forces().values();
   if (!any_at_rest_ || !forces_.is_redundant()) return;
-  std::vector<int> locks;
+  std::vector<int>& locks = resting_;
+  locks.clear();
   for (int i = 0; i < count(); ++i) {
     if (rests(i)) locks.push_back(i);
   }
   double change = INFINITY;
   for (int round = 0; round < most_distributions && change > distribution_tolerance; ++round) {
-    const VectorXd x = distributed_forces(forces_, locks, holding_bounds(forces_, locks, modes_.contacts));
+    const VectorXd& x = distributed_.find(forces_, locks, modes_.contacts);
     double largest = 0;
     change = 0;
     for (Index i = 0; i < x.size(); ++i) {
@@ -125,7 +126,7 @@ void LockModes::distribute(std::vector<double>& holding) const {
 bool LockModes::exceed(const std::vector<double>& holding) const {
   for (int i = 0; i < count(); ++i) {
     if (!rests(i)) continue;
-    const DirectedLimit limit = forces_.lock(i).sticking_limit;
+    const DirectedLimit limit = forces_.sticking_limit(i);
     const double slack = forces_.slack(i);
     if ((holding[i] > limit.against(-1) + slack && modes_.contacts[i] >= 0) ||
         (holding[i] < -limit.against(1) - slack && modes_.contacts[i] <= 0))

@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "dynamics/distributed_forces.h"
 #include "dynamics/dynamics.h"
 #include "event/event_log.h"
 #include "event_driven/mode_equations.h"
@@ -85,7 +86,7 @@ class LockModes {
   bool is_slow(int lock, const double* v, double tolerance) const;
   int touched_side(int lock) const;
   void find_holding_forces(double t, const double* y);
-  void distribute(std::vector<double>& holding) const;
+  void distribute(std::vector<double>& holding);
   bool exceed(const std::vector<double>& holding) const;
   int on_boundary(double t, const double* y);
   int limit_indicator(int lock, int side) const { return 2 * forces_.lock(lock).limit + (side > 0 ? 0 : 1); }
@@ -109,7 +110,9 @@ class LockModes {
   State modes_;
   std::vector<Trigger> triggered_;  // by lock: which indicator has changed its sign
   std::vector<double> holding_, vdot_;
-  double resolution_ = 0;  // of displacements that do not matter
+  DistributedForces distributed_;
+  std::vector<int> resting_;  // of distribute()
+  double resolution_ = 0;     // of displacements that do not matter
   bool any_friction_ = false;
   bool any_at_rest_ = false;
   ModeCounts counts_;

@@ -15,7 +15,7 @@ std::unique_ptr<Integrator> with_starter_of(Equations& system, const IntegratorO
 }
 
 constexpr std::array<IntegratorKind, 12> kinds = {{
-    {"auto", "automatic: erk, or cvode where that costs less; ida with multipliers, moreau-jean with contacts",
+    {"auto", "automatic: erk, or cvode where that costs less; ida with multipliers; moreau-jean in heaps",
      make_automatic},
     {"erk", "explicit Runge-Kutta, adaptive step and order (ARKODE), projected after each step", make_erk},
     {"ida", "BDF, variable step and order (IDA), projected within each step; for stiff scenes",

@@ -21,6 +21,9 @@ constexpr double balance_tolerance = 1e-13;
 // Forces along coordinates that move at least at this fraction of the fastest are used up.
 constexpr double used_speed = 1e-9;
 
+// Of rows that are multiples of each other, relative to them.
+constexpr double parallel_tolerance = 1e-12;
+
 VectorXd scaled(const VectorXd& bounds, double fraction) {
   return bounds.unaryExpr([&](double x) { return std::isfinite(x) ? fraction * x : x; });
 }
@@ -59,10 +62,39 @@ Level least_level(const Eigen::MatrixXd& W, const VectorXd& b, const VectorXd& l
   return out;
 }
 
+// The result where all forces act on one motion, W = w w^T, as where several hold a mechanism of one degree of freedom:
+// each uses the same fraction of its bound. Returns false, without a result, elsewhere; and where a bound is infinite,
+// a force has hardly an effect on the motion, or none resists it.
+bool share_one_motion(const Eigen::MatrixXd& W, const VectorXd& b, const VectorXd& lower, const VectorXd& upper,
+                      VectorXd& x) {
+  Index fastest = 0;
+  const double largest = W.diagonal().maxCoeff(&fastest);
+  if (!(largest > 0)) return false;
+  for (Index i = 0; i < b.size(); ++i) {
+    if (std::abs(W(i, fastest)) <= used_speed * largest) return false;
+    for (Index j = 0; j <= i; ++j) {
+      const double off = W(i, j) * largest - W(i, fastest) * W(j, fastest);
+      if (std::abs(off) > parallel_tolerance * largest * std::sqrt(W(i, i) * W(j, j))) return false;
+    }
+  }
+  double resistance = 0;  // that they have in all, along the motion of the fastest
+  for (Index i = 0; i < b.size(); ++i) {
+    x[i] = (W(i, fastest) > 0) == (b[fastest] > 0) ? upper[i] : lower[i];
+    if (!std::isfinite(x[i])) return false;
+    resistance += std::abs(W(i, fastest) * x[i]);
+  }
+  if (!(resistance > 0)) return false;
+  x *= std::abs(b[fastest]) / resistance;
+  return true;
+}
+
 }  // namespace
 
-VectorXd least_load(const Eigen::MatrixXd& W, const VectorXd& b, const VectorXd& lower, const VectorXd& upper) {
-  VectorXd out = VectorXd::Zero(b.size());
+void least_load(const Eigen::MatrixXd& W, const VectorXd& b, const VectorXd& lower, const VectorXd& upper,
+                VectorXd& out) {
+  out.resize(b.size());
+  if (b.size() > 0 && share_one_motion(W, b, lower, upper, out)) return;
+  out.setZero();
   const double size = b.size() > 0 ? b.cwiseAbs().maxCoeff() : 0;
   VectorXd left = b;  // what the forces that are not determined yet have to balance
   std::vector<Index> open(static_cast<std::size_t>(b.size()));
@@ -86,7 +118,6 @@ VectorXd least_load(const Eigen::MatrixXd& W, const VectorXd& b, const VectorXd&
     if (next.size() == open.size()) break;
     open = std::move(next);
   }
-  return out;
 }
 
 }  // namespace gelenk

@@ -36,7 +36,9 @@ void bind_box_complementarity(nb::module_& m) {
   m.def(
       "least_load",
       [](const Table& W, const Numbers& b, const Numbers& lower, const Numbers& upper) {
-        return list(gelenk::least_load(square(W), vector(b), vector(lower), vector(upper)));
+        Eigen::VectorXd x;
+        gelenk::least_load(square(W), vector(b), vector(lower), vector(upper), x);
+        return list(x);
       },
       nb::arg("W"), nb::arg("b"), nb::arg("lower"), nb::arg("upper"));
   m.def(

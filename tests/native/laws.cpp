@@ -33,6 +33,7 @@ class OneCoordinate final : public SwitchingForces {
   std::span<double> inputs() override { never(); }
   std::span<const int> frictions(int) const override { return {&of.friction, of.friction < 0 ? 0u : 1u}; }
   double part_of_friction(int, int) const override { never(); }
+  gelenk::DirectedLimit sticking_limit(int) const override { return of.sticking_limit; }
   gelenk::DirectedLimit sliding_limit(int, double) const override { never(); }
   gelenk::LoadDependence& loads() override { never(); }
   gelenk::ContactRows& contact_rows() override { never(); }

@@ -43,6 +43,30 @@ def test_contact_that_would_have_to_pull_is_seen(units: Any, force: float, round
     assert x[3] == pytest.approx(force, abs=1e-10)  # rounding of the others' 80 N
 
 
+@pytest.mark.parametrize("seed", range(20))
+def test_one_motion_is_resisted_by_the_same_fraction_of_all_limits(units: Any, seed: int) -> None:
+    """In closed form where it is the only motion; the general way, beside another one, agrees."""
+    rng = np.random.default_rng(seed)
+    n = int(rng.integers(1, 6))
+    w, upper, lower = rng.normal(size=n), rng.uniform(0, 3, n), -rng.uniform(0, 3, n)
+    if n > 1:
+        w[0] *= 10.0 ** rng.uniform(-11, 0)  # of hardly an effect: on either side of what resists
+        upper[-1] = 0.0 if n > 2 else upper[-1]
+    push = float(rng.normal())  # along the motion
+    bounds = np.where(w * push > 0, upper, lower)
+    if n > 1 and abs(w[0]) <= 1e-9 * np.abs(w).max():
+        bounds[0] = 0.0
+    exact = bounds * abs(push) / (np.abs(w) @ np.abs(bounds))
+    resists = bounds != 0
+    x = loads(units, np.outer(w, w), w * push, list(lower), list(upper))
+    assert x[resists] == pytest.approx(exact[resists], rel=1e-10)
+    W = np.zeros((n + 1, n + 1))
+    W[:n, :n], W[n, n] = np.outer(w, w), 1.0
+    beside = loads(units, W, np.append(w * push, 0.1), [*lower, -1.0], [*upper, 1.0])
+    assert beside[:n][resists] == pytest.approx(exact[resists], rel=1e-8)
+    assert beside[n] == pytest.approx(0.1)
+
+
 @pytest.mark.parametrize("seed", range(40))
 def test_random_distributions_are_balanced(units: Any, seed: int) -> None:
     """Friction and contacts on fewer motions than there are forces."""

@@ -52,7 +52,7 @@ class Result:
         #: logEvents).
         self.events: tuple[tuple[float, str], ...] = ()
         #: Why the run may not have kept its tolerance, a sentence each: from when to when contacts were
-        #: solved in time steps, and the estimated error (docs/contact.md).
+        #: solved in time steps, and the estimated error (docs/time-stepping.md).
         self.warnings: tuple[str, ...] = ()
 
     def __getstate__(self) -> dict[str, Any]:

@@ -68,7 +68,8 @@ struct SurfaceContact {
   }
 
   static constexpr SignalGroup outputs[] = {
-      {"f", 3, "N", "contact force on the bodies with its first surface, without impacts, resolved in the world"},
+      {"f", 3, "N",
+       "contact force on the bodies with its first surface, resolved in the world; impacts count in time steps alone"},
       {"gap", 0, "m", "smallest distance of its surfaces, negative if they penetrate"},
       {"mode", 0, "1", "0: no contact; 1: all contact points stick; 2: some of them slide"}};
 

@@ -51,7 +51,8 @@ struct JointLimit {
   bool is_poisson() const { return law.index == 1; }
 
   static constexpr SignalGroup outputs[] = {
-      {"{effort}", 0, "{f}", "contact {torque} on {joint}.{coordinate} at a limit, in its direction, without impacts"},
+      {"{effort}", 0, "{f}",
+       "contact {torque} on {joint}.{coordinate} at a limit, in its direction; impacts count in time steps alone"},
       {"mode", 0, "1", "1, -1: {joint}.{coordinate} is in contact with its upper, lower limit; 0: with none"}};
 
   std::optional<ElementFault> fault(const Coordinate& at) const { return fault_of_bounds(lower, upper, at); }

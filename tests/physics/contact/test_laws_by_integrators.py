@@ -48,7 +48,7 @@ ORDERS = {
     "hht": (2, 1e-3),
     "newmark": (2, 1e-3),
 }
-# Below a slip of 1e-6 in steps of fixed length, friction keeps its direction (docs/contact.md).
+# Below a slip of 1e-6 in steps of fixed length, friction keeps its direction (docs/located-events.md).
 FLOOR = 1e-6
 
 

@@ -86,8 +86,8 @@ def test_time_steps_know_their_error_in_a_vibration(frequency: float, amplitude:
 def test_time_steps_know_their_error_on_a_shaken_plate() -> None:
     """Boxes slide down a plate at 40 Hz; one alone, which is located, is the reference.
 
-    The root of the tolerance, 1e-3, is what the estimate may grow by in a second (docs/contact.md), after as
-    much at the start; steps of 10 ms, which do not resolve 40 Hz, had an error of 3e-2.
+    The root of the tolerance, 1e-3, is what the estimate may grow by in a second (docs/time-stepping.md),
+    after as much at the start; steps of 10 ms, which do not resolve 40 Hz, had an error of 3e-2.
     """
     located = gelenk.simulate(conveyor(1, integrator="erk"), outputs=["j0.r[1]"], tolerance=1e-8)
     names = ["j0.r[1]", "solver.scheme", "solver.step_error"]
