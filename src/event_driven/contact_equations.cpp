@@ -199,10 +199,12 @@ double ContactEquations::accelerate(double* vdot, bool again) {
   if (closed_.empty()) return 0;
   if (!again) {
     solve_for_forces(vdot);
+    add_holding_forces(shared());
     return 1;
   }
   const VectorXd before = x_;
   solve_for_forces(vdot);
+  add_holding_forces(x_);
   const double change = x_.cwiseAbs().maxCoeff();
   x_ += before;
   right_ = G_ * x_;
@@ -234,14 +236,14 @@ void ContactEquations::solve_for_forces(double* vdot) {
   }
   least_norm_.solve_weighted(G_, right_, scale_, x_);
   a += Z_.lazyProduct(x_);
-  add_holding_forces();
 }
 
-// What contacts do to the forces that keep coordinates of joints at rest.
-void ContactEquations::add_holding_forces() {
+// What contact forces do to those that keep coordinates of joints at rest, which depend on how redundant ones are
+// distributed.
+void ContactEquations::add_holding_forces(const VectorXd& x) {
   SwitchingForces& switching_forces = dynamics_.switching_forces();
   if (switching_forces.locks() == 0) return;
-  force_ = B_.transpose().lazyProduct(x_);
+  force_ = B_.transpose().lazyProduct(x);
   zero_.assign(static_cast<std::size_t>(std::max(1, mechanism_.rows)), 0.0);
   holding_.resize(static_cast<std::size_t>(switching_forces.locks()));
   std::ranges::fill(holding_, 0.0);

@@ -119,7 +119,6 @@ class ContactEquations {
   // The same of other multipliers x of the rows, with the same effect.
   const std::vector<CandidateForce>& forces_of(const Eigen::VectorXd& x);
   // The multipliers of the rows in the last accelerate().
-  const Eigen::VectorXd& multipliers() const { return x_; }
   // At the last accelerate(), by closed(): whether what is held permits no motion along the normal, so that the contact
   // has no force.
   bool is_blocked(std::size_t i) const { return G_(rows_.entries[i].first, rows_.entries[i].first) == 0; }
@@ -142,7 +141,7 @@ class ContactEquations {
   void add_row(const Entry& entry, const Eigen::Vector3d& d, bool turns, double* out) const;
   double weight(const Entry& entry, int group) const;
   void solve_for_forces(double* vdot);
-  void add_holding_forces();
+  void add_holding_forces(const Eigen::VectorXd& x);
   const Eigen::VectorXd& shared();
   Eigen::VectorXd constrained_response(const Eigen::VectorXd& force);
 

@@ -177,7 +177,7 @@ void Formulation::add_contacts(double t, double* vdot) {
   double change = INFINITY, before = INFINITY;
   for (int k = 0; k < most_corrections && change > enough && !(change <= rounding && change >= before); ++k) {
     wrenches_.assign(mechanism_.links.size(), Spatial::Force{});
-    add_wrenches(contact_equations, contact_equations.forces_of(contact_equations.multipliers()), wrenches_);
+    add_wrenches(contact_equations, contact_equations.forces(), wrenches_);
     dynamics_.switching_forces().contact_rows().apply_forces(wrenches_.data(), nullptr);
     solve(t, vdot);
     before = std::exchange(change, contact_equations.accelerate(vdot, true));

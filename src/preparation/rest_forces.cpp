@@ -38,8 +38,7 @@ void RestForces::add(const Scene& scene, const EquilibriumProblem& of, const std
   SwitchingForces& forces = poses.forces();
   std::vector<int> locks;
   for (int i = 0; i < poses.locks(); ++i) {
-    if (at.contacts[static_cast<std::size_t>(i)] != 0 || forces.sticking_limit(i).largest() > 0)
-      locks.push_back(i);
+    if (at.contacts[static_cast<std::size_t>(i)] != 0 || forces.sticking_limit(i).largest() > 0) locks.push_back(i);
   }
   const HoldingBounds bounds = holding_bounds(forces, locks, at.contacts);
   const VectorXd x = distributed_forces(forces, locks, bounds);
