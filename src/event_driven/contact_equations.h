@@ -118,7 +118,6 @@ class ContactEquations {
   const std::vector<CandidateForce>& forces() { return forces_of(shared()); }
   // The same of other multipliers x of the rows, with the same effect.
   const std::vector<CandidateForce>& forces_of(const Eigen::VectorXd& x);
-  // The multipliers of the rows in the last accelerate().
   // At the last accelerate(), by closed(): whether what is held permits no motion along the normal, so that the contact
   // has no force.
   bool is_blocked(std::size_t i) const { return G_(rows_.entries[i].first, rows_.entries[i].first) == 0; }
