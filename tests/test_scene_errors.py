@@ -58,3 +58,21 @@ def test_link_that_cannot_say_how_it_moves_is_named() -> None:
         "a prescribed motion or a loop that couples this motion to one with inertia (a spring is not "
         "sufficient: the body would be where its force is zero, at any velocity)"
     )
+
+
+def faults(unknown: int) -> list[str]:
+    """The lines of the error of a scene with this number of unknown fields, and without joints."""
+    text = "gelenk: 1\nbodies: {b: {mass: 1}}\n" + "".join(f"k{i}: 1\n" for i in range(unknown))
+    with pytest.raises(gelenk.SceneError) as error:
+        gelenk.load(text)
+    return str(error.value).splitlines()
+
+
+@pytest.mark.parametrize("others", [0, 1, 20_000])
+def test_the_first_hundred_faults_are_told_and_the_number_of_the_others(others: int) -> None:
+    found = faults(100 - len(faults(0)) + others)
+    assert len(found) == 100 + (others > 0)
+    assert re.match(r"scene:3: k0: found an unknown field", found[len(faults(0))])
+    assert ("more faults" in found[-1]) == (others > 0)
+    if others > 0:
+        assert found[-1] == f"scene:1: {others} more faults"

@@ -347,13 +347,21 @@ def _read_plain(
     return core, json.loads(text), doubts
 
 
+# More are not read by anyone, and a file that is no scene has one in each line.
+_MOST_FAULTS = 100
+
+
 def _read_core(text: str, file: str, meshes: Meshes) -> tuple[_core.Scene, list[str]]:
     """Return the scene of a JSON text, and warnings; all faults are raised, those of meshes first."""
     resolved, faults = meshes.resolved(text)
     try:
         core, doubts = _core.read_scene_and_doubts(resolved, file)
     except SceneError as e:
-        raise SceneError([*faults, *e.lines]) from None
+        found = [*faults, *e.lines]
+        more = len(found) - _MOST_FAULTS
+        if more > 0:
+            found[_MOST_FAULTS:] = [f"{file or 'scene'}: {more} more faults"]
+        raise SceneError(found) from None
     if faults:
         raise SceneError(faults)
     return core, doubts
