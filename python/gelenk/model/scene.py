@@ -358,8 +358,7 @@ def _read_core(text: str, file: str, meshes: Meshes) -> tuple[_core.Scene, list[
         core, doubts = _core.read_scene_and_doubts(resolved, file)
     except SceneError as e:
         found = [*faults, *e.lines]
-        more = len(found) - _MOST_FAULTS
-        if more > 0:
+        if (more := len(found) - _MOST_FAULTS) > 0:
             found[_MOST_FAULTS:] = [f"{file or 'scene'}: {more} more faults"]
         raise SceneError(found) from None
     if faults:
