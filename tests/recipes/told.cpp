@@ -50,7 +50,7 @@ struct AtRest final : gelenk::Readings<double> {
   Force cut_reaction(int) const override { return {}; }
   double contact_force(int, int) const override { return 0; }
   double coordinate_force(int) const override { return 0; }
-  void branching_forces(const double*, const int*, const double*, double*) const override {}
+  void switching_forces(const double*, const int*, const double*, double*) const override {}
   Pose plane_pose(int) const override { return {}; }
   Pose pose_on_plane(int) const override { return {}; }
 };
