@@ -28,13 +28,6 @@ void set_holding_bounds(const SwitchingForces& forces, const std::vector<int>& l
   }
 }
 
-// Of the last solve().
-void set_holding_forces(SwitchingForces& forces, const std::vector<int>& locks, VectorXd& out) {
-  out.resize(static_cast<Index>(locks.size()));
-  for (Index i = 0; i < out.size(); ++i)
-    out[i] = forces.holding_forces().values()[static_cast<std::size_t>(locks[static_cast<std::size_t>(i)])];
-}
-
 bool are_same(const VectorXd& a, const VectorXd& b) { return a.size() == b.size() && a == b; }
 
 }  // namespace
@@ -46,21 +39,11 @@ HoldingBounds holding_bounds(const SwitchingForces& forces, const std::vector<in
   return out;
 }
 
-VectorXd distributed_forces(SwitchingForces& forces, const std::vector<int>& locks, const HoldingBounds& bounds) {
-  VectorXd x;
-  set_holding_forces(forces, locks, x);
-  if (!forces.is_redundant()) return x;
-  Eigen::MatrixXd W;
-  VectorXd scale;
-  forces.compliance(locks, W, scale);
-  const VectorXd b = W * x;
-  least_load(W, b, bounds.lower, bounds.upper, x);
-  return x;
-}
-
 const VectorXd& DistributedForces::find(SwitchingForces& forces, const std::vector<int>& locks,
                                         const std::vector<int>& contacts) {
-  set_holding_forces(forces, locks, x_now_);
+  x_now_.resize(static_cast<Index>(locks.size()));
+  for (Index i = 0; i < x_now_.size(); ++i)
+    x_now_[i] = forces.holding_forces().values()[static_cast<std::size_t>(locks[static_cast<std::size_t>(i)])];
   if (!forces.is_redundant()) return x_now_;
   set_holding_bounds(forces, locks, contacts, bounds_now_);
   forces.compliance(locks, W_now_, scale_);

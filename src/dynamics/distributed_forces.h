@@ -18,14 +18,13 @@ struct HoldingBounds {
 HoldingBounds holding_bounds(const SwitchingForces& forces, const std::vector<int>& locks,
                              const std::vector<int>& contacts);
 
-// The forces along these locks after a solve(); where they are redundant, distributed so that bounds are used the least
-// (linear/least_load.h). Overwrites the multipliers of that solve().
-Eigen::VectorXd distributed_forces(SwitchingForces& forces, const std::vector<int>& locks, const HoldingBounds& bounds);
-
-// The same for forces that are asked for several times in a step, most often under the same conditions: a mechanism
-// that is held stays where it is. To distribute them again costs many times an evaluation.
+// The forces along locks after a solve(); where they are redundant, distributed so that bounds are used the least
+// (linear/least_load.h). They are asked for several times in a step, most often under the same conditions, as a
+// mechanism that is held stays where it is; to distribute them again costs many times an evaluation, so that the last
+// result is kept.
 class DistributedForces {
  public:
+  // contacts: as of holding_bounds(). Overwrites the multipliers of that solve(). The result holds until the next call.
   const Eigen::VectorXd& find(SwitchingForces& forces, const std::vector<int>& locks, const std::vector<int>& contacts);
 
  private:

@@ -197,14 +197,10 @@ double ContactEquations::weight(const Entry& entry, int group) const {
 
 double ContactEquations::accelerate(double* vdot, bool again) {
   if (closed_.empty()) return 0;
-  if (!again) {
-    solve_for_forces(vdot);
-    add_holding_forces(shared());
-    return 1;
-  }
-  const VectorXd before = x_;
+  const VectorXd before = again ? x_ : VectorXd();
   solve_for_forces(vdot);
-  add_holding_forces(x_);
+  if (dynamics_.switching_forces().locks() > 0) add_holding_forces(again ? x_ : shared());
+  if (!again) return 1;
   const double change = x_.cwiseAbs().maxCoeff();
   x_ += before;
   right_ = G_ * x_;
@@ -242,7 +238,6 @@ void ContactEquations::solve_for_forces(double* vdot) {
 // distributed.
 void ContactEquations::add_holding_forces(const VectorXd& x) {
   SwitchingForces& switching_forces = dynamics_.switching_forces();
-  if (switching_forces.locks() == 0) return;
   force_ = B_.transpose().lazyProduct(x);
   zero_.assign(static_cast<std::size_t>(std::max(1, mechanism_.rows)), 0.0);
   holding_.resize(static_cast<std::size_t>(switching_forces.locks()));

@@ -40,6 +40,7 @@ LockModes::LockModes(ModeEquations& equations, Dynamics& dynamics, int nq, int n
       triggered_(modes_.motions.size()),
       holding_(modes_.motions.size()),
       vdot_(static_cast<std::size_t>(nv)) {
+  resting_.reserve(modes_.motions.size());
   for (int i = 0; i < count(); ++i) {
     const SwitchingForces::Lock lock = forces_.lock(i);
     any_friction_ = any_friction_ || lock.friction >= 0 || lock.one_way;

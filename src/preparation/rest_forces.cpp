@@ -41,7 +41,8 @@ void RestForces::add(const Scene& scene, const EquilibriumProblem& of, const std
     if (at.contacts[static_cast<std::size_t>(i)] != 0 || forces.sticking_limit(i).largest() > 0) locks.push_back(i);
   }
   const HoldingBounds bounds = holding_bounds(forces, locks, at.contacts);
-  const VectorXd x = distributed_forces(forces, locks, bounds);
+  DistributedForces distributed;
+  const VectorXd& x = distributed.find(forces, locks, at.contacts);
   for (Index i = 0; i < x.size(); ++i) {
     const double slack = forces.slack(locks[static_cast<std::size_t>(i)]);
     is_held = is_held && x[i] <= bounds.upper[i] + slack && x[i] >= bounds.lower[i] - slack;

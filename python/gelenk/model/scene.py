@@ -357,13 +357,12 @@ def _read_core(text: str, file: str, meshes: Meshes) -> tuple[_core.Scene, list[
     try:
         core, doubts = _core.read_scene_and_doubts(resolved, file)
     except SceneError as e:
-        found = [*faults, *e.lines]
-        if (more := len(found) - _MOST_FAULTS) > 0:
-            found[_MOST_FAULTS:] = [f"{file or 'scene'}: {more} more faults"]
-        raise SceneError(found) from None
-    if faults:
-        raise SceneError(faults)
-    return core, doubts
+        faults = [*faults, *e.lines]
+    if not faults:
+        return core, doubts
+    if (more := len(faults) - _MOST_FAULTS) > 0:
+        faults[_MOST_FAULTS:] = [f"{file or 'scene'}: {more} more faults"]
+    raise SceneError(faults)
 
 
 def _read(text: str, language: str, file: str) -> Scene:
