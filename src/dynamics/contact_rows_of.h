@@ -110,6 +110,7 @@ class ContactRowsOf final : public ContactRows {
     along_ = along;
   }
   bool has_wrenches() const { return wrenches_ != nullptr; }
+  bool has_forces() const { return wrenches_ != nullptr || along_ != nullptr; }
   // Adds the applied wrenches to the loads of the links.
   void add_wrenches(Workspace<A>& ws) const {
     if constexpr (!A::planar) {

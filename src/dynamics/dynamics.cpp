@@ -10,8 +10,10 @@
 #include "derivatives/held_branches.h"
 #include "derivatives/recursive.h"
 #include "dynamics/joint_modes.h"
+#include "dynamics/last_solution.h"
 #include "dynamics/mass_factor.h"
 #include "dynamics/mass_weighted_jacobian.h"
+#include "kinematics/coordinate_kernels.h"
 #include "kinematics/coordinate_rows.h"
 #include "kinematics/kernels.h"
 #include "kinematics/load_kernels.h"
@@ -62,7 +64,8 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
         tau_(model_.nv),
         biased_gamma_(model_.rows),
         unlocked_(model_.nv),
-        holding_(modes_.locks()) {
+        holding_(modes_.locks()),
+        last_(loads.inputs, model_.nv, modes_.count()) {
     if (!modes_.loads().empty()) zero_rows_.resize(static_cast<std::size_t>(model_.rows));
   }
 
@@ -112,7 +115,19 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
 
   void set_singular_threshold(double ratio) override { Y_.set_singular_threshold(ratio); }
 
+  long solution() const override { return last_.number(); }
+  void loads_changed() override { last_.drop(); }
+
   void solve(const double* u, double* vdot, const double* extrapolated) override {
+    const bool may_repeat = extrapolated == nullptr && depends_on_conditions_alone();
+    if (may_repeat && last_.is_for(conditions(u))) {
+      ++evaluations_;
+      regularized_ = false;
+      std::ranges::copy(last_.vdot(), vdot);
+      if (modes_.locks() > 0) modes_.holding_forces().set(holding_);
+      return;
+    }
+    last_.drop();
     forces(u, w_.data());
     if (modes_.locks() > 0) modes_.set_forces(w_);
     if (extrapolated != nullptr) M_.multiply(extrapolated, extrapolated_.data());
@@ -122,6 +137,7 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
     std::ranges::copy(w_, vdot);
     find_accelerations(vdot, biased_gamma(), regularized_ ? extrapolated_.data() : nullptr);
     if (modes_.locks() > 0) modes_.holding_forces().set(holding_);
+    if (may_repeat) last_.keep(conditions(u), vdot);
     if (!compute_all_outputs_) return;
     set_root_poses();
     set_acceleration(vdot);
@@ -148,41 +164,11 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
   }
 
   void qdot_from_v(const double* q, const double* v, double* qdot) const override {
-    if (qdot_is_v_) {
-      std::copy_n(v, model_.nv, qdot);
-      return;
-    }
-    for (std::size_t i = 1; i < model_.links.size(); ++i) {
-      const auto& link = model_.links[i];
-      visit_joint<A>(link.joint,
-                     [&](const auto& joint) { joint.qdot_from_v(q + link.iq, v + link.iv, qdot + link.iq); });
-    }
+    qdot_is_v_ ? void(std::copy_n(v, model_.nv, qdot)) : kernels::coordinate_rates(model_, q, v, qdot);
   }
-
-  void displace(double* q, const double* dv) const override {
-    if (qdot_is_v_) {
-      for (int k = 0; k < model_.nv; ++k) q[k] += dv[k];
-      return;
-    }
-    double dq[7];
-    for (std::size_t i = 1; i < model_.links.size(); ++i) {
-      const auto& link = model_.links[i];
-      double* q_i = q + link.iq;
-      visit_joint<A>(link.joint, [&](const auto& joint) {
-        joint.qdot_from_v(q_i, dv + link.iv, dq);
-        for (int k = 0; k < link.nq; ++k) q_i[k] += dq[k];
-        joint.normalize(q_i);
-      });
-    }
-  }
-
+  void displace(double* q, const double* dv) const override { kernels::displace(model_, qdot_is_v_, q, dv); }
   void normalize(double* q) const override {
-    if (qdot_is_v_) return;
-    for (std::size_t i = 1; i < model_.links.size(); ++i) {
-      const auto& link = model_.links[i];
-      if (link.nq == link.nv) continue;
-      visit_joint<A>(link.joint, [&](const auto& joint) { joint.normalize(q + link.iq); });
-    }
+    if (!qdot_is_v_) kernels::normalize(model_, q);
   }
 
   void differentiate(const double* u, int inputs, const double* vdot, Jacobians& out, const double* lambda,
@@ -269,7 +255,11 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
   void cut_coordinates(int cut, double* q) const override {
     visit_joint<A>(model_.cuts[cut].joint, [&](const auto& joint) { joint.template coordinates<A>(ws_.X_FM[cut], q); });
   }
-  void set_cut_reference(const double* q) override { std::copy(q, q + model_.cut_nq, cut_reference_.begin()); }
+  void set_cut_reference(const double* q) override {
+    if (bitwise_equal(q, cut_reference_)) return;
+    std::copy(q, q + model_.cut_nq, cut_reference_.begin());
+    last_.drop();
+  }
 
   void set_multipliers(const double* lambda) override {
     std::copy(lambda, lambda + model_.rows, ws_.lambda.begin());
@@ -283,6 +273,7 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
   // solve_linear() without the effect on friction that depends on loads.
   void solve_unloaded(double* r, const double* c, double* l, double* holding) const {
     if (model_.rows > 0) M_.add_right_side(c, r);
+    last_.drop();
     // The derivative of the extrapolated acceleration is zero: it is a constant here.
     const bool locks = find_accelerations(r, c, regularized_ ? zero_.data() : nullptr);
     if (model_.rows > 0 && l != nullptr) Y_.multipliers(l);
@@ -346,6 +337,16 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
     modes_.contact_rows().add_along(f);
   }
 
+  // Whether solve() depends on nothing but the conditions of LastSolution.
+  bool depends_on_conditions_alone() const {
+    return !compute_all_outputs_ && constraint_bias_ == nullptr && modes_.loads().empty() &&
+           !modes_.contact_rows().has_forces();
+  }
+  LastSolution::Conditions conditions(const double* u) const {
+    const std::size_t modes = modes_.held() == nullptr ? 0 : static_cast<std::size_t>(modes_.count());
+    return {modes_.locked().generation(), Y_.solutions(), v_, loads_.gravity, u, {modes_.held(), modes}};
+  }
+
   // gamma, with the constraint bias if one is set.
   const double* biased_gamma() {
     if (constraint_bias_ == nullptr) return ws_.gamma.data();
@@ -382,6 +383,7 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
   bool regularized_ = false;  // the last solve() had an extrapolated vdot
   std::vector<double> w_, extrapolated_, zero_, tau_, biased_gamma_, zero_rows_;
   mutable std::vector<double> unlocked_, holding_;  // generalized forces without those of locks; forces of the locks
+  mutable LastSolution last_;  // mutable: linear solutions overwrite its holding forces
   const double* constraint_bias_ = nullptr;
   mutable std::vector<double> J_;  // as last returned
   std::unique_ptr<RecursiveJacobians<A>> recursive_;

@@ -46,11 +46,16 @@ class Dynamics : public Kinematics {
   // Whether M alone is positive definite at that position, beyond rounding. Allocates; invalidates the factors.
   virtual bool mass_is_definite() = 0;
   // Solves for vdot under the inputs u; coordinates that friction locks (switching_forces.h) have no acceleration, here
-  // and in the linear solutions below. extrapolated: the vdot that replaces the constraint equations in the directions
+  // and in the linear solutions below. A mechanism at rest asks again and again under the same conditions: the last
+  // solution is then returned. extrapolated: the vdot that replaces the constraint equations in the directions
   // of weak pivots, or null: no pivot is weak.
   virtual void solve(const double* u, double* vdot, const double* extrapolated = nullptr) = 0;
   // Pivots of the constraint Jacobian near or below this ratio to the largest are weak (row_factor.h); 0: none.
   virtual void set_singular_threshold(double ratio) = 0;
+  // Changes with each solve(), but one that returned the last solution, and with what overwrites its holding forces.
+  virtual long solution() const = 0;
+  // Call when numbers of the loads have changed.
+  virtual void loads_changed() = 0;
   // Makes solve() use J vdot = gamma + bias. bias: rows numbers, read at each evaluation; nullptr: none.
   virtual void set_constraint_bias(const double* bias) = 0;
   // Instead of factorize() and solve(): computes M (nv x nv, full), f = tau - h, and J. Invalidates the factors.

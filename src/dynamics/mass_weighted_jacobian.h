@@ -50,17 +50,22 @@ class MassWeightedJacobian {
   }
   int rank() const { return by_pattern_ ? sparse_->rank() : dense_ ? dense_->rank() : 0; }
   double pivot_ratio() const { return by_pattern_ ? sparse_->pivot_ratio() : dense_ ? dense_->pivot_ratio() : 1; }
+  // Changes when the multipliers do.
+  long solutions() const { return solutions_; }
   void solve_constrained(double* w, const double* gamma, const double* extrapolated) const {
+    ++solutions_;
     by_pattern_ ? sparse_->solve_constrained(w, gamma, extrapolated)
                 : dense_->solve_constrained(w, gamma, extrapolated);
   }
   // For each column of w and gamma, see RowFactor.
   void solve_constrained(double* w, const double* gamma, int columns, bool regularized) const {
+    ++solutions_;
     by_pattern_ ? sparse_->solve_constrained(w, gamma, columns, regularized)
                 : dense_->solve_constrained(w, gamma, columns, regularized);
   }
   void multipliers(double* lambda) const { by_pattern_ ? sparse_->multipliers(lambda) : dense_->multipliers(lambda); }
   void min_norm(const double* residual, double* w) const {
+    ++solutions_;
     by_pattern_ ? sparse_->min_norm(residual, w) : dense_->min_norm(residual, w);
   }
 
@@ -88,6 +93,7 @@ class MassWeightedJacobian {
   std::vector<std::vector<int>> pattern_;  // by constraint equation: the nonzeros of its whitened column, ascending
   std::optional<RowFactor> dense_;
   std::optional<SparseRowFactor> sparse_;
+  mutable long solutions_ = 0;
   bool by_pattern_ = false;  // the last factorize() was sparse
   double singular_threshold_ = 0;
 };

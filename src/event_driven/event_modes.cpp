@@ -97,11 +97,15 @@ void EventModes::hold_mode(double t, const bool* positive) {
 
 void EventModes::check(double t, const double* v) {
   dynamics_.set_velocity(v);
+  if ((!locks_.all_at_rest() && is_in_other_mode(v)) || contacts_->any_penetrates()) mode_exit_time_ = t;
+}
+
+bool EventModes::is_in_other_mode(const double* v) {
   forces_.sides(present_sides_.data());
   for (std::size_t i = 0; i < sides_.size(); ++i) {
     if (locks_.keeps_mode(static_cast<int>(i), v)) present_sides_[i] = sides_[i];
   }
-  if ((present_sides_ != sides_ && is_outside()) || contacts_->any_penetrates()) mode_exit_time_ = t;
+  return present_sides_ != sides_ && is_outside();
 }
 
 bool EventModes::are_overloaded() const {
@@ -152,14 +156,14 @@ void EventModes::serialize(Archive& archive) {
 }
 
 ModePreview::ModePreview(EventModes& modes, double t, const double* y) : modes_(modes) {
-  if (!modes_.locks().empty()) before_ = modes_.locks().state();
+  modes_.locks().keep_state();
   if (modes_.contacts().any()) modes_.contacts().outputs().keep_modes();
   if (!modes_.locks().empty() || modes_.contacts().any()) modes_.changes().preview(t, y);
 }
 
 ModePreview::~ModePreview() {
   if (modes_.contacts().any()) modes_.contacts().outputs().return_to_modes();
-  if (!modes_.locks().empty()) modes_.locks().set_state(before_);
+  modes_.locks().return_to_state();
 }
 
 }  // namespace gelenk

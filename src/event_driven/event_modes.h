@@ -85,6 +85,7 @@ class EventModes final : public EventSource {
   double touch_within(double t0, const double* y0, double t1, const double* y1) override;
   void keep_directions_below(double speed) override;
   void check(double t, const double* v);
+  bool is_in_other_mode(const double* v);
   bool is_outside();
   bool are_overloaded() const;
 
@@ -114,7 +115,6 @@ class ModePreview {
 
  private:
   EventModes& modes_;
-  LockModes::State before_;
 };
 
 }  // namespace gelenk

@@ -39,14 +39,18 @@ LockModes::LockModes(ModeEquations& equations, Dynamics& dynamics, int nq, int n
              std::vector<double>(static_cast<std::size_t>(forces_.locks()))},
       triggered_(modes_.motions.size()),
       holding_(modes_.motions.size()),
+      indicators_(2 * sides.size()),
+      indicator_rates_(indicators_.size()),
       vdot_(static_cast<std::size_t>(nv)) {
   resting_.reserve(modes_.motions.size());
+  kept_ = modes_;
   for (int i = 0; i < count(); ++i) {
     const SwitchingForces::Lock lock = forces_.lock(i);
     any_friction_ = any_friction_ || lock.friction >= 0 || lock.one_way;
     for (const int law : forces_.frictions(i)) lock_of_[static_cast<std::size_t>(law)] = i;
     if (lock.limit >= 0) lock_of_[static_cast<std::size_t>(lock.limit)] = i;
   }
+  owns_all_ = std::ranges::none_of(lock_of_, [](int lock) { return lock < 0; });
   if (!empty()) release();
 }
 
@@ -62,8 +66,9 @@ bool LockModes::is_slow(int lock, const double* v, double tolerance) const {
 bool LockModes::keeps_mode(int force, const double* v) const {
   if (!owns(force)) return false;
   const int lock = lock_of_[static_cast<std::size_t>(force)];
+  if (rests(lock)) return true;
   const SwitchingForces::Lock of = forces_.lock(lock);
-  return rests(lock) || ((of.limit != force || of.one_way) && is_slow(lock, v));
+  return (of.limit != force || of.one_way) && is_slow(lock, v);
 }
 
 // The side on which the coordinate is in contact or touches a bound at the position of `dynamics`; otherwise 0.
@@ -79,7 +84,7 @@ int LockModes::touched_side(int lock) const {
 const double* LockModes::accelerations(double t, const double* y) {
   dynamics_.set_position(y);
   dynamics_.set_velocity(y + nq_);
-  const bool needs_all = forces_.needs_accelerations();
+  const bool needs_all = !owns_all_ && forces_.needs_accelerations();
   const bool may_stop = any_friction_ && (equations_.bring_inputs(t) || any_can_stick(forces_));
   if (!any_at_rest_ && !needs_all && !may_stop) return nullptr;
   find_holding_forces(t, y);
@@ -94,7 +99,9 @@ void LockModes::find_holding_forces(double t, const double* y) {
 }
 
 const std::vector<double>& LockModes::distribute_holding_forces() {
-  distribute(holding_);
+  const bool may_change = !forces_.loads().empty();
+  if (may_change || distributed_at_ != dynamics_.solution()) distribute(holding_);
+  distributed_at_ = dynamics_.solution();
   return holding_;
 }
 
@@ -163,8 +170,21 @@ bool LockModes::returns_to(int lock, int side, double resolution, double speed, 
   return rises_no_higher(height, speed, back);
 }
 
-void LockModes::indicators(const double* vdot, double* g, double* gdot) const {
-  forces_.indicators(holding_, vdot, g, gdot);
+void LockModes::keep_indicators(const double* g, const double* gdot) {
+  indicated_at_ = dynamics_.solution();
+  std::copy_n(g, indicators_.size(), indicators_.begin());
+  std::copy_n(gdot, indicator_rates_.size(), indicator_rates_.begin());
+}
+
+void LockModes::indicators(const double* vdot, double* g, double* gdot) {
+  // A mechanism that is held is asked where a step begins and where it ends, in the same state.
+  if (vdot == nullptr || indicated_at_ != dynamics_.solution() || !forces_.loads().empty()) {
+    forces_.indicators(holding_, vdot, g, gdot);
+    if (vdot != nullptr) keep_indicators(g, gdot);
+  } else {
+    std::ranges::copy(indicators_, g);
+    std::ranges::copy(indicator_rates_, gdot);
+  }
   for (int i = 0; i < count(); ++i) {
     if (modes_.leaves_from[i] == 0 || modes_.contacts[i] != 0) continue;
     for (const int side : {0, 1}) g[2 * forces_.lock(i).limit + side] -= modes_.leaves_from[i];
@@ -189,11 +209,14 @@ bool LockModes::is_doubtful(double t, const double* y, bool jumped) {
 // Writes the modes where the equations read them.
 void LockModes::hold() {
   any_at_rest_ = false;
+  all_at_rest_ = owns_all_;
+  distributed_at_ = indicated_at_ = -1;
   for (int i = 0; i < count(); ++i) {
     for (const int law : forces_.frictions(i)) sides_[static_cast<std::size_t>(law)] = modes_.motions[i];
     const int limit = forces_.lock(i).limit;
     if (limit >= 0) sides_[static_cast<std::size_t>(limit)] = modes_.contacts[i];
     any_at_rest_ = any_at_rest_ || rests(i);
+    all_at_rest_ = all_at_rest_ && rests(i);
   }
   forces_.hold(sides_.data());
 }
@@ -208,6 +231,10 @@ void LockModes::release() {
 void LockModes::set_state(const State& state) {
   modes_ = state;
   hold();
+}
+
+void LockModes::return_to_state() {
+  if (modes_ != kept_) set_state(kept_);
 }
 
 bool LockModes::found_event(int indicator) {

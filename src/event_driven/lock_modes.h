@@ -26,6 +26,8 @@ class LockModes {
   bool empty() const { return modes_.motions.empty(); }
   // Whether friction or a limit keeps anything at rest.
   bool any_at_rest() const { return any_at_rest_; }
+  // Whether everything with modes is at rest.
+  bool all_at_rest() const { return all_at_rest_; }
   // Whether the force with this index is friction or a limit; and whether it keeps its mode at any v: of a
   // coordinate at rest, or so slow that rounding decides on its direction.
   bool owns(int force) const { return lock_of_[static_cast<std::size_t>(force)] >= 0; }
@@ -40,7 +42,7 @@ class LockModes {
   // redundant. By lock. Overwrites the multipliers of that solve().
   const std::vector<double>& distribute_holding_forces();
   // The event indicators of all forces at the present state of `dynamics`, with these forces.
-  void indicators(const double* vdot, double* g, double* gdot) const;
+  void indicators(const double* vdot, double* g, double* gdot);
   // Whether the last solve() needed forces that friction and contact cannot exert.
   bool are_overloaded() const {
     return any_at_rest_ && !forces_.is_redundant() && exceed(forces_.holding_forces().values());
@@ -67,6 +69,9 @@ class LockModes {
   const State& state() const { return modes_; }
   const ModeCounts& counts() const { return counts_; }
   void set_state(const State& state);
+  // Keeps the present modes, and returns to those kept last.
+  void keep_state() { kept_ = modes_; }
+  void return_to_state();
   // Enters the modes in which friction is treated in this way. Returns the index of a force of which the present mode
   // ends at any change of the state (t, y) or the inputs; -1: there is none.
   int treat(FrictionTreatment friction, double t, const double* y);
@@ -87,6 +92,7 @@ class LockModes {
   int touched_side(int lock) const;
   void find_holding_forces(double t, const double* y);
   void distribute(std::vector<double>& holding);
+  void keep_indicators(const double* g, const double* gdot);
   bool exceed(const std::vector<double>& holding) const;
   int on_boundary(double t, const double* y);
   int limit_indicator(int lock, int side) const { return 2 * forces_.lock(lock).limit + (side > 0 ? 0 : 1); }
@@ -107,14 +113,20 @@ class LockModes {
   EventLog& log_;
   std::vector<int>& sides_;
   std::vector<int> lock_of_;  // by force with modes; -1: none
-  State modes_;
+  State modes_, kept_;
   std::vector<Trigger> triggered_;  // by lock: which indicator has changed its sign
-  std::vector<double> holding_, vdot_;
+  std::vector<double> holding_;
+  std::vector<double> indicators_, indicator_rates_;  // of forces, as last found with accelerations
+  std::vector<double> vdot_;
   DistributedForces distributed_;
+  // Dynamics::solution() of holding_ and of indicators_; -1: of none.
+  long distributed_at_ = -1, indicated_at_ = -1;
   std::vector<int> resting_;  // of distribute()
   double resolution_ = 0;     // of displacements that do not matter
   bool any_friction_ = false;
   bool any_at_rest_ = false;
+  bool all_at_rest_ = false;
+  bool owns_all_ = false;  // all forces with modes are friction or limits
   ModeCounts counts_;
   std::vector<int> doubtful_;  // locks of which the last decision is ambiguous
 };

@@ -128,7 +128,7 @@ void Island::keep_start() {
 
 double Island::advance(double end, long max_evaluations, bool continues) {
   keep_start();
-  realized_ = Stage::position;
+  forget_outputs();
   shown_ = false;
   if (!continues) events_.begin(time_);
   equations_->contacts().begin_part(continues);
@@ -216,7 +216,7 @@ void Island::enforce_given_motions() {
 // Only where something is held: what moves freely has no force that modes decide on. Outputs of this state use the same
 // evaluation.
 LawAudit Island::law_audit() {
-  if (equations_->holds_by_modes()) realize(Stage::acceleration);
+  if (equations_->holds_by_modes()) evaluate_outputs();
   return equations_->law_audit(y_.data());
 }
 
@@ -252,7 +252,7 @@ ReplayPath Island::roll_back() {
     serialize(replay_.beginning);
   } else {
     time_ = start_.time;
-    realized_ = Stage::position;
+    forget_outputs();
     events_.begin_part();
   }
   return path;
@@ -276,18 +276,24 @@ void Island::serialize(Archive& archive) {
   }
   if (!archive.reading()) return;
   evaluations_before_ = dynamics_->evaluations() - made;
-  realized_ = Stage::position;
+  forget_outputs();
   replay_.clear();
+}
+
+// Accelerations, and the forces that outputs show.
+void Island::evaluate_outputs() {
+  if (evaluated_) return;
+  const long before = dynamics_->evaluations();
+  equations_->output_accelerations(time_, y_.data(), vdot_.data());
+  // The run that was saved has counted them.
+  if (shown_) evaluations_before_ += dynamics_->evaluations() - before;
+  shown_ = evaluated_ = true;
 }
 
 void Island::realize(Stage stage) {
   if (stage <= realized_) return;
   if (stage == Stage::acceleration) {
-    const long before = dynamics_->evaluations();
-    equations_->output_accelerations(time_, y_.data(), vdot_.data());
-    // The run that was saved has counted them.
-    if (shown_) evaluations_before_ += dynamics_->evaluations() - before;
-    shown_ = true;
+    evaluate_outputs();
   } else {
     equations_->drives().go_to_outputs(time_);
     dynamics_->set_position(y_.data());
@@ -323,14 +329,14 @@ Island::Position Island::position() const {
 void Island::place(const Position& at, double time) {
   y_.assign(at.y.begin(), at.y.end());
   time_ = time;
-  realized_ = Stage::position;
+  forget_outputs();
   equations_->start(at.cut_q, time_, y_.data());
 }
 
 bool Island::place(const Eigen::VectorXd& change, double time) {
   Eigen::Map<Eigen::VectorXd>(y_.data(), change.size()) += change;
   time_ = time;
-  realized_ = Stage::position;
+  forget_outputs();
   if (mechanism().rows == 0) {
     dynamics_->normalize(y_.data());
   } else if (!equations_->project_onto_constraints(time_, y_.data(), false)) {
@@ -343,7 +349,7 @@ bool Island::place(const Eigen::VectorXd& change, double time) {
 void Island::take_modes(const Island& other) {
   LockModes& locks = equations_->modes().locks();
   if (!locks.empty()) locks.set_state(other.equations_->modes().locks().state());
-  realized_ = Stage::position;
+  forget_outputs();
 }
 
 void Island::start_again(const Island& other) {

@@ -51,12 +51,13 @@ class Island {
   void inputs_changed(bool jump) {
     inputs_jumped_ = inputs_jumped_ || jump;
     inputs_touched_ = true;
-    realized_ = Stage::position;
+    forget_outputs();
     shown_ = false;
   }
   // Exchanges the loads for those of the same scene with other numbers.
   void swap_loads(Loads& loads) {
     std::swap(loads_, loads);
+    dynamics_->loads_changed();
     inputs_changed(true);
     loads_changed_ = true;
     if (has_history()) discard_history();  // a replay with the new numbers would end elsewhere
@@ -66,7 +67,7 @@ class Island {
   void realize(Stage stage);
   // What hinders the motion at the present state; empty: nothing is known.
   std::string obstacle() {
-    realized_ = Stage::position;
+    forget_outputs();
     return equations_->obstacle(y_.data());
   }
   // Of the forces that outputs show; it evaluates the equations as they do.
@@ -110,6 +111,11 @@ class Island {
   void warm_up(double step);
   void reserve(std::size_t words);
   void keep_start();
+  void evaluate_outputs();
+  void forget_outputs() {
+    realized_ = Stage::position;
+    evaluated_ = false;
+  }
   // Throws IntegrationError if the forces at the end of an advance break the laws of friction, limits or contacts.
   void audit();
   void discard_history();
@@ -132,6 +138,7 @@ class Island {
   // Prescribed motions up to which the state was advanced (Drives::targets_at).
   std::vector<double> followed_, drives_;
   Stage realized_ = Stage::position;  // of dynamics_, for the present state and inputs
+  bool evaluated_ = false;            // outputs that depend on accelerations have been, at the present state
   bool shown_ = false;                // outputs of this state and these inputs have been evaluated, which counts once
   bool inputs_jumped_ = false, loads_changed_ = false;
   bool inputs_touched_ = false;  // a number has changed since the last advance

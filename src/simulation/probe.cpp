@@ -71,7 +71,7 @@ std::vector<RecordedProblem> Probe::record_cone_problems(double end) {
 // The smallest of several measurements. budget: approximate measuring time [s].
 double Probe::evaluation_cost(Island& of, double budget) {
   if (of.mechanism().nv == 0) return 0;
-  of.realized_ = Stage::position;
+  of.forget_outputs();
   std::vector<double> ydot(of.y_.size());
   // Alternating between two states defeats the caching of results at the same state.
   std::vector<double> nearby = of.y_;

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The last accelerations, which are asked for again under the same conditions: by outputs and by the step that begins
+// there, and in each stage of a step while a mechanism is held at rest.
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cstring>
+#include <span>
+#include <vector>
+
+namespace gelenk {
+
+class LastSolution {
+ public:
+  // All that accelerations depend on, besides the numbers of loads.
+  struct Conditions {
+    long factors;      // changes with the position, and with all else that the factors depend on
+    long multipliers;  // changes when those of the solution are overwritten
+    std::span<const double> v;
+    const Eigen::Vector3d& gravity;
+    const double* u;            // all inputs of the scene
+    std::span<const int> held;  // the held modes of forces; empty: they follow from the state
+  };
+
+  // inputs: those that act here, of which the list must outlive it; modes: how many can be held.
+  LastSolution(const std::vector<int>& inputs, int nv, int modes)
+      : inputs_(inputs),
+        u_(inputs.size()),
+        v_(static_cast<std::size_t>(nv)),
+        vdot_(static_cast<std::size_t>(nv)),
+        held_(static_cast<std::size_t>(modes)) {}
+
+  bool is_for(const Conditions& now) const {
+    if (!holds_ || now.factors != factors_ || now.multipliers != multipliers_) return false;
+    // Bitwise, so that a run does not depend on what was computed before.
+    if (std::memcmp(now.v.data(), v_.data(), v_.size() * sizeof(double)) != 0 || now.gravity != gravity_) return false;
+    for (std::size_t i = 0; i < inputs_.size(); ++i) {
+      if (now.u[inputs_[i]] != u_[i]) return false;
+    }
+    return now.held.size() == held_count_ && std::ranges::equal(now.held, std::span(held_).first(held_count_));
+  }
+  void keep(const Conditions& now, const double* vdot) {
+    holds_ = true;
+    factors_ = now.factors;
+    multipliers_ = now.multipliers;
+    std::ranges::copy(now.v, v_.begin());
+    gravity_ = now.gravity;
+    for (std::size_t i = 0; i < inputs_.size(); ++i) u_[i] = now.u[inputs_[i]];
+    held_count_ = now.held.size();
+    std::ranges::copy(now.held, held_.begin());
+    std::copy_n(vdot, vdot_.size(), vdot_.begin());
+  }
+  void drop() {
+    holds_ = false;
+    ++number_;
+  }
+  // Changes with each solution but a repeated one.
+  long number() const { return number_; }
+  const std::vector<double>& vdot() const { return vdot_; }
+
+ private:
+  const std::vector<int>& inputs_;
+  bool holds_ = false;
+  long number_ = 0;
+  long factors_ = 0, multipliers_ = 0;
+  Eigen::Vector3d gravity_{0, 0, 0};
+  std::vector<double> u_, v_, vdot_;
+  std::vector<int> held_;
+  std::size_t held_count_ = 0;
+};
+
+}  // namespace gelenk
