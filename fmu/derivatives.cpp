@@ -17,6 +17,7 @@ void expect(const char* what, size_t count, const void* list) {
 template <class Body>
 fmi2Status differentiate(fmi2Component c, const char* function, unsigned modes, Body&& body) noexcept {
   return call(c, function, modes, [&](Instance& instance) {
+    const StepMemory::InUse memory = instance.use_step_memory();
     try {
       std::forward<Body>(body)(instance.plant());
       return fmi2OK;

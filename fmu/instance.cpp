@@ -62,6 +62,7 @@ void Instance::exit_initialization() {
   const std::string report = plant_.assembly_report();
   if (!report.empty()) log_.write(Category::events, report);
   for (const std::string& warning : plant_.start_warnings()) log_.write(Category::warning, warning);
+  memory_.emplace();
   enter(Mode::step_complete);
 }
 
@@ -69,12 +70,14 @@ void Instance::terminate() { enter(Mode::terminated); }
 
 void Instance::reset() {
   plant_ = Plant(model_);
+  memory_.reset();
   clock_ = {};
   stop_ = no_stop;
   enter(Mode::instantiated);
 }
 
 void Instance::step(double current, double h) {
+  const StepMemory::InUse memory = use_step_memory();
   if (!std::isfinite(current)) {
     throw UsageError("communication point: found " + text::number(current) + ", expected a finite number");
   }

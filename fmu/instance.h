@@ -12,6 +12,7 @@
 #include "fmu/log.h"
 #include "fmu/runtime/plant.h"
 #include "fmu/saved_state.h"
+#include "fmu/step_memory.h"
 
 namespace gelenk {
 
@@ -46,6 +47,8 @@ class Instance {
   void reset();
   void fail() { mode_ = Mode::error; }
 
+  // Serves this thread from the memory for steps, after initialization, for the lifetime of the result.
+  StepMemory::InUse use_step_memory() const { return StepMemory::InUse(memory_ ? &*memory_ : nullptr); }
   // Advances from the master's time `current` by h > 0 [s]. Throws StepError (the mode is then step_failed) and
   // UsageError (no change).
   void step(double current, double h);
@@ -71,6 +74,7 @@ class Instance {
 
   std::shared_ptr<const PlantModel> model_;
   Log log_;
+  std::optional<StepMemory> memory_;  // outlives what is in it
   Plant plant_;
   Clock clock_;
   Mode mode_ = Mode::instantiated;

@@ -3,28 +3,17 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cstddef>
 #include <cstring>
 #include <functional>
 #include <limits>
 #include <mutex>
-#include <thread>
+
+#include "fmu/spin_lock.h"
+#include "fmu/step_memory.h"
 
 namespace gelenk {
 namespace {
-
-// std::mutex is not constant-initialized on every system, and malloc is called before constructors run.
-class SpinLock {
- public:
-  void lock() noexcept {
-    while (flag_.test_and_set(std::memory_order_acquire)) std::this_thread::yield();
-  }
-  void unlock() noexcept { flag_.clear(std::memory_order_release); }
-
- private:
-  std::atomic_flag flag_;
-};
 
 // A stack of blocks: memory is reclaimed when the last block or all blocks are freed.
 class Store {
@@ -120,19 +109,27 @@ void __real_free(void* block);
 #endif
 
 void* GELENK_OURS(malloc)(std::size_t n) {
-  void* block = GELENK_THEIRS(malloc)(n);
+  void* block = gelenk::StepMemory::take(n);
+  if (block == nullptr) block = GELENK_THEIRS(malloc)(n);
   return block != nullptr ? block : gelenk::from_reserve(n);
 }
 
 void* GELENK_OURS(calloc)(std::size_t count, std::size_t n) {
-  void* block = GELENK_THEIRS(calloc)(count, n);
-  if (block != nullptr || (n > 0 && count > std::numeric_limits<std::size_t>::max() / n)) return block;
+  const bool overflows = n > 0 && count > std::numeric_limits<std::size_t>::max() / n;
+  void* block = overflows ? nullptr : gelenk::StepMemory::take(count * n);
+  if (block != nullptr) return std::memset(block, 0, count * n);
+  block = GELENK_THEIRS(calloc)(count, n);
+  if (block != nullptr || overflows) return block;
   block = gelenk::from_reserve(count * n);
   return block != nullptr ? std::memset(block, 0, count * n) : nullptr;
 }
 
+void GELENK_OURS(free)(void* block);
+
 void* GELENK_OURS(realloc)(void* block, std::size_t n) {
-  const std::size_t room = gelenk::store.size_bound(block);
+  std::size_t room = gelenk::StepMemory::size(block);
+  if (room >= n && room > 0) return block;
+  if (room == 0) room = gelenk::store.size_bound(block);
   if (room == 0) {
     // The size of the block is unknown, so it cannot be moved to the reserve.
     return GELENK_THEIRS(realloc)(block, n);
@@ -140,12 +137,13 @@ void* GELENK_OURS(realloc)(void* block, std::size_t n) {
   void* other = GELENK_OURS(malloc)(n);
   if (other == nullptr) return nullptr;
   std::memcpy(other, block, std::min(n, room));
-  gelenk::store.release(block);
+  GELENK_OURS(free)(block);
   return other;
 }
 
 void GELENK_OURS(free)(void* block) {
-  if (!gelenk::store.release(block)) GELENK_THEIRS(free)(block);
+  if (gelenk::StepMemory::release(block) || gelenk::store.release(block) || gelenk::StepMemory::keep(block)) return;
+  GELENK_THEIRS(free)(block);
 }
 
 }  // extern "C"

@@ -46,6 +46,7 @@ template <class T>
 fmi2Status get(fmi2Component c, const char* function, ParameterType type, const fmi2ValueReference* references,
                size_t count, T* values) noexcept {
   return call(c, function, assembled | Mode::instantiated, [&](Instance& instance) {
+    const StepMemory::InUse memory = instance.use_step_memory();
     Plant& plant = instance.plant();
     const std::string why = fault(plant.catalog(), type, references, count, values);
     if (!why.empty()) return refuse(instance, function, why);
@@ -66,6 +67,7 @@ template <class T>
 fmi2Status set(fmi2Component c, const char* function, ParameterType type, const fmi2ValueReference* references,
                size_t count, const T* values) noexcept {
   return call(c, function, before_steps | between_steps, [&](Instance& instance) {
+    const StepMemory::InUse memory = instance.use_step_memory();
     Plant& plant = instance.plant();
     const std::string why = fault(plant.catalog(), type, references, count, values);
     if (!why.empty()) return refuse(instance, function, why);
@@ -90,6 +92,7 @@ fmi2Status set(fmi2Component c, const char* function, ParameterType type, const 
 fmi2Status set_derivatives(fmi2Component c, const char* function, const fmi2ValueReference* references, size_t count,
                            const fmi2Integer* orders, const fmi2Real* values) noexcept {
   return call(c, function, before_steps | between_steps, [&](Instance& instance) {
+    const StepMemory::InUse memory = instance.use_step_memory();
     Plant& plant = instance.plant();
     const std::string why = fault(plant.catalog(), ParameterType::real, references, count, values);
     if (!why.empty()) return refuse(instance, function, why);

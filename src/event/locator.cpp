@@ -15,6 +15,8 @@ constexpr double resolution_fraction = 5e-14;
 double rounding(double t) { return 4 * std::numeric_limits<double>::epsilon() * std::abs(t); }
 // A step by the rate of an indicator is trusted where the one before has left this part of its value.
 constexpr double newton_progress = 0.1;
+// Part of a step of which the square is rounding, relative to what changes in the step.
+constexpr double negligible_square = 1e-7;
 // Limit on repeated steps; bisection alone needs 44.
 constexpr int max_trials = 60;
 // Limit on steps shortened because loops did not close at their end.
@@ -32,6 +34,7 @@ Locator::Locator(EventSource& source, int size) : source_(source), course_(sourc
   if (course_.size() == 0) return;
   start_y_.resize(static_cast<std::size_t>(size));
   high_y_.resize(static_cast<std::size_t>(size));
+  drifted_y_.resize(static_cast<std::size_t>(size));
   searched_.resize(course_.size());
 }
 
@@ -192,8 +195,9 @@ double Locator::next_trial(std::size_t i, const Bracket& bracket, bool converges
 Step Locator::search(std::size_t i, Stepping& method) {
   Bracket bracket(course_.start(), course_.at_start(i), high_t_, course_.at_end(i));
   const double resolution = resolution_to(high_t_);
-  double next = bracket.clamped(course_.zero(i), resolution);
-  double least = INFINITY;  // of the indicator's values
+  double next = bracket.clamped(course_.zero(i) + resolution / 2, resolution);
+  const double resolved = high_t_ - course_.start();  // by the method, in a single step
+  double least = INFINITY;                            // of the indicator's values
   for (int k = 0; k < max_trials && bracket.width() > 2 * resolution; ++k) {
     if (const Step step = repeat_step(method, next); step != Step::made) return step;
     const double t = method.time();
@@ -207,10 +211,26 @@ Step Locator::search(std::size_t i, Stepping& method) {
     bracket.update(t, g);
     if (course_.changed(i) && std::abs(g) <= indicator_rounding) break;
     next = next_trial(i, bracket, std::abs(g) <= newton_progress * least, resolution);
+    if (drift_to(next, resolved, i, method)) break;
     least = std::min(least, std::abs(g));
   }
   course_.end(high_t_, high_y_.data());
   return Step::made;
+}
+
+// Where the next trial would end so near to the last one that the square of the time between does not matter, the state
+// there follows from its rates, at a fraction of the cost of a step. Returns whether it is beyond the zero of indicator i,
+// by no more than rounding; it is then in high_y_.
+bool Locator::drift_to(double end, double resolved, std::size_t i, const Stepping& method) {
+  const double t = method.time();
+  if (!(std::abs(end - t) <= negligible_square * resolved)) return false;
+  std::copy_n(method.state(), drifted_y_.size(), drifted_y_.begin());
+  source_.drift(t, drifted_y_.data(), end - t);
+  course_.end(end, drifted_y_.data());
+  if (!course_.changed(i) || std::abs(course_.at_end(i)) > indicator_rounding) return false;
+  high_t_ = end;
+  high_y_ = drifted_y_;
+  return true;
 }
 
 // Ends the step at the earliest event found, beyond it by rounding; the next step begins there.

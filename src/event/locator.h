@@ -68,6 +68,7 @@ class Locator {
   Step search(std::size_t i, Stepping& method);
   double next_trial(std::size_t i, const Bracket& bracket, bool converges, double resolution) const;
   Step repeat_step(Stepping& method, double end);
+  bool drift_to(double end, double resolved, std::size_t i, const Stepping& method);
   bool has_left_mode(double end) const;
   void save_start(Stepping& method, double end);
   void save_high(const Stepping& method);
@@ -82,7 +83,7 @@ class Locator {
   StepCourse course_;
   // The earliest known end of a step that lies beyond an event.
   double high_t_ = 0;
-  std::vector<double> start_y_, high_y_;
+  std::vector<double> start_y_, high_y_, drifted_y_;
   std::vector<char> searched_;  // by indicator
 };
 

@@ -14,12 +14,15 @@ namespace gelenk {
 EventModes::EventModes(const Context& context)
     : dynamics_(context.dynamics),
       forces_(context.dynamics.switching_forces()),
+      equations_(context.equations),
       nq_(context.mechanism.nq),
+      nv_(context.mechanism.nv),
       log_(context.log),
       sides_(static_cast<std::size_t>(forces_.count()), mode_of_state),
       present_sides_(sides_.size()),
       g_(2 * sides_.size()),
       gdot_(g_.size()),
+      rates_(static_cast<std::size_t>(nq_ + nv_)),
       locks_(context.equations, dynamics_, nq_, context.mechanism.nv, log_, sides_),
       outputs_(dynamics_, locks_, sides_),
       contacts_(std::make_unique<ContactModes>(ContactModes::Context{context.mechanism, dynamics_, context.loads,
@@ -147,6 +150,15 @@ void EventModes::found_event(double t, int indicator, bool positive) {
   } else if (indicator < own_indicators() && !locks_.found_event(indicator)) {
     log_.add({t, indicator, positive});
   }  // where the load of friction changes its sign, no mode changes
+}
+
+void EventModes::drift(double t, double* y, double dt) {
+  double* const qdot = rates_.data();
+  double* const vdot = qdot + nq_;
+  equations_.accelerations_at(t, y, vdot);
+  dynamics_.qdot_from_v(y, y + nq_, qdot);
+  for (int k = 0; k < nq_ + nv_; ++k) y[k] += dt * rates_[static_cast<std::size_t>(k)];
+  dynamics_.normalize(y);
 }
 
 void EventModes::serialize(Archive& archive) {

@@ -44,6 +44,7 @@ class EventModes final : public EventSource {
   void hold_mode(double t, const bool* positive) override;
   double mode_exit_time() const override { return mode_exit_time_; }
   void found_event(double t, int indicator, bool positive) override;
+  void drift(double t, double* y, double dt) override;
   void change_mode(double t, double* y) override;
   std::string refusal() const override;
   // Why the last accelerations are not determined; otherwise empty.
@@ -91,10 +92,12 @@ class EventModes final : public EventSource {
 
   Dynamics& dynamics_;
   SwitchingForces& forces_;
-  int nq_;
+  ModeEquations& equations_;
+  int nq_, nv_;
   EventLog& log_;
   std::vector<int> sides_, present_sides_;  // of the forces: held, and those of the present state
   std::vector<double> g_, gdot_;            // indicators
+  std::vector<double> rates_;               // of drift()
   bool held_ = false;                       // a mode is held
   double held_from_ = 0;                    // s: start of the held mode
   double mode_exit_time_ = INFINITY;        // s: see EventSource

@@ -49,6 +49,17 @@ VectorXd basic_solution(MatrixXd W, VectorXd b) {
   return x;
 }
 
+// Of a single unknown, as most impacts and most limits of a mechanism have.
+BoxSolution solve_single(double w, double b, double lower, double upper) {
+  const double sought = w > 0 ? b / w : b > 0 ? INFINITY : b < 0 ? -INFINITY : 0;
+  const double x = std::clamp(sought, lower, upper);
+  const bool is_inside = sought > lower && sought < upper;
+  const bool found = std::isfinite(x);
+  const double r = is_inside ? 0 : found ? b - w * x : b;
+  const int at_bound = is_inside || !found ? 0 : lower == upper ? (r < 0 ? -1 : 1) : x == upper ? 1 : -1;
+  return {VectorXd::Constant(1, found ? x : 0), VectorXd::Constant(1, r), {at_bound}, found};
+}
+
 class ActiveSet {
  public:
   ActiveSet(const MatrixXd& W, const VectorXd& b, const VectorXd& lower, const VectorXd& upper, double tolerance)
@@ -204,6 +215,7 @@ VectorXd least_squares(const MatrixXd& W, const VectorXd& b) {
 BoxSolution solve_in_box(const MatrixXd& W, const VectorXd& b, const VectorXd& lower, const VectorXd& upper,
                          double tolerance) {
   if (b.size() == 0) return {.x = {}, .r = {}, .at_bound = {}, .found = true};
+  if (b.size() == 1) return solve_single(W(0, 0), b[0], lower[0], upper[0]);
   // Each unknown in a unit in which its diagonal entry is 1.
   const VectorXd unit = W.diagonal().unaryExpr([](double w) { return w > 0 ? 1 / std::sqrt(w) : 1; });
   BoxSolution out = ActiveSet(unit.asDiagonal() * W * unit.asDiagonal(), unit.cwiseProduct(b),
