@@ -19,9 +19,8 @@ constexpr double no_tilt = 1e-12;
 
 // The least cosine of the angles between n and the normals of the faces at an edge: n points between them if it is
 // positive.
-double least_cosine(const SolidEdge& edge, const Eigen::Matrix3d& R, const Vector3d& n) {
-  if (!edge.is_sharp()) return 1;
-  return std::min(n.dot(R * edge.normals[0]), n.dot(R * edge.normals[1]));
+double least_cosine(const std::array<Vector3d, 2>& normals, const Vector3d& n) {
+  return std::min(n.dot(normals[0]), n.dot(normals[1]));
 }
 
 }  // namespace
@@ -29,27 +28,27 @@ double least_cosine(const SolidEdge& edge, const Eigen::Matrix3d& R, const Vecto
 ContactCandidates::Crossing ContactCandidates::crossing(const ContactCandidate& candidate) const {
   const SolidEdge& tip = candidate.tip_edge;
   const SolidEdge& core = candidate.core_edge;
-  const Pose3& X_tip = pose(candidate.tip_link);
-  const Pose3& X_core = pose(candidate.core_link);
+  const PlacedEdge& tip_at = placed_edge(candidate.placed_tip_edge);
+  const PlacedEdge& core_at = placed_edge(candidate.placed_core_edge);
   Crossing out;
-  out.a = X_tip.R * tip.direction;
-  out.b = X_core.R * core.direction;
-  out.d = X_tip.point(tip.center) - X_core.point(core.center);
+  out.a = tip_at.direction;
+  out.b = core_at.direction;
+  out.d = tip_at.center - core_at.center;
   out.c = out.a.cross(out.b);
   out.sine = out.c.norm();
   if (!(out.sine > no_tilt)) {
     out.left = -1;
     out.n = Vector3d::UnitZ();
-    out.p_a = X_tip.point(tip.center);
-    out.p_b = X_core.point(core.center);
+    out.p_a = tip_at.center;
+    out.p_b = core_at.center;
     out.gap = candidate.size;
     return out;
   }
   Vector3d outward = out.d;
   if (core.is_sharp()) {
-    outward = X_core.R * (core.normals[0] + core.normals[1]);
+    outward = core_at.outward;
   } else if (tip.is_sharp()) {
-    outward = -(X_tip.R * (tip.normals[0] + tip.normals[1]));
+    outward = -tip_at.outward;
   }
   out.sign = out.c.dot(outward) < 0 ? -1 : 1;
   out.n = out.sign / out.sine * out.c;
@@ -59,21 +58,22 @@ ContactCandidates::Crossing ContactCandidates::crossing(const ContactCandidate& 
   const double d_b = out.d.dot(out.b);
   out.s = (k * d_b - d_a) / D;
   out.t = (d_b - k * d_a) / D;
-  out.p_a = X_tip.point(tip.center) + out.s * out.a;
-  out.p_b = X_core.point(core.center) + out.t * out.b;
+  out.p_a = tip_at.center + out.s * out.a;
+  out.p_b = core_at.center + out.t * out.b;
   out.gap = out.n.dot(out.d) - tip.radius - core.radius;
   out.left = std::min(tip.half - std::abs(out.s), core.half - std::abs(out.t));
-  const double least = std::min(least_cosine(core, X_core.R, out.n), least_cosine(tip, X_tip.R, -out.n));
+  const double least = std::min(core.is_sharp() ? least_cosine(core_at.normals, out.n) : 1.0,
+                                tip.is_sharp() ? least_cosine(tip_at.normals, -out.n) : 1.0);
   // Where faces lie on each other, edges may be deep in the direction of one of their faces, but not of the other.
   out.is_outside = least >= -angle_rounding && (out.gap > -depth_rounding || -out.gap * least > depth_rounding);
   return out;
 }
 
 bool ContactCandidates::is_near(const ContactCandidate& candidate, const Crossing& at) const {
-  if (!at.is_outside) return false;
+  if (at.margin() < -near_tolerance || !at.is_outside) return false;
   if (at.gap > -depth_rounding || !candidate.core_edge.is_sharp()) return true;
   // Edges on far sides of both solids seem to be deep inside.
-  const Pose3 X_0S = pose(candidate.core_link) * candidate.X_LS;
+  const Pose3& X_0S = core_pose(candidate);
   const Vector3d x = X_0S.R.transpose() * (at.p_a - candidate.tip_edge.radius * at.n - X_0S.p);
   return ((x.cwiseAbs() - candidate.box.half).array() <= near_tolerance).all();
 }
@@ -113,7 +113,7 @@ CandidateState ContactCandidates::state_of_edges(const ContactCandidate& candida
 
 ContactCandidates::Lowest ContactCandidates::lowest(const ContactCandidate& candidate) const {
   const Pose3& X_tip = pose(candidate.tip_link);
-  const Pose3 X_0S = pose(candidate.core_link) * candidate.X_LS;
+  const Pose3& X_0S = core_pose(candidate);
   Lowest out;
   out.n = X_0S.R.col(2);
   out.axis = X_tip.R * candidate.tip_edge.direction;

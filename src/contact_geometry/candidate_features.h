@@ -2,6 +2,8 @@
 // Geometry of edges that cross and of rims above planes, in the root frame.
 #pragma once
 
+#include <algorithm>
+
 #include "contact_geometry/contact_candidates.h"
 
 namespace gelenk {
@@ -24,6 +26,7 @@ struct ContactCandidates::Crossing {
   double sign = 1;           // of n relative to c
   double gap = 0;            // m
   double left = 0;           // m, to the nearest end of an edge; negative beyond it
+  double margin() const { return std::min(left, sine - least_sine); }
   bool is_outside = false;   // n points out of the core, and -n out of the tip
 };
 

@@ -42,7 +42,9 @@ double arm_of(const AnyShape& shape) {
 }  // namespace
 
 ContactCandidates::ContactCandidates(const Mechanism& mechanism, bool located)
-    : poses_(mechanism.links.size()), V_(mechanism.links.size()), A_(mechanism.links.size()) {
+    : poses_(mechanism.links.size()),
+      core_poses_(mechanism.shapes.size()),
+      V_(mechanism.links.size()), A_(mechanism.links.size()) {
   const auto& shapes = mechanism.shapes;
   const int n = located ? static_cast<int>(shapes.size()) : 0;
   for (int i = 0; i < n; ++i) {
@@ -71,6 +73,12 @@ ContactCandidates::ContactCandidates(const Mechanism& mechanism, bool located)
   }
   std::ranges::sort(links_);
   links_.erase(std::unique(links_.begin(), links_.end()), links_.end());
+  std::vector<bool> is_core(core_poses_.size());
+  for (int i = 0; i < count(); ++i) {
+    const auto core = static_cast<std::size_t>((*this)[i].core);
+    if (!is_core[core]) cores_.push_back(i);
+    is_core[core] = true;
+  }
 }
 
 void ContactCandidates::begin_pair(const Mechanism& mechanism, int tip, int core) {
@@ -186,13 +194,27 @@ void ContactCandidates::add_edges(const Mechanism& mechanism, int contact, int t
   };
   ContactCandidate candidate = candidate_between(mechanism, contact, tip, core);
   candidate.kind = ContactCandidate::Kind::edges;
+  std::vector<int> placed_core_edges;
+  for (const SolidEdge& of_core : edges_of(*b.is))
+    placed_core_edges.push_back(place_edge(candidate.core_link, in_link(b.X_LS, of_core)));
   for (const SolidEdge& of_tip : edges_of(*a.is)) {
-    for (const SolidEdge& of_core : edges_of(*b.is)) {
-      candidate.tip_edge = in_link(a.X_LS, of_tip);
-      candidate.core_edge = in_link(b.X_LS, of_core);
+    candidate.tip_edge = in_link(a.X_LS, of_tip);
+    candidate.placed_tip_edge = place_edge(candidate.tip_link, candidate.tip_edge);
+    for (const int of_core : placed_core_edges) {
+      candidate.core_edge = placed_edge(of_core).edge;
+      candidate.placed_core_edge = of_core;
       candidates_.push_back(candidate);
     }
   }
+}
+
+// Of the last pair.
+int ContactCandidates::place_edge(int link, const SolidEdge& edge) {
+  PlacedEdge& out = edges_.emplace_back();
+  out.pair = static_cast<int>(pairs_.size()) - 1;
+  out.link = link;
+  out.edge = edge;
+  return static_cast<int>(edges_.size()) - 1;
 }
 
 void ContactCandidates::add_rims(const Mechanism& mechanism, int contact, int tip, int core) {
@@ -213,7 +235,20 @@ void ContactCandidates::read_position(Dynamics& dynamics) {
   for (const int link : links_) {
     if (link > 0) poses_[static_cast<std::size_t>(link)] = dynamics.readings().link_pose(link);
   }
+  for (const int i : cores_) {
+    const ContactCandidate& of = (*this)[i];
+    core_poses_[static_cast<std::size_t>(of.core)] = pose(of.core_link) * of.X_LS;
+  }
   for (Pair& pair : pairs_) pair.is_close = !(between(pair).squaredNorm() > pair.reach * pair.reach);
+  for (PlacedEdge& at : edges_) {
+    if (!pairs_[static_cast<std::size_t>(at.pair)].is_close) continue;
+    const Pose3& X = pose(at.link);
+    at.center = X.point(at.edge.center);
+    at.direction = X.R * at.edge.direction;
+    if (!at.edge.is_sharp()) continue;
+    for (std::size_t k = 0; k < 2; ++k) at.normals[k] = X.R * at.edge.normals[k];
+    at.outward = X.R * (at.edge.normals[0] + at.edge.normals[1]);
+  }
 }
 
 void ContactCandidates::read_motion(Dynamics& dynamics) {
@@ -226,7 +261,7 @@ void ContactCandidates::read_motion(Dynamics& dynamics) {
 }
 
 Vector3d ContactCandidates::center(const ContactCandidate& candidate) const {
-  const Pose3 X_0S = pose(candidate.core_link) * candidate.X_LS;
+  const Pose3& X_0S = core_pose(candidate);
   return X_0S.R.transpose() * (pose(candidate.tip_link).point(candidate.center) - X_0S.p);
 }
 
@@ -265,8 +300,7 @@ ContactCandidates::Line ContactCandidates::line(const ContactCandidate& candidat
 
 // Of a tip, in S.
 Vector3d ContactCandidates::way_to_tip(const ContactCandidate& candidate) const {
-  const Eigen::Matrix3d R_0S = pose(candidate.core_link).R * candidate.X_LS.R;
-  return R_0S.transpose() * (pose(candidate.tip_link).R * candidate.way);
+  return core_pose(candidate).R.transpose() * (pose(candidate.tip_link).R * candidate.way);
 }
 
 double ContactCandidates::gap(int candidate) const {
@@ -287,8 +321,7 @@ double ContactCandidates::margin(int candidate) const {
       return std::min(left[(axis + 1) % 3], left[(axis + 2) % 3]);
     }
     case ContactCandidate::Kind::edges: {
-      const Crossing on = crossing(at);
-      return std::min(on.left, on.sine - least_sine);
+      return crossing(at).margin();
     }
     default:
       return at.radius > 0 ? lowest(at).sine - flat_sine : at.size;
@@ -298,8 +331,8 @@ double ContactCandidates::margin(int candidate) const {
 bool ContactCandidates::is_near(int candidate) const {
   const ContactCandidate& at = (*this)[candidate];
   if (at.kind == ContactCandidate::Kind::tip || at.kind == ContactCandidate::Kind::rim) return true;
-  if (margin(candidate) < -near_tolerance) return false;
   if (at.kind == ContactCandidate::Kind::edges) return is_near(at, crossing(at));
+  if (margin(candidate) < -near_tolerance) return false;
   // A corner that touches a face is ahead of its body, which is on the outer side; on the inner side of a thin plate
   // is the face beyond.
   const Line from = line(at);
@@ -320,7 +353,7 @@ CandidateState ContactCandidates::state(int candidate) const {
   if (at.kind == ContactCandidate::Kind::edges) return state_of_edges(at);
   if (at.kind == ContactCandidate::Kind::rim) return state_of_rim(at);
   const Line way = line(at);
-  const Eigen::Matrix3d R_0S = pose(at.core_link).R * at.X_LS.R;
+  const Eigen::Matrix3d& R_0S = core_pose(at).R;
   const Spatial::Motion& V_core = V_[static_cast<std::size_t>(at.core_link)];
   const Spatial::Motion& V_tip = V_[static_cast<std::size_t>(at.tip_link)];
   const Vector3d center = pose(at.tip_link).point(at.center);

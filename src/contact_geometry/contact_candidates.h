@@ -4,6 +4,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -34,6 +35,7 @@ struct ContactCandidate {
   int face = 0;            // of the box: the axis of its normal, plus 3 for the negative one
   SolidEdge core_edge;     // in the link of the core
   SolidEdge tip_edge;      // in the link of the tip; of a rim, center and axis
+  int placed_core_edge = 0, placed_tip_edge = 0;  // among the edges of all shapes
   Eigen::Matrix3d R_belt;  // from the shape with the second surface to its link
 };
 
@@ -132,6 +134,17 @@ class ContactCandidates {
   Line line(const ContactCandidate& candidate) const;
   Eigen::Vector3d center(const ContactCandidate& candidate) const;      // of the tip, in S
   Eigen::Vector3d way_to_tip(const ContactCandidate& candidate) const;  // ContactCandidate::way, in S
+  // An edge of a shape, which has several candidates.
+  struct PlacedEdge {
+    int pair = 0, link = 0;
+    SolidEdge edge;  // in the link
+    // In the root frame, where the shapes of the pair are close.
+    Eigen::Vector3d center, direction;
+    std::array<Eigen::Vector3d, 2> normals;  // of a sharp edge
+    Eigen::Vector3d outward;                 // their sum
+  };
+  int place_edge(int link, const SolidEdge& edge);
+  const PlacedEdge& placed_edge(int i) const { return edges_[static_cast<std::size_t>(i)]; }
   struct Crossing;
   Crossing crossing(const ContactCandidate& candidate) const;
   bool is_near(const ContactCandidate& candidate, const Crossing& at) const;
@@ -139,12 +152,18 @@ class ContactCandidates {
   struct Lowest;
   Lowest lowest(const ContactCandidate& candidate) const;
   CandidateState state_of_rim(const ContactCandidate& candidate) const;
+  const Pose3& core_pose(const ContactCandidate& candidate) const {
+    return core_poses_[static_cast<std::size_t>(candidate.core)];
+  }
   const Spatial::Motion& velocity(int link) const { return V_[static_cast<std::size_t>(link)]; }
 
   std::vector<ContactCandidate> candidates_;
   std::vector<Pair> pairs_;
+  std::vector<PlacedEdge> edges_;
   std::vector<int> links_;              // with shapes
   std::vector<Pose3> poses_;            // by link, in the root frame
+  std::vector<int> cores_;              // candidates of all shapes that are cores, one of each
+  std::vector<Pose3> core_poses_;       // by shape, in the root frame: of these
   std::vector<Spatial::Motion> V_, A_;  // by link, in and about the root frame
 };
 

@@ -2,7 +2,6 @@
 #include "dynamics/dynamics.h"
 
 #include <algorithm>
-#include <cstring>
 #include <limits>
 #include <numeric>
 
@@ -21,6 +20,7 @@
 #include "kinematics/stages.h"
 #include "kinematics/visit.h"
 #include "kinematics/with_readings.h"
+#include "math/bitwise.h"
 
 namespace gelenk {
 namespace {
@@ -29,6 +29,13 @@ std::vector<int> all_links(const Mechanism& mechanism) {
   std::vector<int> out(mechanism.links.size() - 1);
   std::iota(out.begin(), out.end(), 1);
   return out;
+}
+
+// k: of a velocity without inertia.
+[[noreturn]] void throw_singular(const Mechanism& mechanism, int k) {
+  const auto moves = [k](const Link& link) { return k >= link.iv && k < link.iv + link.nv && link.parent >= 0; };
+  const auto link = std::ranges::find_if(mechanism.links, moves);
+  throw SingularMass(link == mechanism.links.end() ? "?" : link->name);
 }
 
 class AllOfDynamics : public Dynamics, public StateReadings {};
@@ -54,7 +61,7 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
         loaded_links_(links_with_loads(mechanism, loads)),
         qdot_is_v_(
             std::ranges::all_of(model_.links, [](const auto& link) { return link.constant_subspace || link.nv == 0; })),
-        M_(model_, ws_, loads.added_inertia, [this](int k) { throw_singular(k); }),
+        M_(model_, ws_, loads.added_inertia, [this](int k) { throw_singular(mechanism_, k); }),
         Y_(M_, ws_.J, model_.nv),
         modes_({model_, loads_, ws_, q_, v_, cut_reference_}, M_, Y_),
         max_rank_(model_.rows),
@@ -123,11 +130,15 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
     if (may_repeat && last_.is_for(conditions(u))) {
       ++evaluations_;
       regularized_ = false;
-      std::ranges::copy(last_.vdot(), vdot);
+      std::ranges::copy(last_.repeat(), vdot);
       if (modes_.locks() > 0) modes_.holding_forces().set(holding_);
+      if (std::exchange(link_loads_are_others_, false)) link_loads(u);
       return;
     }
-    last_.drop();
+    // Without constraint equations and locks, another solution, as with contact forces as loads, overwrites but those.
+    const bool keeps_last = model_.rows == 0 && modes_.locks() == 0;
+    keeps_last ? last_.begin_other() : last_.drop();
+    link_loads_are_others_ = keeps_last && !may_repeat;
     forces(u, w_.data());
     if (modes_.locks() > 0) modes_.set_forces(w_);
     if (extrapolated != nullptr) M_.multiply(extrapolated, extrapolated_.data());
@@ -324,13 +335,7 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
   void forces(const double* u, double* f) {
     ++evaluations_;
     modes_.set_inputs(u);
-    const bool none = loads_.only_along_tree && !modes_.contact_rows().has_wrenches();
-    if (!none || !link_loads_are_zero_) {
-      kernels::link_loads(model_, loads_, u, ws_);
-      kernels::cut_loads(model_, loads_, u, cut_reference_.data(), ws_, modes_.held(true));
-      modes_.contact_rows().add_wrenches(ws_);
-    }
-    link_loads_are_zero_ = none;
+    link_loads(u);
     kernels::inverse_dynamics_bias(model_, ws_, tau_.data());
     for (int k = 0; k < model_.nv; ++k) f[k] = -tau_[k];
     loads_.tree.add(q_.data(), v_.data(), u, f, modes_.held());
@@ -347,6 +352,16 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
     return {modes_.locked().generation(), Y_.solutions(), v_, loads_.gravity, u, {modes_.held(), modes}};
   }
 
+  void link_loads(const double* u) {
+    const bool none = loads_.only_along_tree && !modes_.contact_rows().has_wrenches();
+    if (!none || !link_loads_are_zero_) {
+      kernels::link_loads(model_, loads_, u, ws_);
+      kernels::cut_loads(model_, loads_, u, cut_reference_.data(), ws_, modes_.held(true));
+      modes_.contact_rows().add_wrenches(ws_);
+    }
+    link_loads_are_zero_ = none;
+  }
+
   // gamma, with the constraint bias if one is set.
   const double* biased_gamma() {
     if (constraint_bias_ == nullptr) return ws_.gamma.data();
@@ -354,23 +369,12 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
     return biased_gamma_.data();
   }
 
-  [[noreturn]] void throw_singular(int k) const {
-    for (const Link& link : mechanism_.links) {
-      if (k >= link.iv && k < link.iv + link.nv && link.parent >= 0) throw SingularMass(link.name);
-    }
-    throw SingularMass("?");
-  }
-
-  // Bitwise, so that a run does not depend on what was computed before. Most differ in their first number.
-  static bool bitwise_equal(const double* x, const std::vector<double>& as) {
-    return as.empty() || (*x == as.front() && std::memcmp(x, as.data(), as.size() * sizeof *x) == 0);
-  }
-
   // The workspace has the position of q_ and targets_, and the velocity of v_ and gravity_. They are reused: a step
   // ends at the state at which outputs are read and the next step begins.
   Stages stages_;
   Computed factors_{Stage::position};  // valid for any inputs
   bool link_loads_are_zero_ = false;   // in the workspace
+  bool link_loads_are_others_ = false;  // than those of last_
   std::vector<double> added_inertia_;  // in the factors, on the diagonal of M
   Eigen::Vector3d gravity_{0, 0, 0};
   bool compute_all_outputs_;

@@ -5,9 +5,10 @@
 
 #include <Eigen/Core>
 #include <algorithm>
-#include <cstring>
 #include <span>
 #include <vector>
+
+#include "math/bitwise.h"
 
 namespace gelenk {
 
@@ -33,8 +34,7 @@ class LastSolution {
 
   bool is_for(const Conditions& now) const {
     if (!holds_ || now.factors != factors_ || now.multipliers != multipliers_) return false;
-    // Bitwise, so that a run does not depend on what was computed before.
-    if (std::memcmp(now.v.data(), v_.data(), v_.size() * sizeof(double)) != 0 || now.gravity != gravity_) return false;
+    if (!bitwise_equal(now.v.data(), v_) || now.gravity != gravity_) return false;
     for (std::size_t i = 0; i < inputs_.size(); ++i) {
       if (now.u[inputs_[i]] != u_[i]) return false;
     }
@@ -42,6 +42,7 @@ class LastSolution {
   }
   void keep(const Conditions& now, const double* vdot) {
     holds_ = true;
+    kept_number_ = number_;
     factors_ = now.factors;
     multipliers_ = now.multipliers;
     std::ranges::copy(now.v, v_.begin());
@@ -51,18 +52,24 @@ class LastSolution {
     std::ranges::copy(now.held, held_.begin());
     std::copy_n(vdot, vdot_.size(), vdot_.begin());
   }
+  // Begins another one, beside which this one is kept.
+  void begin_other() { number_ = ++count_; }
   void drop() {
     holds_ = false;
-    ++number_;
+    begin_other();
   }
-  // Changes with each solution but a repeated one.
+  // Returns to it.
+  const std::vector<double>& repeat() {
+    number_ = kept_number_;
+    return vdot_;
+  }
+  // Of the last one; that of a repeated one is the same.
   long number() const { return number_; }
-  const std::vector<double>& vdot() const { return vdot_; }
 
  private:
   const std::vector<int>& inputs_;
   bool holds_ = false;
-  long number_ = 0;
+  long count_ = 0, number_ = 0, kept_number_ = 0;
   long factors_ = 0, multipliers_ = 0;
   Eigen::Vector3d gravity_{0, 0, 0};
   std::vector<double> u_, v_, vdot_;

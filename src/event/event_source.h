@@ -46,8 +46,9 @@ class EventSource {
   // Called after these, with the state at t from which the run continues: enters the mode that follows, and may change
   // the velocities.
   virtual void change_mode(double /*t*/, double* /*y*/) {}
-  // Moves the state y from t by a time dt [s] of which the square does not matter, in the held mode.
-  virtual void drift(double /*t*/, double* /*y*/, double /*dt*/) {}
+  // Moves the state y from t by a time dt [s] of which the square does not matter, in the held mode. Returns false, and
+  // does nothing, where states do not follow smoothly from the length of a step.
+  virtual bool drift(double /*t*/, double* /*y*/, double /*dt*/) { return false; }
   // Relative motions slower than this have no direction of their own: they keep the one in which they began [natural
   // units of speed]. The slower a motion is, the faster friction turns it, so that steps would amplify rounding at the
   // beginning and the end of motions.

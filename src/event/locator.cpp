@@ -195,7 +195,7 @@ double Locator::next_trial(std::size_t i, const Bracket& bracket, bool converges
 Step Locator::search(std::size_t i, Stepping& method) {
   Bracket bracket(course_.start(), course_.at_start(i), high_t_, course_.at_end(i));
   const double resolution = resolution_to(high_t_);
-  double next = bracket.clamped(course_.zero(i) + resolution / 2, resolution);
+  double next = bracket.clamped(course_.zero(i), resolution);
   const double resolved = high_t_ - course_.start();  // by the method, in a single step
   double least = INFINITY;                            // of the indicator's values
   for (int k = 0; k < max_trials && bracket.width() > 2 * resolution; ++k) {
@@ -225,7 +225,7 @@ bool Locator::drift_to(double end, double resolved, std::size_t i, const Steppin
   const double t = method.time();
   if (!(std::abs(end - t) <= negligible_square * resolved)) return false;
   std::copy_n(method.state(), drifted_y_.size(), drifted_y_.begin());
-  source_.drift(t, drifted_y_.data(), end - t);
+  if (!source_.drift(t, drifted_y_.data(), end - t)) return false;
   course_.end(end, drifted_y_.data());
   if (!course_.changed(i) || std::abs(course_.at_end(i)) > indicator_rounding) return false;
   high_t_ = end;

@@ -48,6 +48,8 @@ ContactEquations::ContactEquations(const Mechanism& mechanism, Dynamics& dynamic
       loads_(loads),
       candidates_(mechanism, located),
       modes_(static_cast<std::size_t>(candidates_.count())),
+      solved_modes_(modes_.size()),
+      vdot_(static_cast<std::size_t>(mechanism.nv)),
       least_norm_(rank_threshold),
       sharing_(rank_threshold),
       closing_gaps_(rank_threshold),
@@ -197,15 +199,31 @@ double ContactEquations::weight(const Entry& entry, int group) const {
 
 double ContactEquations::accelerate(double* vdot, bool again) {
   if (closed_.empty()) return 0;
+  if (!again && solved_at_ == dynamics_.solution() && is_in_solved_modes()) {
+    candidates_.read_motion(dynamics_);
+    std::ranges::copy(vdot_, vdot);
+    return 1;
+  }
   const VectorXd before = again ? x_ : VectorXd();
   solve_for_forces(vdot);
   if (dynamics_.switching_forces().locks() > 0) add_holding_forces(again ? x_ : shared());
+  solved_at_ = again ? -1 : dynamics_.solution();
+  std::copy_n(vdot, vdot_.size(), vdot_.begin());
+  solved_closed_ = closed_;
+  for (const int of : closed_) solved_modes_[static_cast<std::size_t>(of)] = modes_[static_cast<std::size_t>(of)];
   if (!again) return 1;
   const double change = x_.cwiseAbs().maxCoeff();
   x_ += before;
+  shared_is_current_ = false;
   right_ = G_ * x_;
   const double size = x_.cwiseAbs().maxCoeff();
   return size > 0 ? change / size : 0;
+}
+
+bool ContactEquations::is_in_solved_modes() const {
+  return solved_closed_ == closed_ && std::ranges::all_of(closed_, [this](int of) {
+           return solved_modes_[static_cast<std::size_t>(of)] == modes_[static_cast<std::size_t>(of)];
+         });
 }
 
 // x_ <- the forces that are missing in vdot, which are added to it.
@@ -231,7 +249,16 @@ void ContactEquations::solve_for_forces(double* vdot) {
     }
   }
   least_norm_.solve_weighted(G_, right_, scale_, x_);
+  shared_is_current_ = false;
   a += Z_.lazyProduct(x_);
+  if (stops_all(least_norm_) && rows_.rates.isZero(0)) a.setZero();
+}
+
+// Whether rows of which `solver` has solved the problem leave nothing free to move: then what they keep at rest is at
+// rest exactly, where rounding would remain.
+bool ContactEquations::stops_all(const LeastNormSolver& solver) const {
+  if (mechanism_.driven() || dynamics_.switching_forces().locks() > 0) return false;
+  return solver.rank() == mechanism_.nv - dynamics_.rank();
 }
 
 // What contact forces do to those that keep coordinates of joints at rest, which depend on how redundant ones are
@@ -249,6 +276,8 @@ void ContactEquations::add_holding_forces(const VectorXd& x) {
 // Where friction is redundant, as at the corners of a box, it is shared in proportion to the normal forces.
 const VectorXd& ContactEquations::shared() {
   if (closed_.empty() || rows_.entries.size() <= 1 || x_.size() <= static_cast<Index>(rows_.entries.size())) return x_;
+  if (shared_is_current_) return shared_;
+  shared_is_current_ = true;
   double largest = 0;
   for (const Entry& entry : rows_.entries) largest = std::max(largest, x_[entry.first]);
   weights_ = scale_;
@@ -342,13 +371,16 @@ bool ContactEquations::close_position(double* q) {
 void ContactEquations::close_velocity(double* v) {
   if (closed_.empty()) return;
   dynamics_.set_velocity(v);
-  build(closed_, modes_, true, kept_);
   Eigen::Map<VectorXd> speeds(v, mechanism_.nv);
+  const bool any_belt = std::ranges::any_of(closed_, [&](int of) { return !law(of).belt_velocity.isZero(0); });
+  if (!any_belt && speeds.isZero(0)) return;
+  build(closed_, modes_, true, kept_);
   closing_speeds_.left = kept_.demanded;
   closing_speeds_.left += kept_.R.lazyProduct(speeds);
   if (closing_speeds_.left.isZero(0)) return;
   close(kept_.R, closing_speeds_);
   speeds -= closing_speeds_.Z.lazyProduct(closing_speeds_.x);
+  if (stops_all(closing_speeds_.solver) && kept_.demanded.isZero(0)) speeds.setZero();
 }
 
 void add_wrenches(const ContactEquations& contact_equations,

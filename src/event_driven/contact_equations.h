@@ -140,6 +140,8 @@ class ContactEquations {
   void add_row(const Entry& entry, const Eigen::Vector3d& d, bool turns, double* out) const;
   double weight(const Entry& entry, int group) const;
   void solve_for_forces(double* vdot);
+  bool is_in_solved_modes() const;
+  bool stops_all(const LeastNormSolver& solver) const;
   void add_holding_forces(const Eigen::VectorXd& x);
   const Eigen::VectorXd& shared();
   Eigen::VectorXd constrained_response(const Eigen::VectorXd& force);
@@ -158,6 +160,11 @@ class ContactEquations {
     Eigen::Vector3d turns_with;  // unit: a slip velocity along it turns the direction
     double speed = 0;            // for which it turns
   };
+  // Of the last accelerate(): what was closed, the modes of that, and its result.
+  std::vector<int> solved_closed_;
+  std::vector<CandidateMode> solved_modes_;
+  std::vector<double> vdot_;
+  long solved_at_ = -1;  // Dynamics::solution() of it; -1: none that can be repeated
   double no_direction_ = rest_speed;
   bool keeps_directions_ = false;
   std::vector<CandidateMode> modes_before_;
@@ -169,6 +176,7 @@ class ContactEquations {
   std::vector<double> zero_;
   Eigen::MatrixXd G_, weighted_;
   Eigen::VectorXd x_, right_, scale_, force_, weights_, shared_;
+  bool shared_is_current_ = false;
   LeastNormSolver least_norm_, sharing_;
   // To remove gaps or velocities of what is closed, in matrices that keep their sizes between events.
   struct Closing {

@@ -185,7 +185,10 @@ bool ContactModes::update(const double* y) {
     const CandidateState at = contact_equations_.candidates().state(i);
     touches = touches || (mode.leaves_from == 0 && at.gap <= reached_fraction * touch_tolerance && at.rate < -rest);
   }
-  if (!contact_equations_.closed().empty()) {
+  const auto slides = [](const CandidateMode& mode) {
+    return mode.closed && std::ranges::any_of(mode.groups, &CandidateMode::Group::moves);
+  };
+  if (std::ranges::any_of(next, slides)) {
     contact_equations_.build(contact_equations_.closed(), contact_equations_.modes(), true, updated_rows_);
     for (const ContactEquations::Entry& entry : updated_rows_.entries) {
       for (std::size_t k = 0; k < contact_groups; ++k) {

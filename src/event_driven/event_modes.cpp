@@ -152,13 +152,15 @@ void EventModes::found_event(double t, int indicator, bool positive) {
   }  // where the load of friction changes its sign, no mode changes
 }
 
-void EventModes::drift(double t, double* y, double dt) {
+bool EventModes::drift(double t, double* y, double dt) {
+  if (!contacts_->equations().closed().empty()) return false;  // friction turns within a step
   double* const qdot = rates_.data();
   double* const vdot = qdot + nq_;
   equations_.accelerations_at(t, y, vdot);
   dynamics_.qdot_from_v(y, y + nq_, qdot);
   for (int k = 0; k < nq_ + nv_; ++k) y[k] += dt * rates_[static_cast<std::size_t>(k)];
   dynamics_.normalize(y);
+  return true;
 }
 
 void EventModes::serialize(Archive& archive) {

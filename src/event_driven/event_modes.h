@@ -44,7 +44,7 @@ class EventModes final : public EventSource {
   void hold_mode(double t, const bool* positive) override;
   double mode_exit_time() const override { return mode_exit_time_; }
   void found_event(double t, int indicator, bool positive) override;
-  void drift(double t, double* y, double dt) override;
+  bool drift(double t, double* y, double dt) override;
   void change_mode(double t, double* y) override;
   std::string refusal() const override;
   // Why the last accelerations are not determined; otherwise empty.

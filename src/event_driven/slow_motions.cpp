@@ -53,6 +53,7 @@ void ContactEquations::begin_differences(int components, const double* vdot, dou
   }
   turning_.setZero(static_cast<Index>(slow_.size()), components);
   keeps_directions_ = true;
+  solved_at_ = -1;
 }
 
 bool ContactEquations::slides_otherwise() const {

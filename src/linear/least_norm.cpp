@@ -40,6 +40,7 @@ void LeastNormSolver::reserve(Index size) {
   for (std::vector<double>* of : {&rest_, &columns_, &rows_, &gram_, &row_gram_}) of->resize(n * n);
   for (std::vector<double>* of : {&y_, &error_, &pivot_values_}) of->resize(n);
   pivots_.resize(n);
+  rank_ = 0;
 }
 
 void LeastNormSolver::solve(const MatrixXd& G, const VectorXd& r, VectorXd& x) {
@@ -75,6 +76,7 @@ bool LeastNormSolver::solve_redundant(const MatrixXd& G, const VectorXd& r, Vect
     column = rest.col(p) / std::sqrt(pivot);
     for (Index j = 0; j < n; ++j) rest.col(j) -= column[j] * column;
   }
+  rank_ = rank;
   const bool is_indefinite = rest.cwiseAbs().maxCoeff() > std::sqrt(threshold_) * largest;
   if (rank == n || is_indefinite) return false;
   const DenseMatrix L(columns_.data(), n, rank);
@@ -105,6 +107,7 @@ bool LeastNormSolver::solve_regular(const MatrixXd& G, const VectorXd& r, Vector
   solution = r;
   solve_general(factors, pivots_.data(), solution);
   x = solution;
+  rank_ = n;
   return true;
 }
 
@@ -116,6 +119,7 @@ void LeastNormSolver::solve_singular(const MatrixXd& G, const VectorXd& r, Vecto
   was_unique_ = false;
   x.setZero(n);
   const int rank = factorize(G);
+  rank_ = rank;
   if (rank == 0) return;
   add_pseudo_inverse(rank, r.data(), x.data());
   DenseVector error(error_.data(), n);

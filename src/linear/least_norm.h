@@ -25,6 +25,8 @@ class LeastNormSolver {
                       Eigen::VectorXd& x);
   // Whether the last solution is the only one.
   bool was_unique() const { return was_unique_; }
+  // Of the matrix of the last solution.
+  Eigen::Index rank() const { return rank_; }
 
  private:
   void reserve(Eigen::Index size);
@@ -39,6 +41,7 @@ class LeastNormSolver {
   Eigen::MatrixXd scaled_;
   Eigen::VectorXd right_;
   bool was_unique_ = false;
+  Eigen::Index rank_ = 0;
 };
 
 }  // namespace gelenk
