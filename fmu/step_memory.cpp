@@ -6,7 +6,7 @@
 #include <atomic>
 #include <bit>
 #include <cstdint>
-#include <cstdlib>
+#include <cstdlib>  // and posix_memalign
 #include <mutex>
 #include <new>
 #include <utility>
@@ -159,8 +159,11 @@ void give_back(Region* region) noexcept {
 }  // namespace
 
 #if defined(__ELF__)
-StepMemory::StepMemory() : region_(std::aligned_alloc(region_size, region_size)) {
-  if (region_ == nullptr) return;
+StepMemory::StepMemory() : region_(nullptr) {
+  if (posix_memalign(&region_, region_size, region_size) != 0) {  // older systems have no std::aligned_alloc
+    region_ = nullptr;
+    return;
+  }
   auto* const region = new (region_) Region;
   if (regions.add(region)) return;
   std::free(region_);
