@@ -224,15 +224,7 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
   }
 
   const std::vector<double>& Phi() const override { return ws_.Phi; }
-  bool row_is_angle(int row) const override {
-    if (row >= model_.first_coordinate_row) return model_.coordinate_rows[row - model_.first_coordinate_row].is_angle;
-    const auto& w = ws_.row[row].w;
-    if constexpr (A::planar) {
-      return w.x == 0 && w.y == 0;
-    } else {
-      return w.f.isZero(0);
-    }
-  }
+  bool row_is_angle(int row) const override { return kernels::row_is_angle(model_, row, ws_); }
   const std::vector<double>& row_rates() const override { return ws_.rate; }
   const std::vector<double>& gamma() const override { return ws_.gamma; }
   const std::vector<double>& lambda() const override { return ws_.lambda; }
@@ -372,10 +364,10 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
   // The workspace has the position of q_ and targets_, and the velocity of v_ and gravity_. They are reused: a step
   // ends at the state at which outputs are read and the next step begins.
   Stages stages_;
-  Computed factors_{Stage::position};  // valid for any inputs
-  bool link_loads_are_zero_ = false;   // in the workspace
+  Computed factors_{Stage::position};   // valid for any inputs
+  bool link_loads_are_zero_ = false;    // in the workspace
   bool link_loads_are_others_ = false;  // than those of last_
-  std::vector<double> added_inertia_;  // in the factors, on the diagonal of M
+  std::vector<double> added_inertia_;   // in the factors, on the diagonal of M
   Eigen::Vector3d gravity_{0, 0, 0};
   bool compute_all_outputs_;
   std::vector<int> all_links_, loaded_links_;
@@ -387,7 +379,7 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
   bool regularized_ = false;  // the last solve() had an extrapolated vdot
   std::vector<double> w_, extrapolated_, zero_, tau_, biased_gamma_, zero_rows_;
   mutable std::vector<double> unlocked_, holding_;  // generalized forces without those of locks; forces of the locks
-  mutable LastSolution last_;  // mutable: linear solutions overwrite its holding forces
+  mutable LastSolution last_;                       // mutable: linear solutions overwrite its holding forces
   const double* constraint_bias_ = nullptr;
   mutable std::vector<double> J_;  // as last returned
   std::unique_ptr<RecursiveJacobians<A>> recursive_;

@@ -251,7 +251,8 @@ void ContactEquations::solve_for_forces(double* vdot) {
   least_norm_.solve_weighted(G_, right_, scale_, x_);
   shared_is_current_ = false;
   a += Z_.lazyProduct(x_);
-  if (stops_all(least_norm_) && rows_.rates.isZero(0)) a.setZero();
+  const bool is_at_rest = rows_.demanded.isZero(0) && std::ranges::all_of(rows_.entries, &Entry::is_at_rest);
+  if (is_at_rest && stops_all(least_norm_)) a.setZero();
 }
 
 // Whether rows of which `solver` has solved the problem leave nothing free to move: then what they keep at rest is at

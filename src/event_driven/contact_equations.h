@@ -73,6 +73,9 @@ class ContactEquations {
     std::array<Eigen::Vector3d, contact_groups> along;  // directions of those that move
 
     int kept(int group) const { return group == 1 ? 1 : 2; }
+    bool is_at_rest() const {
+      return at.rate == 0 && std::ranges::all_of(slip, [](const Eigen::Vector3d& of) { return of.isZero(0); });
+    }
     bool any_moves() const {
       return std::ranges::any_of(moving, [](int row) { return row >= 0; });
     }

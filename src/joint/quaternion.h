@@ -3,6 +3,10 @@
 // scalar part Q[4], as in Modelica. The velocity is the angular velocity of M in F, written in M [rad/s].
 #pragma once
 
+#include <cmath>
+#include <limits>
+#include <type_traits>
+
 #include "math/spatial.h"
 
 namespace gelenk::quaternion {
@@ -35,11 +39,16 @@ void v_from_qdot(const T* Q, const T* Qdot, T* w) {
   for (int i = 0; i < 3; ++i) w[i] = w_M[i];
 }
 
-// Divides Q by its length.
+// Divides Q by its length, if that is not 1 within rounding: the entries of what is at rest would alternate.
 template <class T>
 void normalize(T* Q) {
   using std::sqrt;
-  const T k = T(1) / sqrt(Q[0] * Q[0] + Q[1] * Q[1] + Q[2] * Q[2] + Q[3] * Q[3]);
+  constexpr double rounding = 2 * std::numeric_limits<double>::epsilon();
+  const T square = Q[0] * Q[0] + Q[1] * Q[1] + Q[2] * Q[2] + Q[3] * Q[3];
+  if constexpr (std::is_same_v<T, double>) {
+    if (std::abs(square - 1) <= rounding) return;
+  }
+  const T k = T(1) / sqrt(square);
   for (int i = 0; i < 4; ++i) Q[i] *= k;
 }
 

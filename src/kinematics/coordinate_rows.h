@@ -58,4 +58,16 @@ void coordinate_row_accelerations(const Model<A>& model, const typename A::Scala
   }
 }
 
+// Whether a constraint equation, of a loop or of coordinates, is an angle; after loop_positions().
+template <class A>
+bool row_is_angle(const Model<A>& model, int row, const Workspace<A>& ws) {
+  if (row >= model.first_coordinate_row) return model.coordinate_rows[row - model.first_coordinate_row].is_angle;
+  const auto& w = ws.row[row].w;
+  if constexpr (A::planar) {
+    return w.x == 0 && w.y == 0;
+  } else {
+    return w.f.isZero(0);
+  }
+}
+
 }  // namespace gelenk::kernels

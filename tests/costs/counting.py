@@ -68,6 +68,17 @@ def instructions_of(job: Prepared) -> int:
     return int(total) // job.rounds
 
 
+def instructions_of_steps(job: Prepared) -> list[int]:
+    """Of each call of fmi2DoStep alone."""
+    file = job.folder / "steps.out"
+    call = ["--toggle-collect=fmi2DoStep", "--dump-after=fmi2DoStep"]
+    run(["valgrind", "--tool=callgrind", f"--callgrind-out-file={file}", *call, *job.command])
+    dumps = [job.folder / f"steps.out.{k}" for k in range(1, job.rounds + 1)]
+    return [
+        int(re.findall(r"^(?:totals|summary): (\d+)", dump.read_text(), re.MULTILINE)[-1]) for dump in dumps
+    ]
+
+
 def valgrind() -> bool:
     return shutil.which("valgrind") is not None
 

@@ -9,7 +9,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from mechanisms import Scene, body, frame, joint, rod, scene
+from mechanisms import Scene, body, four_bar, frame, joint, rod, scene
+from models.touching import inertia_of_box, on_plane
 
 import gelenk
 
@@ -106,7 +107,33 @@ def braked_arm() -> Scene:
     return source
 
 
+def falling_on_a_limit() -> Scene:
+    """A four-bar whose crank falls onto a limit and comes to rest on it in a series of impacts."""
+    source = four_bar()
+    source["motors"] = {"drive": {"joint": "A"}}
+    source["joints"]["A"]["limit"] = {"lower": 0.9, "restitution": 0.5}
+    return source
+
+
+def cube_at_rest() -> Scene:
+    """On a plane, beside a body with a motor."""
+    edge, mass = 0.1, 0.5
+    source = on_plane(
+        {"box": [edge] * 3},
+        mass,
+        inertia_of_box(mass, [edge] * 3),
+        {"r": [0, 0, edge / 2]},
+        {"friction": 0.4},
+    )
+    source["bodies"]["disc"] = body(1.0, (0, 0, 0), (0.1, 0.1, 0.1))
+    source["joints"]["M"] = joint("revolute", frame("ground"), frame("disc"), axis=Z)
+    source["motors"] = {"drive": {"joint": "M"}}
+    return source
+
+
 RK4 = {"integrator": "rk4", "step": 1e-3}
+
+METHODS: dict[str, dict[str, Any]] = {"rk4": RK4, "auto": {}}
 
 # Pairs of jobs: with friction in motion, and without.
 FRICTION = {
@@ -118,6 +145,16 @@ FRICTION = {
 AT_REST = tuple(Job(plant, 300, solver=RK4) for plant in (braked_arm, arm))
 
 # rk4: four evaluations and a projection a step, so that its instructions are those of the kernels.
+# What happens between smooth steps: the same four-bar at rest, and one that falls onto a limit.
+HELD = {
+    name: tuple(Job(planar_four_bar(f), 60, solver=s) for f in (40.0, 0.0)) for name, s in METHODS.items()
+}
+FALLING = {name: Job(falling_on_a_limit, 600, solver=s) for name, s in METHODS.items()}
+# A cube at rest on a plane beside a motor, by located contacts and by time steps.
+RESTING = tuple(
+    Job(cube_at_rest, 40, solver={"integrator": name, "step": 1e-3}) for name in ("rk4", "moreau-jean")
+)
+
 JOBS = {
     "four-bar, rk4": Job(shipped("four_bar"), 500, solver=RK4),
     "four-bar, auto": Job(shipped("four_bar"), 1000),

@@ -10,7 +10,7 @@ from typing import Any
 
 import fmpy
 import pytest
-from mechanisms import Scene, frame
+from mechanisms import Scene, four_bar, frame
 from models.touching import box_on_a_cart
 
 import gelenk
@@ -21,6 +21,16 @@ from .plants import crank_rocker, cranked, driven, touching, weightless
 from .states import choice
 
 HOST = "no_allocation_host"
+ROOT = Path(__file__).parent.parent.parent
+SHIPPED = sorted(
+    path
+    for path in [*ROOT.glob("scenes/*.yaml"), *ROOT.glob("docs/gallery/*/scene.yaml")]
+    if "motors:" in path.read_text(encoding="utf-8")
+)
+
+
+def study(name: str) -> Any:
+    return pytest.param(name, marks=pytest.mark.thorough)
 
 
 def heap_calls(host: Path, fmu: Path, folder: Path, tunable: str, first: int = 0) -> dict[str, int]:
@@ -84,14 +94,62 @@ def test_contacts_ask_nothing_of_the_heap(boxes: int, host: Path, tmp_path: Path
     assert not any(calls.values()), calls
 
 
-@pytest.mark.parametrize("integrator", ["auto", "erk", "rk4", "cvode", "cvode-adams"])
-def test_closed_contacts_ask_nothing_of_the_heap_between_events(
-    integrator: str, host: Path, tmp_path: Path
+def held() -> Scene:
+    """A four-bar that friction in all joints holds."""
+    source = four_bar()
+    source["motors"] = {"drive": {"joint": "A"}}
+    for joint in source["joints"].values():
+        joint["friction"] = {"coulomb": 40.0}
+    return source
+
+
+def bouncing() -> Scene:
+    """A four-bar that falls onto a limit, in a series of impacts."""
+    source = four_bar()
+    source["motors"] = {"drive": {"joint": "A"}}
+    source["joints"]["A"]["limit"] = {"lower": 0.9, "restitution": 0.5}
+    return source
+
+
+def tumbling() -> Scene:
+    """A cube that falls onto an edge, turns over and comes to rest on a plate beside a motor."""
+    source = box_on_a_cart()
+    source["joints"]["J"]["start"] = {"r": [0, 0, 0.2], "rotation": {"axis": [1, 1, 0.3], "angle": 0.4}}
+    return source
+
+
+EVENTFUL = [held, bouncing, tumbling, box_on_a_cart]
+ALL_SCHEMES = ["rk4", "auto", "moreau-jean", "erk", "cvode", "dirk"]
+
+
+@pytest.mark.parametrize("integrator", [*ALL_SCHEMES[:3], *(study(name) for name in ALL_SCHEMES[3:])])
+@pytest.mark.parametrize("plant", EVENTFUL)
+def test_events_ask_nothing_of_the_heap(
+    plant: Callable[[], Scene], integrator: str, host: Path, tmp_path: Path
 ) -> None:
-    """A box sticks to a cart whose motor's force jumps. Events, as when it slips, do allocate."""
-    source = {**box_on_a_cart(), "solver": {"integrator": integrator}, "parameters": ["P.damping"]}
+    """Impacts, sticking, sliding, contacts that close and open: they take it from the memory for steps."""
+    source = {**plant(), "solver": {"integrator": integrator}}
     fmu = gelenk.export_fmu(source, tmp_path / "x.fmu")
-    calls = heap_calls(host, fmu, tmp_path / "x", "P.damping", first=2)
+    calls = heap_calls(host, fmu, tmp_path / "x", "gravity[1]")
+    assert not any(calls.values()), calls
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("integrator", ALL_SCHEMES)
+@pytest.mark.parametrize("scene", SHIPPED, ids=lambda path: path.parent.name + "/" + path.stem)
+def test_shipped_scenes_ask_nothing_of_the_heap(
+    scene: Path, integrator: str, host: Path, tmp_path: Path
+) -> None:
+    source = gelenk.load(scene).to_dict()
+    source["solver"] = {**source.get("solver", {}), "integrator": integrator}
+    try:
+        fmu = gelenk.export_fmu(source, tmp_path / "x.fmu")
+    except gelenk.SceneError:
+        pytest.skip("they do not go together")
+    variables = fmpy.read_model_description(str(fmu)).modelVariables
+    if not any(v.causality == "input" for v in variables):
+        pytest.skip("the host sets an input")
+    calls = heap_calls(host, fmu, tmp_path / "x", "gravity[1]")
     assert not any(calls.values()), calls
 
 

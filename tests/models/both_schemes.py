@@ -47,11 +47,13 @@ class Case:
     tuned: Mapping[float, Mapping[str, Any]] = field(default_factory=dict)
     small: Mapping[str, float] = field(default_factory=dict)
 
-    def scene(self, integrator: str, step: float) -> gelenk.Scene:
+    def scene(
+        self, integrator: str, step: float, reductions: Mapping[str, bool] | None = None
+    ) -> gelenk.Scene:
         """Return the scene with a solver and sensors."""
         source = self.source if "sensors" in self.source else with_sensors(self.source)
         parameters = sorted({name for values in self.tuned.values() for name in values})
-        solver = {"integrator": integrator, "step": step}
+        solver = {"integrator": integrator, "step": step, "reductions": dict(reductions or {})}
         return gelenk.load({**source, "solver": solver, **({"parameters": parameters} if parameters else {})})
 
     def times(self) -> list[float]:
@@ -62,9 +64,16 @@ class Case:
 class Running:
     """A plant that is led through a case."""
 
-    def __init__(self, case: Case, integrator: str, step: float, tolerance: float = TOLERANCE) -> None:
+    def __init__(
+        self,
+        case: Case,
+        integrator: str,
+        step: float,
+        tolerance: float = TOLERANCE,
+        reductions: Mapping[str, bool] | None = None,
+    ) -> None:
         self.case = case
-        self.original = self.scene = case.scene(integrator, step)
+        self.original = self.scene = case.scene(integrator, step, reductions)
         self.plant = gelenk.Simulation(self.scene)
         for name, value in case.inputs.items():
             self.plant.set_input(name, value(0.0))

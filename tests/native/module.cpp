@@ -11,6 +11,7 @@ NB_MODULE(native_units, m) {
   native::bind_laws(m);
   native::bind_rotations(m);
   native::bind_shapes(m);
+  native::bind_step_memory(m);
   native::bind_whitened_rows(m);
   native::bind_sweep_and_prune(m);
   native::bind_times(m);

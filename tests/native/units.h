@@ -26,6 +26,7 @@ void bind_files(nanobind::module_& m);
 void bind_laws(nanobind::module_& m);
 void bind_rotations(nanobind::module_& m);
 void bind_shapes(nanobind::module_& m);
+void bind_step_memory(nanobind::module_& m);
 void bind_whitened_rows(nanobind::module_& m);
 void bind_sweep_and_prune(nanobind::module_& m);
 void bind_times(nanobind::module_& m);

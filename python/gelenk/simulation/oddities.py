@@ -81,7 +81,7 @@ def nothing_moves(plant: Plant, result: Result, signals: Mapping[str, InputFunct
     scene = plant.scene
     if scene is None or scene.has_friction_or_limits:
         return ""
-    # What stands on a contact is at rest exactly.
+    # What contacts hold is at rest exactly.
     if any(name.endswith(".mode") and result[name][0] != 0 for name in result.names):
         return ""
     gravity = scene.to_dict().get("gravity", [0.0, 0.0, 0.0])
