@@ -59,28 +59,31 @@ class Store {
 };
 
 constinit Store store;
-constinit thread_local bool open = false;
-constinit thread_local bool reserve_used = false;
+struct ReserveUse {
+  bool open = false, used = false;
+};
+constinit thread_local ReserveUse reserve_use;
 
 void* from_reserve(std::size_t n) noexcept {
-  void* block = open ? store.take(n) : nullptr;
-  if (block != nullptr) reserve_used = true;
+  ReserveUse& use = reserve_use;
+  void* block = use.open ? store.take(n) : nullptr;
+  if (block != nullptr) use.used = true;
   return block;
 }
 
 }  // namespace
 
-MemoryReserve::MemoryReserve() : open_before_(open), used_before_(reserve_used) {
-  open = true;
-  reserve_used = false;
+// An address of the thread's own memory costs a call; it is found once.
+MemoryReserve::MemoryReserve() : use_(&reserve_use) {
+  auto& use = *static_cast<ReserveUse*>(use_);
+  open_before_ = use.open;
+  used_before_ = use.used;
+  use = {.open = true, .used = false};
 }
 
-MemoryReserve::~MemoryReserve() {
-  open = open_before_;
-  reserve_used = used_before_;
-}
+MemoryReserve::~MemoryReserve() { *static_cast<ReserveUse*>(use_) = {.open = open_before_, .used = used_before_}; }
 
-bool MemoryReserve::was_used() const { return reserve_used; }
+bool MemoryReserve::was_used() const { return static_cast<ReserveUse*>(use_)->used; }
 
 }  // namespace gelenk
 

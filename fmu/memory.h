@@ -19,6 +19,7 @@ class MemoryReserve {
   bool was_used() const;
 
  private:
+  void* use_;                       // by this thread
   bool open_before_, used_before_;  // of an enclosing call: a logger may call FMI functions
 };
 

@@ -178,21 +178,21 @@ StepMemory::~StepMemory() {
   if (region != nullptr && region->orphan()) give_back(region);
 }
 
-StepMemory::InUse::InUse(const StepMemory* memory) : before_(in_use) {
-  in_use = memory == nullptr ? nullptr : memory->region_;
+StepMemory::InUse::InUse(const StepMemory* memory) : in_use_(&in_use), before_(*in_use_) {
+  *in_use_ = memory == nullptr ? nullptr : memory->region_;
 }
 
-StepMemory::InUse::~InUse() { in_use = before_; }
+StepMemory::InUse::~InUse() { *in_use_ = before_; }
 
 void* StepMemory::take(std::size_t n) noexcept {
   return in_use == nullptr ? nullptr : static_cast<Region*>(in_use)->take(n);
 }
 
-std::size_t StepMemory::size(const void* block) noexcept { return regions.of(block) != nullptr ? Region::size(block) : 0; }
-
-bool StepMemory::keep(void* block) noexcept {
-  return in_use != nullptr && static_cast<Region*>(in_use)->keep(block);
+std::size_t StepMemory::size(const void* block) noexcept {
+  return regions.of(block) != nullptr ? Region::size(block) : 0;
 }
+
+bool StepMemory::keep(void* block) noexcept { return in_use != nullptr && static_cast<Region*>(in_use)->keep(block); }
 
 bool StepMemory::release(void* block) noexcept {
   Region* const region = regions.of(block);

@@ -26,7 +26,8 @@ class StepMemory {
     InUse& operator=(const InUse&) = delete;
 
    private:
-    void* before_;  // of an enclosing call: a logger may call FMI functions
+    void** in_use_;  // by this thread
+    void* before_;   // of an enclosing call: a logger may call FMI functions
   };
 
   // Null: nothing is in use, or it is too small.

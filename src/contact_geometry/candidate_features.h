@@ -27,7 +27,7 @@ struct ContactCandidates::Crossing {
   double gap = 0;            // m
   double left = 0;           // m, to the nearest end of an edge; negative beyond it
   double margin() const { return std::min(left, sine - least_sine); }
-  bool is_outside = false;   // n points out of the core, and -n out of the tip
+  bool is_outside = false;  // n points out of the core, and -n out of the tip
 };
 
 // The point of a rim that is lowest above a plane.

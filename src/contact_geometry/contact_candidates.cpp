@@ -44,7 +44,8 @@ double arm_of(const AnyShape& shape) {
 ContactCandidates::ContactCandidates(const Mechanism& mechanism, bool located)
     : poses_(mechanism.links.size()),
       core_poses_(mechanism.shapes.size()),
-      V_(mechanism.links.size()), A_(mechanism.links.size()) {
+      V_(mechanism.links.size()),
+      A_(mechanism.links.size()) {
   const auto& shapes = mechanism.shapes;
   const int n = located ? static_cast<int>(shapes.size()) : 0;
   for (int i = 0; i < n; ++i) {

@@ -21,22 +21,22 @@ struct ContactCandidate {
   Kind kind = Kind::tip;
   int core = 0, tip = 0;  // shapes of the mechanism
   int core_link = 0, tip_link = 0;
-  int pair = 0;            // of shapes: those of a pair follow each other
-  int contact = 0;         // of the scene
-  int feature = 0;         // of the tip
-  double sign = 1;         // -1: the shape of the tip has the first surface of the contact
-  Pose3 X_LS, X_tip;       // of the core and of the shape of the tip in their links
-  RoundedBox box;          // the core, in S
-  Eigen::Vector3d center;  // of the tip in its link [m]
-  Eigen::Vector3d way;     // to it from the middle of all tips of its shape [m]
-  double radius = 0;       // of the tip or the rim [m]
-  double crown = 0;        // about the rim [m]
-  double size = 0;         // of the smaller shape [m]
-  int face = 0;            // of the box: the axis of its normal, plus 3 for the negative one
-  SolidEdge core_edge;     // in the link of the core
-  SolidEdge tip_edge;      // in the link of the tip; of a rim, center and axis
+  int pair = 0;                                   // of shapes: those of a pair follow each other
+  int contact = 0;                                // of the scene
+  int feature = 0;                                // of the tip
+  double sign = 1;                                // -1: the shape of the tip has the first surface of the contact
+  Pose3 X_LS, X_tip;                              // of the core and of the shape of the tip in their links
+  RoundedBox box;                                 // the core, in S
+  Eigen::Vector3d center;                         // of the tip in its link [m]
+  Eigen::Vector3d way;                            // to it from the middle of all tips of its shape [m]
+  double radius = 0;                              // of the tip or the rim [m]
+  double crown = 0;                               // about the rim [m]
+  double size = 0;                                // of the smaller shape [m]
+  int face = 0;                                   // of the box: the axis of its normal, plus 3 for the negative one
+  SolidEdge core_edge;                            // in the link of the core
+  SolidEdge tip_edge;                             // in the link of the tip; of a rim, center and axis
   int placed_core_edge = 0, placed_tip_edge = 0;  // among the edges of all shapes
-  Eigen::Matrix3d R_belt;  // from the shape with the second surface to its link
+  Eigen::Matrix3d R_belt;                         // from the shape with the second surface to its link
 };
 
 // Where and how the shapes of a candidate touch or nearly do, in the root frame.

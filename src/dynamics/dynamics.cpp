@@ -111,7 +111,9 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
   }
 
   void set_velocity(const double* v) override {
-    if (stages_.has(Stage::velocity) && bitwise_equal(v, v_) && gravity_ == loads_.gravity) return;
+    const bool changed = !bitwise_equal(v, v_) || gravity_ != loads_.gravity;
+    if (!changed && stages_.has(Stage::velocity)) return;
+    if (changed) ++velocities_;
     gravity_ = loads_.gravity;
     std::copy(v, v + model_.nv, v_.begin());
     kernels::velocities(model_, q_.data(), v, kernels::root_acceleration<A>(loads_), ws_);
@@ -145,10 +147,10 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
     regularized_ = extrapolated != nullptr;
     if (!modes_.loads().empty()) add_loaded_friction(w_);
     if (model_.rows > 0) M_.add_right_side(biased_gamma(), w_.data());
+    find_accelerations(w_.data(), biased_gamma(), regularized_ ? extrapolated_.data() : nullptr);
     std::ranges::copy(w_, vdot);
-    find_accelerations(vdot, biased_gamma(), regularized_ ? extrapolated_.data() : nullptr);
     if (modes_.locks() > 0) modes_.holding_forces().set(holding_);
-    if (may_repeat) last_.keep(conditions(u), vdot);
+    if (may_repeat) last_.keep(conditions(u), w_);
     if (!compute_all_outputs_) return;
     set_root_poses();
     set_acceleration(vdot);
@@ -171,7 +173,6 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
     const double* redistribution = modes_.holding_forces().redistribution();
     if (redistribution != nullptr) modes_.locked().add_multipliers(redistribution, ws_.lambda.data());
     kernels::accelerations(model_, vdot, ws_);
-    stages_.fall_back_to(Stage::position);  // the bias accelerations of cuts are overwritten
   }
 
   void qdot_from_v(const double* q, const double* v, double* qdot) const override {
@@ -341,7 +342,7 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
   }
   LastSolution::Conditions conditions(const double* u) const {
     const std::size_t modes = modes_.held() == nullptr ? 0 : static_cast<std::size_t>(modes_.count());
-    return {modes_.locked().generation(), Y_.solutions(), v_, loads_.gravity, u, {modes_.held(), modes}};
+    return {modes_.locked().generation(), velocities_, Y_.solutions(), u, {modes_.held(), modes}};
   }
 
   void link_loads(const double* u) {
@@ -369,6 +370,7 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
   bool link_loads_are_others_ = false;  // than those of last_
   std::vector<double> added_inertia_;   // in the factors, on the diagonal of M
   Eigen::Vector3d gravity_{0, 0, 0};
+  long velocities_ = 0;  // how often v_ or gravity_ has changed
   bool compute_all_outputs_;
   std::vector<int> all_links_, loaded_links_;
   bool qdot_is_v_;  // for all joints

@@ -3,12 +3,10 @@
 // there, and in each stage of a step while a mechanism is held at rest.
 #pragma once
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <span>
+#include <utility>
 #include <vector>
-
-#include "math/bitwise.h"
 
 namespace gelenk {
 
@@ -16,10 +14,9 @@ class LastSolution {
  public:
   // All that accelerations depend on, besides the numbers of loads.
   struct Conditions {
-    long factors;      // changes with the position, and with all else that the factors depend on
-    long multipliers;  // changes when those of the solution are overwritten
-    std::span<const double> v;
-    const Eigen::Vector3d& gravity;
+    long factors;               // changes with the position, and with all else that the factors depend on
+    long velocities;            // changes with them, and with gravity
+    long multipliers;           // changes when those of the solution are overwritten
     const double* u;            // all inputs of the scene
     std::span<const int> held;  // the held modes of forces; empty: they follow from the state
   };
@@ -28,29 +25,28 @@ class LastSolution {
   LastSolution(const std::vector<int>& inputs, int nv, int modes)
       : inputs_(inputs),
         u_(inputs.size()),
-        v_(static_cast<std::size_t>(nv)),
         vdot_(static_cast<std::size_t>(nv)),
         held_(static_cast<std::size_t>(modes)) {}
 
   bool is_for(const Conditions& now) const {
-    if (!holds_ || now.factors != factors_ || now.multipliers != multipliers_) return false;
-    if (!bitwise_equal(now.v.data(), v_) || now.gravity != gravity_) return false;
+    if (!holds_ || now.factors != factors_ || now.velocities != velocities_ || now.multipliers != multipliers_)
+      return false;
     for (std::size_t i = 0; i < inputs_.size(); ++i) {
       if (now.u[inputs_[i]] != u_[i]) return false;
     }
     return now.held.size() == held_count_ && std::ranges::equal(now.held, std::span(held_).first(held_count_));
   }
-  void keep(const Conditions& now, const double* vdot) {
+  // Exchanges vdot for a vector of the same size.
+  void keep(const Conditions& now, std::vector<double>& vdot) {
     holds_ = true;
     kept_number_ = number_;
     factors_ = now.factors;
+    velocities_ = now.velocities;
     multipliers_ = now.multipliers;
-    std::ranges::copy(now.v, v_.begin());
-    gravity_ = now.gravity;
     for (std::size_t i = 0; i < inputs_.size(); ++i) u_[i] = now.u[inputs_[i]];
     held_count_ = now.held.size();
-    std::ranges::copy(now.held, held_.begin());
-    std::copy_n(vdot, vdot_.size(), vdot_.begin());
+    if (held_count_ > 0) std::ranges::copy(now.held, held_.begin());
+    std::swap(vdot_, vdot);
   }
   // Begins another one, beside which this one is kept.
   void begin_other() { number_ = ++count_; }
@@ -70,9 +66,8 @@ class LastSolution {
   const std::vector<int>& inputs_;
   bool holds_ = false;
   long count_ = 0, number_ = 0, kept_number_ = 0;
-  long factors_ = 0, multipliers_ = 0;
-  Eigen::Vector3d gravity_{0, 0, 0};
-  std::vector<double> u_, v_, vdot_;
+  long factors_ = 0, velocities_ = 0, multipliers_ = 0;
+  std::vector<double> u_, vdot_;
   std::vector<int> held_;
   std::size_t held_count_ = 0;
 };

@@ -219,8 +219,8 @@ Step Locator::search(std::size_t i, Stepping& method) {
 }
 
 // Where the next trial would end so near to the last one that the square of the time between does not matter, the state
-// there follows from its rates, at a fraction of the cost of a step. Returns whether it is beyond the zero of indicator i,
-// by no more than rounding; it is then in high_y_.
+// there follows from its rates, at a fraction of the cost of a step. Returns whether it is beyond the zero of indicator
+// i, by no more than rounding; it is then in high_y_.
 bool Locator::drift_to(double end, double resolved, std::size_t i, const Stepping& method) {
   const double t = method.time();
   if (!(std::abs(end - t) <= negligible_square * resolved)) return false;

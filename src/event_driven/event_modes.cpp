@@ -170,14 +170,14 @@ void EventModes::serialize(Archive& archive) {
 }
 
 ModePreview::ModePreview(EventModes& modes, double t, const double* y) : modes_(modes) {
-  modes_.locks().keep_state();
+  if (!modes_.locks().empty()) modes_.locks().keep_state();
   if (modes_.contacts().any()) modes_.contacts().outputs().keep_modes();
   if (!modes_.locks().empty() || modes_.contacts().any()) modes_.changes().preview(t, y);
 }
 
 ModePreview::~ModePreview() {
   if (modes_.contacts().any()) modes_.contacts().outputs().return_to_modes();
-  modes_.locks().return_to_state();
+  if (!modes_.locks().empty()) modes_.locks().return_to_state();
 }
 
 }  // namespace gelenk

@@ -3,7 +3,6 @@
 // a stage again invalidates the later stages and everything that was computed at it.
 #pragma once
 
-#include <algorithm>
 #include <array>
 
 #include "element/element.h"
@@ -17,8 +16,6 @@ class Stages {
     realized_ = static_cast<int>(stage) + 1;
     ++times_[static_cast<std::size_t>(stage)];
   }
-  // Invalidates all stages after this one, because their results have been overwritten.
-  void fall_back_to(Stage stage) { realized_ = std::min(realized_, static_cast<int>(stage) + 1); }
   void clear() { realized_ = 0; }
   // How often the stage has been realized.
   long times(Stage stage) const { return times_[static_cast<std::size_t>(stage)]; }

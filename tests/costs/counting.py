@@ -59,13 +59,17 @@ def counts_of(job: Prepared) -> dict[str, int]:
     return {name.split(".")[1]: int(number) for name, number in zip(TOLD, numbers, strict=True)}
 
 
+def total(file: Path) -> int:
+    """The instructions of a file of callgrind."""
+    return int(re.findall(r"^(?:totals|summary): (\d+)", file.read_text(), re.MULTILINE)[-1])
+
+
 def instructions_of(job: Prepared) -> int:
     """Of a round, inside the FMU's calls, by callgrind."""
     file = job.folder / "callgrind.out"
     toggles = [f"--toggle-collect={call}" for call in CALLS]
     run(["valgrind", "--tool=callgrind", f"--callgrind-out-file={file}", *toggles, *job.command])
-    total = re.findall(r"^(?:totals|summary): (\d+)", file.read_text(), re.MULTILINE)[-1]
-    return int(total) // job.rounds
+    return total(file) // job.rounds
 
 
 def instructions_of_steps(job: Prepared) -> list[int]:
@@ -74,9 +78,7 @@ def instructions_of_steps(job: Prepared) -> list[int]:
     call = ["--toggle-collect=fmi2DoStep", "--dump-after=fmi2DoStep"]
     run(["valgrind", "--tool=callgrind", f"--callgrind-out-file={file}", *call, *job.command])
     dumps = [job.folder / f"steps.out.{k}" for k in range(1, job.rounds + 1)]
-    return [
-        int(re.findall(r"^(?:totals|summary): (\d+)", dump.read_text(), re.MULTILINE)[-1]) for dump in dumps
-    ]
+    return [total(dump) for dump in dumps]
 
 
 def valgrind() -> bool:

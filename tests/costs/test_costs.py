@@ -83,8 +83,8 @@ def test_rest_costs_less_than_motion(host: Path, tmp_path: Path) -> None:
 
 counted = pytest.mark.skipif(sys.platform != "linux" or not valgrind(), reason="valgrind is not installed")
 
-# In units of a step in which the mechanism moves. Under another torque in each step, what is held costs the solution of
-# its equations once; of the ten solutions of a step the others are the same. Measured: 1.25 and 1.22.
+# In units of a step in which the mechanism moves. Under another torque in each step, what is held costs the
+# solution of its equations once; of the ten solutions of a step the others are the same (1.25, 1.22).
 COST_OF_HELD = 1.3
 # An impact takes two steps to its time, and some four more solutions. Measured: 4.2 and 3.9.
 COST_OF_AN_IMPACT = 8

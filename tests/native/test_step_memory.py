@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Any
 
 import pytest
@@ -10,8 +11,8 @@ import pytest
 REGION = 4 << 20  # bytes
 
 # On either side of each kind of border between sizes of blocks.
-SIZES = [0, 1, 8, 15, 16, 17, 32, 33, 1008, 1009, 1023, 1024, 1025, 1279, 1280, 1281, 1536, 1537, 1792, 1793, 2048, 2049,
-         4096, 4097, 65535, 65536, 65537, 100000, 500000]  # fmt: skip
+SIZES = [0, 1, 8, 15, 16, 17, 32, 33, 1008, 1009, 1023, 1024, 1025, 1279, 1280, 1281, 1536, 1537, 1792, 1793,
+         2048, 2049, 4096, 4097, 65535, 65536, 65537, 100000, 500000]  # fmt: skip
 
 
 def test_blocks_hold_what_was_asked_for(units: Any) -> None:
@@ -25,7 +26,7 @@ def test_blocks_hold_what_was_asked_for(units: Any) -> None:
         assert units.filled(block, size)
         taken[block] = size
     ends = sorted((block, block + size) for block, size in taken.items())
-    assert all(a[1] <= b[0] for a, b in zip(ends, ends[1:], strict=False))
+    assert all(a[1] <= b[0] for a, b in pairwise(ends))
     assert all(units.step_memory_release(block) for block in taken)
 
 
