@@ -24,7 +24,8 @@ constexpr std::size_t grain = alignof(std::max_align_t);
 // Sizes of blocks: multiples of the grain up to a limit, then four for each doubling.
 constexpr std::size_t fine_limit = 1024;
 constexpr std::size_t fine_classes = fine_limit / grain;
-constexpr std::size_t classes = fine_classes + 4 * 12;
+constexpr std::size_t doublings_to_half = 12;
+constexpr std::size_t classes = fine_classes + std::size_t{4} * doublings_to_half;
 
 struct Size {
   std::size_t at, bytes;  // the class, and what its blocks hold
@@ -118,22 +119,23 @@ class Regions {
  public:
   bool add(Region* region) noexcept {
     for (std::size_t k = 0; k < probes; ++k) {
-      std::uintptr_t none = 0;
-      if (slot(number(region), k).compare_exchange_strong(none, number(region))) return true;
+      Region* none = nullptr;
+      if (slot(number(region), k).compare_exchange_strong(none, region)) return true;
     }
     return false;
   }
-  void remove(const Region* region) noexcept {
+  void remove(Region* region) noexcept {
     for (std::size_t k = 0; k < probes; ++k) {
-      std::uintptr_t own = number(region);
-      if (slot(own, k).compare_exchange_strong(own, 0)) return;
+      Region* own = region;
+      if (slot(number(region), k).compare_exchange_strong(own, nullptr)) return;
     }
   }
   // The region of a block; null: it is from elsewhere.
   Region* of(const void* block) noexcept {
     const std::uintptr_t at = number(block) / region_size * region_size;
     for (std::size_t k = 0; k < probes; ++k) {
-      if (slot(at, k).load(std::memory_order_acquire) == at && at != 0) return reinterpret_cast<Region*>(at);
+      Region* const region = slot(at, k).load(std::memory_order_acquire);
+      if (region != nullptr && number(region) == at) return region;
     }
     return nullptr;
   }
@@ -143,9 +145,9 @@ class Regions {
   static constexpr std::size_t slots = 4096;
 
   static std::uintptr_t number(const void* address) { return reinterpret_cast<std::uintptr_t>(address); }
-  std::atomic<std::uintptr_t>& slot(std::uintptr_t at, std::size_t k) { return slots_[(at / region_size + k) % slots]; }
+  std::atomic<Region*>& slot(std::uintptr_t at, std::size_t k) { return slots_[(at / region_size + k) % slots]; }
 
-  std::array<std::atomic<std::uintptr_t>, slots> slots_{};
+  std::array<std::atomic<Region*>, slots> slots_{};
 };
 
 constinit Regions regions;
@@ -159,7 +161,7 @@ void give_back(Region* region) noexcept {
 }  // namespace
 
 #if defined(__ELF__)
-StepMemory::StepMemory() : region_(nullptr) {
+StepMemory::StepMemory() {
   if (posix_memalign(&region_, region_size, region_size) != 0) {  // older systems have no std::aligned_alloc
     region_ = nullptr;
     return;
@@ -170,7 +172,7 @@ StepMemory::StepMemory() : region_(nullptr) {
   region_ = nullptr;
 }
 #else  // where malloc is not replaced (memory.cpp)
-StepMemory::StepMemory() : region_(nullptr) {}
+StepMemory::StepMemory() = default;
 #endif
 
 StepMemory::~StepMemory() {

@@ -41,7 +41,7 @@ class StepMemory {
   static bool keep(void* block) noexcept;
 
  private:
-  void* region_;
+  void* region_ = nullptr;
 };
 
 }  // namespace gelenk

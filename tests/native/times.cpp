@@ -129,7 +129,6 @@ void bind_times(nb::module_& m) {
       .def(nb::init<>())
       .def("has", &Stages::has)
       .def("realize", &Stages::realize)
-      .def("fall_back_to", &Stages::fall_back_to)
       .def("clear", &Stages::clear);
   nb::class_<Computed>(m, "Computed")
       .def(nb::init<Stage>())

@@ -18,7 +18,14 @@ CASES: dict[str, Callable[[], Case]] = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("scheme", ["auto", "moreau-jean"])
+@pytest.mark.parametrize(
+    "scheme",
+    [
+        "auto",
+        "moreau-jean",
+        *(pytest.param(name, marks=pytest.mark.thorough) for name in ("rk4", "erk", "dirk")),
+    ],
+)
 def test_runs_are_the_same_to_the_bit(scheme: str) -> None:
     for name, make in CASES.items():
         runs = []
