@@ -16,6 +16,7 @@ add_library(gelenk_fmu ${library_type} $<TARGET_OBJECTS:gelenk_hot> $<TARGET_OBJ
 gelenk_together(gelenk_fmu fmu ${fmu_sources})
 set_property(SOURCE ${CMAKE_CURRENT_SOURCE_DIR}/fmu/unload.cpp PROPERTY SKIP_UNITY_BUILD_INCLUSION ON)  # declares what the compiler has
 target_compile_options(gelenk_fmu PRIVATE "$<$<CONFIG:Release>:-Os>")
+target_compile_definitions(gelenk_fmu PRIVATE $<$<BOOL:${GELENK_SANITIZE}>:GELENK_STEPS_USE_HEAP>)  # fmu/step_memory.cpp
 gelenk_harden(gelenk_fmu)
 add_library(gelenk::gelenk_fmu ALIAS gelenk_fmu)
 target_link_libraries(gelenk_fmu PRIVATE gelenk_flags gelenk_core gelenk_fmi)
