@@ -15,8 +15,12 @@ constexpr double min_end_distance = 1e-3;
 // In place of a zero of which the sign is known.
 constexpr double smallest = std::numeric_limits<double>::min();
 
+// Rates up to this are rounding [natural units]: accelerations are sums of forces, some of them a thousand times as
+// large. A true rate like this would need a millisecond to change an indicator by more than its rounding.
+constexpr double rate_rounding = 1e-12;
+
 // Whether an indicator neither has a value nor changes, but by rounding.
-bool rests(double g, double gdot) { return std::abs(g) <= indicator_rounding && std::abs(gdot) <= indicator_rounding; }
+bool rests(double g, double gdot) { return std::abs(g) <= indicator_rounding && std::abs(gdot) <= rate_rounding; }
 
 }  // namespace
 
