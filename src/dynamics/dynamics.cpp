@@ -123,7 +123,6 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
   }
 
   void set_singular_threshold(double ratio) override { Y_.set_singular_threshold(ratio); }
-
   long solution() const override { return last_.number(); }
   void loads_changed() override { last_.drop(); }
 
@@ -132,6 +131,7 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
     if (may_repeat && last_.is_for(conditions(u))) {
       ++evaluations_;
       regularized_ = false;
+      modes_.set_inputs(u);
       std::ranges::copy(last_.repeat(), vdot);
       if (modes_.locks() > 0) modes_.holding_forces().set(holding_);
       if (std::exchange(link_loads_are_others_, false)) link_loads(u);
