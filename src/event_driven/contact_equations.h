@@ -104,6 +104,8 @@ class ContactEquations {
   void begin_differences(int components, const double* vdot, double elapsed);
   void record_difference(int k, double dy);
   void end_differences(Eigen::Ref<Eigen::MatrixXd> vdot_y);
+  // No differences have been taken: where a run is restored, those of a later time say nothing.
+  void forget_differences() { differenced_slips_.clear(); }
   // Whether something slid at quite another speed, or in another direction, at the last accelerate() than at the last
   // begin_differences().
   bool slides_otherwise() const;

@@ -239,6 +239,7 @@ void ContactModes::serialize(Archive& archive) {
   for (Guard& guard : guards_) archive.serialize(guard.allowed, guard.least);
   if (!archive.reading()) return;
   contact_equations_.set_modes(modes);
+  contact_equations_.forget_differences();
   overlapping_ = -1;
 }
 

@@ -65,7 +65,10 @@ double SundialsIntegrator::advance_some(double end, double* y, long max_steps) {
   // In a very short step multipliers would be rounding only.
   const bool across = system_.multipliers() > 0;
   const auto step_towards = [&] {
-    if (!locates) return make_step(end);
+    if (!locates) {
+      before_step();
+      return make_step(end);
+    }
     return across ? locator_.step_across(*this, end) : locator_.step(*this, end);
   };
   if (failed_ != Step::made) fail(failed_, start);

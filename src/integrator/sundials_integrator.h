@@ -67,7 +67,8 @@ class SundialsIntegrator : public Integrator, private Stepping {
  private:
   // Continues from (t_, y_) if fresh_, with the stop time `end`.
   virtual void begin(double end) { prepare(end); }
-  // Called at the start of each step, and of each repetition.
+  // Called at the start of each step, and of each repetition; what it sets must not depend on what was before a
+  // restart.
   virtual void before_step() {}
   double time() const final { return t_; }
   const double* state() const final { return sundials::data(y_.get()); }
