@@ -26,7 +26,7 @@ def shaken(integrator: str) -> Scene:
 
 @pytest.mark.parametrize("integrator", ["cvode", "cvode-adams", "dirk", "auto", "ida"])
 def test_earlier_states_are_restored_from_any_time(integrator: str) -> None:
-    """Once `cvode` computed Jacobian matrices at other steps than in the run that was saved: it was refused."""
+    """Once `cvode` computed Jacobian matrices at other steps than in the saved run, and refused it."""
     plant = gelenk.Simulation(shaken(integrator))
     plant.initialize(0.0, 1e-8)
     saved, values = [], []
