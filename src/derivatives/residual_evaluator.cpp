@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "kinematics/coordinate_kernels.h"
 #include "kinematics/coordinate_rows.h"
 #include "kinematics/friction_loads.h"
 #include "kinematics/kernels.h"
@@ -62,12 +63,7 @@ class ResidualEvaluatorOf final : public WithReadings<A, ResidualEvaluator<typen
     kernels::velocities(model_, q_.data(), v, kernels::root_acceleration<A>(loads_), ws_);
     kernels::loop_velocities(model_, ws_);
     kernels::coordinate_row_velocities(model_, v, targets_, ws_);
-    for (std::size_t i = 1; i < model_.links.size(); ++i) {
-      const auto& link = model_.links[i];
-      visit_joint<A>(link.joint, [&](const auto& joint) {
-        joint.qdot_from_v(q_.data() + link.iq, v + link.iv, qdot_.data() + link.iq);
-      });
-    }
+    kernels::coordinate_rates(model_, q_.data(), v, qdot_.data());
   }
 
   void set_acceleration(const T* u, const T* vdot, const T* lambda) override {

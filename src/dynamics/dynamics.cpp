@@ -137,7 +137,7 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
       if (std::exchange(link_loads_are_others_, false)) link_loads(u);
       return;
     }
-    // Without constraint equations and locks, another solution, as with contact forces as loads, overwrites but those.
+    // Without constraint equations and locks, another solution (with contact forces) overwrites only loads of links.
     const bool keeps_last = model_.rows == 0 && modes_.locks() == 0;
     keeps_last ? last_.begin_other() : last_.drop();
     link_loads_are_others_ = keeps_last && !may_repeat;

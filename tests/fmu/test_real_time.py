@@ -10,7 +10,8 @@ from typing import Any
 
 import fmpy
 import pytest
-from mechanisms import Scene, four_bar, frame
+from costs.jobs import falling_on_a_limit, planar_four_bar
+from mechanisms import Scene, frame
 from models.touching import box_on_a_cart
 
 import gelenk
@@ -94,23 +95,6 @@ def test_contacts_ask_nothing_of_the_heap(boxes: int, host: Path, tmp_path: Path
     assert not any(calls.values()), calls
 
 
-def held() -> Scene:
-    """A four-bar that friction in all joints holds."""
-    source = four_bar()
-    source["motors"] = {"drive": {"joint": "A"}}
-    for joint in source["joints"].values():
-        joint["friction"] = {"coulomb": 40.0}
-    return source
-
-
-def bouncing() -> Scene:
-    """A four-bar that falls onto a limit, in a series of impacts."""
-    source = four_bar()
-    source["motors"] = {"drive": {"joint": "A"}}
-    source["joints"]["A"]["limit"] = {"lower": 0.9, "restitution": 0.5}
-    return source
-
-
 def tumbling() -> Scene:
     """A cube that falls onto an edge, turns over and comes to rest on a plate beside a motor."""
     source = box_on_a_cart()
@@ -118,7 +102,7 @@ def tumbling() -> Scene:
     return source
 
 
-EVENTFUL = [held, bouncing, tumbling, box_on_a_cart]
+EVENTFUL = [pytest.param(planar_four_bar(40.0), id="held"), falling_on_a_limit, tumbling, box_on_a_cart]
 ALL_SCHEMES = ["rk4", "auto", "moreau-jean", "erk", "cvode", "dirk"]
 
 

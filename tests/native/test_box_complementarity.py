@@ -45,6 +45,20 @@ def test_a_unilateral_force_does_not_pull(units: Any) -> None:
     assert solved(units, [[2.0]], [1], [0], [inf])[0] == pytest.approx([0.5], rel=1e-15)
 
 
+@pytest.mark.parametrize("w", [0.0, 1e-3, 2.0])
+@pytest.mark.parametrize("bounds", [(-1, 1), (0, 1), (-1, 0), (0, 0), (0, np.inf), (-np.inf, np.inf)])
+def test_one_unknown_is_solved_as_beside_another(units: Any, w: float, bounds: tuple[float, float]) -> None:
+    """In closed form alone, by the general method with one that has no part in it."""
+    lower, upper = bounds
+    for b in (-3.0, -2 * w, -w, 0.0, w / 2, w, 3.0):
+        x, r, found = solved(units, [[w]], [b], [lower], [upper])
+        others, rests, found_beside = solved(units, [[w, 0], [0, 1]], [b, 0], [lower, -1], [upper, 1])
+        assert found == found_beside
+        if found:
+            assert x[0] == pytest.approx(others[0], rel=1e-14, abs=1e-14)
+            assert r[0] == pytest.approx(rests[0], rel=1e-14, abs=1e-14)
+
+
 @pytest.mark.parametrize("rank", [1, 3, 6, 9])
 @pytest.mark.parametrize("seed", range(8))
 def test_random_problems_meet_the_conditions(units: Any, rank: int, seed: int) -> None:

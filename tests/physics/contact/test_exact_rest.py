@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from models.contact_law_cases import PUSH
 from models.touching import SceneData, box_on_a_cart, inertia_of_box, on_plane
 
 import gelenk
@@ -15,13 +16,6 @@ import gelenk
 G = 9.81  # m/s2
 EDGE, MASS, FRICTION = 0.2, 2.0, 0.5
 INTEGRATORS = ["rk4", "auto", "erk", "cvode", "dirk"]
-PUSH: dict[str, Any] = {
-    "type": "wrench",
-    "frame": "world",
-    "body": "body",
-    "position": [0, 0, 0],
-    "input": True,
-}
 
 
 def cube(integrator: str, **fields: Any) -> SceneData:
@@ -61,7 +55,7 @@ def test_a_cube_at_rest_does_not_move_at_all(integrator: str, angle: float) -> N
 
 @pytest.mark.parametrize("integrator", INTEGRATORS)
 def test_it_slides_from_where_the_force_exceeds_friction(integrator: str) -> None:
-    """A force of 2 N more each second after 9 N; after it has stopped, it is at rest again."""
+    """Pushed with just less than friction holds, then 1 N more, then not: it stops and is at rest again."""
     source = cube(integrator)
     plant = gelenk.Simulation(source)
     plant.initialize(0.0, 1e-9)
