@@ -5,12 +5,17 @@
 #include <cmath>
 #include <numbers>
 
+#include "assembly/loop_groups.h"
 #include "mechanism/mechanism.h"
 
 namespace gelenk {
 namespace {
 
 using Eigen::VectorXd;
+
+// Of the constraint Jacobian [natural units]: a row without a larger one constrains nothing. Its rounding would count
+// as a constraint and block possible motions.
+constexpr double min_entry = 1e-12;
 
 std::vector<int> not_fixed(const std::vector<bool>& fixed) {
   std::vector<int> out;
@@ -112,7 +117,27 @@ AssemblyProblem::AssemblyProblem(const Mechanism& mechanism, Dynamics& dynamics,
   for (const Link& link : mechanism.links) span_ = std::max(span_, link.X_PJ.p.norm());
   length_ = std::max(length_, span_);
   for (const Cut& cut : mechanism.cuts) span_ = std::max({span_, cut.X_AF.p.norm(), cut.X_BM.p.norm()});
-  span_ = span_ > 0 ? 1.5 * span_ : 1;  // strokes may exceed the size of the links
+  span_ = span_ > 0 ? 1.5 * span_ : 1;
+  place_.assign(static_cast<std::size_t>(mechanism.nv), -1);
+  tree_weights_.resize(static_cast<Eigen::Index>(free_q_.size()));
+  for (std::size_t k = 0; k < free_q_.size(); ++k) {
+    place_[static_cast<std::size_t>(free_q_[k])] = static_cast<int>(k);
+    tree_weights_[static_cast<Eigen::Index>(k)] = tree.q_weight[free_q_[k]];
+  }
+}
+
+template <class Visit>
+void AssemblyProblem::each_cut_speed(Visit visit) {
+  for (int c = 0; c < static_cast<int>(mechanism_.cuts.size()); ++c) {
+    const Cut& cut = mechanism_.cuts[c];
+    const std::vector<int> moving = velocities_between(mechanism_, cut);
+    cut_speeds_.resize(moving.size() * static_cast<std::size_t>(cut.nv));
+    dynamics_.cut_speed_columns(c, cut_speeds_.data());
+    const double* speed = cut_speeds_.data();
+    for (const int k : moving) {
+      for (int i = 0; i < cut.nv; ++i) visit(cut.iv + i, k, *speed++);
+    }
+  }
 }
 
 VectorXd AssemblyProblem::gap(const std::vector<double>& q) {
@@ -124,8 +149,7 @@ VectorXd AssemblyProblem::gap(const std::vector<double>& q) {
   return g;
 }
 
-// The constraint Jacobian at q. Rows that constrain nothing there are set to 0: their rounding would otherwise count as
-// constraints and block possible motions.
+// The constraint Jacobian at q. Rows that constrain nothing there are set to 0.
 SparseMatrix AssemblyProblem::rows_at(const std::vector<double>& q) {
   dynamics_.set_position(q.data());
   SparseMatrix G = dynamics_.sparse_J();
@@ -134,7 +158,7 @@ SparseMatrix AssemblyProblem::rows_at(const std::vector<double>& q) {
     for (SparseMatrix::InnerIterator at(G, k); at; ++at)
       row_max[at.row()] = std::max(row_max[at.row()], std::abs(at.value()));
   }
-  G.prune([&](Eigen::Index row, Eigen::Index, double) { return row_max[row] >= 1e-12 * length_; });
+  G.prune([&](Eigen::Index row, Eigen::Index, double) { return row_max[row] >= min_entry * length_; });
   return G;
 }
 
@@ -148,13 +172,55 @@ SparseMatrix AssemblyProblem::gap_jacobian(const std::vector<double>& q) {
   return matrix(entries, rows, mechanism_.nv, free_q_);
 }
 
+const Eigen::MatrixXd& AssemblyProblem::gap_columns(const std::vector<double>& q) {
+  if (cuts_fixed_) return columns_ = Eigen::MatrixXd(gap_jacobian(q).transpose());
+  dynamics_.set_position(q.data());
+  const SparseRows& J = dynamics_.rows_of_J();
+  columns_.setZero(static_cast<Eigen::Index>(free_q_.size()), static_cast<Eigen::Index>(position_rows_.size()));
+  for (std::size_t k = 0; k < position_rows_.size(); ++k) {
+    const int r = position_rows_[k];
+    const double* values = J.values(r);
+    const int n = J.entries(r);
+    if (Eigen::Map<const VectorXd>(values, n).lpNorm<Eigen::Infinity>() < min_entry * length_) continue;
+    for (int i = 0; i < n; ++i) {
+      const int at = place_[static_cast<std::size_t>(J.columns(r)[i])];
+      if (at >= 0) columns_(at, static_cast<Eigen::Index>(k)) = values[i];
+    }
+  }
+  return columns_;
+}
+
+const Eigen::MatrixXd& AssemblyProblem::cut_distance_columns(const std::vector<double>& q) {
+  const auto free = static_cast<Eigen::Index>(free_q_.size());
+  cut_columns_.setZero(free, cut_guesses_ ? mechanism_.cut_nv : 0);
+  if (!cut_guesses_) return cut_columns_;
+  dynamics_.set_position(q.data());
+  each_cut_speed([&](int i, int velocity, double speed) {
+    const int at = place_[static_cast<std::size_t>(velocity)];
+    if (at >= 0) cut_columns_(at, i) = std::sqrt(cuts_.q_weight[i]) * speed;
+  });
+  return cut_columns_;
+}
+
 VectorXd AssemblyProblem::distance(const std::vector<double>& q) {
   const VectorXd tree = tree_offset(q);
   VectorXd d(mechanism_.nv + (cut_guesses_ ? mechanism_.cut_nv : 0));
   for (int k = 0; k < mechanism_.nv; ++k) d[k] = std::sqrt(tree_.q_weight[k]) * tree[k];
-  if (!cut_guesses_) return d;
-  const VectorXd cut = cut_offset(q);
-  for (int k = 0; k < mechanism_.cut_nv; ++k) d[mechanism_.nv + k] = std::sqrt(cuts_.q_weight[k]) * cut[k];
+  if (cut_guesses_) d.tail(mechanism_.cut_nv) = cut_distance(q);
+  return d;
+}
+
+VectorXd AssemblyProblem::tree_distance(const std::vector<double>& q) const {
+  const VectorXd tree = tree_offset(q);
+  VectorXd d = tree_weights_.cwiseSqrt();
+  for (std::size_t k = 0; k < free_q_.size(); ++k) d[static_cast<Eigen::Index>(k)] *= tree[free_q_[k]];
+  return d;
+}
+
+VectorXd AssemblyProblem::cut_distance(const std::vector<double>& q) {
+  if (!cut_guesses_) return {};
+  VectorXd d = cut_offset(q);
+  for (int k = 0; k < mechanism_.cut_nv; ++k) d[k] *= std::sqrt(cuts_.q_weight[k]);
   return d;
 }
 
@@ -227,26 +293,6 @@ bool AssemblyProblem::unwind(std::vector<double>& q) const {
   return changed;
 }
 
-std::vector<double> AssemblyProblem::random_position(std::mt19937& random) const {
-  std::uniform_real_distribution<double> within(-1, 1);
-  std::normal_distribution<double> normal;
-  std::vector<double> q = tree_.q;
-  for (const Link& link : mechanism_.links) {
-    const int plain = link.nq > link.nv ? link.nq - 4 : link.nq;
-    for (int i = 0; i < plain; ++i) {
-      if (!tree_.q_fixed[link.iv + i])
-        q[link.iq + i] = within(random) * (tree_.turns[link.iv + i] ? std::numbers::pi : span_);
-    }
-    if (plain == link.nq || tree_.q_fixed[link.iv + plain]) continue;
-    Eigen::Map<Eigen::Vector4d> Q(q.data() + link.iq + plain);
-    do {
-      for (double& x : Q) x = normal(random);
-    } while (Q.norm() < 0.1);
-    Q.normalize();
-  }
-  return q;
-}
-
 double AssemblyProblem::separation(const std::vector<double>& a, const std::vector<double>& b) const {
   double out = 0;
   double d[6];
@@ -287,6 +333,13 @@ AssemblyProblem::Squared AssemblyProblem::squared_distance(const std::vector<dou
   return out;
 }
 
+AssemblyProblem::Squared AssemblyProblem::squared_tree_distance(const std::vector<double>& q) const {
+  const VectorXd tree = tree_offset(q);
+  Squared out;
+  for (const int k : free_q_) (tree_.q_given[k] ? out.given : out.other) += tree_.q_weight[k] * tree[k] * tree[k];
+  return out;
+}
+
 std::vector<double> AssemblyProblem::changes_by_rank(const std::vector<double>& q) {
   std::vector<std::pair<int, double>> ranked;
   each_change(q, [&](const InitialGuess& of, int k, double change) {
@@ -324,53 +377,11 @@ VectorXd AssemblyProblem::cut_offset(const std::vector<double>& q) {
   return d;
 }
 
-// Finds the tree velocities that move each cut: those of the joints between its ends.
-void AssemblyProblem::find_cut_pattern() {
-  std::vector<std::vector<int>> cuts_of(static_cast<std::size_t>(mechanism_.nv));
-  for (int c = 0; c < static_cast<int>(mechanism_.cuts.size()); ++c) {
-    std::vector<int>& velocities = moving_.emplace_back();
-    for (const auto* path : {&mechanism_.cuts[c].path_a, &mechanism_.cuts[c].path_b}) {
-      for (const int i : *path) {
-        for (int k = 0; k < mechanism_.links[i].nv; ++k) velocities.push_back(mechanism_.links[i].iv + k);
-      }
-    }
-    for (const int k : velocities) cuts_of[k].push_back(c);
-  }
-  // Greedy coloring: each velocity joins the first group none of whose members moves one of its cuts.
-  std::vector<std::vector<bool>> taken;  // by group, by cut
-  for (int k = 0; k < mechanism_.nv; ++k) {
-    if (cuts_of[k].empty()) continue;
-    std::size_t group = 0;
-    const auto free = [&](int c) { return !taken[group][c]; };
-    while (group < groups_.size() && !std::ranges::all_of(cuts_of[k], free)) ++group;
-    if (group == groups_.size()) {
-      groups_.emplace_back();
-      taken.emplace_back(mechanism_.cuts.size(), false);
-    }
-    groups_[group].push_back(k);
-    for (const int c : cuts_of[k]) taken[group][c] = true;
-  }
-}
-
 // Velocities of the cut joints per tree velocity, cut_nv x nv.
 SparseMatrix AssemblyProblem::cut_columns(const std::vector<double>& q) {
-  if (moving_.empty()) find_cut_pattern();
   dynamics_.set_position(q.data());
   Entries entries;
-  std::vector<double> unit(mechanism_.nv, 0);
-  double v[max_cut_nv];
-  for (const std::vector<int>& group : groups_) {
-    for (const int k : group) unit[k] = 1;
-    dynamics_.set_velocity(unit.data());
-    for (int c = 0; c < static_cast<int>(mechanism_.cuts.size()); ++c) {
-      const auto k = std::ranges::find_if(moving_[c], [&](int i) { return unit[i] != 0; });
-      if (k == moving_[c].end()) continue;
-      const Cut& cut = mechanism_.cuts[c];
-      dynamics_.readings().cut_speeds(c, v);
-      for (int i = 0; i < cut.nv; ++i) entries.emplace_back(cut.iv + i, *k, v[i]);
-    }
-    for (const int k : group) unit[k] = 0;
-  }
+  each_cut_speed([&](int i, int velocity, double speed) { entries.emplace_back(i, velocity, speed); });
   SparseMatrix out(mechanism_.cut_nv, mechanism_.nv);
   out.setFromTriplets(entries.begin(), entries.end());
   return out;

@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "assembly/loop_closure.h"
+#include "assembly/search_positions.h"
 
 namespace gelenk {
 namespace {
@@ -97,7 +98,7 @@ Branches find_branches(const Mechanism& mechanism, Dynamics& dynamics, const Ini
   int unproductive_searches = 0;
   while (out.starts < search.max_starts && !out.settled) {
     ++out.starts;
-    std::vector<double> q = problem.random_position(random);
+    std::vector<double> q = random_position(problem, random);
     if (close_loops(problem, q) > assembled_gap) continue;
     ++out.closed;
     problem.unwind(q);

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "assembly/loop_closure.h"
+#include "assembly/search_positions.h"
 #include "mechanism/mechanism.h"
 
 namespace gelenk {

@@ -4,9 +4,8 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
-#include <random>
 
+#include "assembly/closing_steps.h"
 #include "linear/descent.h"
 #include "mechanism/mechanism.h"
 
@@ -15,21 +14,15 @@ namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-using Level = AssemblyProblem::Level;
 
 constexpr double rounding_error = 2e-16;     // relative to the mechanism's length
 constexpr double longest_step = 0.4;         // rad or m: the linearized loop equations are inaccurate beyond
 constexpr double difference_step = 1e-5;     // of second derivatives: balances rounding and truncation
 constexpr Eigen::Index max_newton_dof = 30;  // degrees of freedom up to which second derivatives are worth their cost
 
-// Returns the solver for minimum-norm steps that remove the residuals of the rows G.
-auto shortest_steps(const SparseMatrix& G) {
-  const double scale = G.nonZeros() > 0 ? G.squaredNorm() / static_cast<double>(G.rows()) : 0;
-  return [G, scale](const VectorXd& r, double damping) -> VectorXd {
-    if (damping == 0 || G.cols() == 0) return -RowSpace(G).min_norm(r);
-    const SparseMatrix normal = G * G.transpose();
-    return -G.transpose() * solve_definite(plus_diagonal(normal, damping * scale), r);
-  };
+ClosingStep closing_step(AssemblyProblem& problem, const std::vector<double>& q) {
+  if (problem.is_small()) return ClosingStep(problem.gap_columns(q));
+  return ClosingStep(problem.gap_jacobian(q));
 }
 
 // Gradient of half the squared distance along the loops closed at q.
@@ -111,16 +104,21 @@ VectorXd nearest_velocities(const AssemblyProblem::VelocityEquations& s, double 
   return loops.degrees_of_freedom() > 0 ? VectorXd(v + nearest(loops, s.T, s.T * v + s.d0, s.given)) : v;
 }
 
-double close_loops(AssemblyProblem& problem, std::vector<double>& q) {
+double close_loops(AssemblyProblem& problem, std::vector<double>& q, const ClosingLimits& limits) {
   // Near a singular configuration a closure error of 1e-13 leaves an error of 3e-7 in a coordinate, so iteration
   // continues after convergence as long as it makes progress; there Newton's method quarters the error at each step.
   const Descent how{.tolerance = closure_tolerance * problem.length(),
                     .rounding = rounding_error * problem.length(),
                     .max_step = longest_step,
-                    .max_steps = 200};
+                    .max_steps = limits.steps};
+  const auto goes_too_far = [&](const auto& at) {
+    if (std::isinf(limits.within.given) && std::isinf(limits.within.other)) return false;
+    const AssemblyProblem::Squared moved = problem.squared_tree_distance(at);
+    return moved.given > limits.within.given || moved.other > limits.within.other;
+  };
   return largest(descend(
       q, how, [&](const auto& at) { return problem.gap(at); },
-      [&](const auto& at) { return shortest_steps(problem.gap_jacobian(at)); },
+      [&](const auto& at) { return goes_too_far(at) ? ClosingStep() : closing_step(problem, at); },
       [&](const auto& at, const VectorXd& step) { return problem.displaced(at, step); }));
 }
 
@@ -137,7 +135,7 @@ bool close_rows(const Mechanism& mechanism, Dynamics& dynamics, std::vector<doub
   };
   const auto linearized = [&](const auto& at) {
     dynamics.set_position(at.data());
-    return shortest_steps(dynamics.sparse_J());
+    return ClosingStep(dynamics.sparse_J());
   };
   const auto displaced = [&](auto at, const VectorXd& step) {
     dynamics.displace(at.data(), step.data());
@@ -146,11 +144,42 @@ bool close_rows(const Mechanism& mechanism, Dynamics& dynamics, std::vector<doub
   return largest(descend(q, how, residual, linearized, displaced)) <= how.tolerance;
 }
 
-void relax(AssemblyProblem& problem, std::vector<double>& q) {
+namespace {
+
+// Of relax(): low accuracy suffices. The damping keeps coordinates that neither loops nor guesses determine near their
+// values.
+constexpr Descent relaxation = {.min_progress = 0.01, .min_damping = 1e-4, .max_step = longest_step, .max_steps = 40};
+
+VectorXd joined(const VectorXd& a, const VectorXd& b) { return (VectorXd(a.size() + b.size()) << a, b).finished(); }
+
+// For small problems.
+double relax_in_full(AssemblyProblem& problem, std::vector<double>& q) {
+  const VectorXd& weights = problem.tree_weights();
+  const auto residual = [&](const auto& at) {
+    const VectorXd rows = joined(problem.gap(at), problem.cut_distance(at));
+    return joined(rows, problem.tree_distance(at));
+  };
+  const auto linearized = [&](const auto& at) {
+    const MatrixXd& gap = problem.gap_columns(at);
+    const MatrixXd& cuts = problem.cut_distance_columns(at);
+    MatrixXd all(gap.rows(), gap.cols() + cuts.cols());
+    all << gap, cuts;
+    return [&weights, all](const VectorXd& r, double damping) {
+      return relaxing_step(all, weights, r.head(all.cols()), r.tail(weights.size()), damping);
+    };
+  };
+  return descend(q, relaxation, residual, linearized,
+                 [&](const auto& at, const VectorXd& step) { return problem.displaced(at, step); })
+      .squaredNorm();
+}
+
+}  // namespace
+
+double relax(AssemblyProblem& problem, std::vector<double>& q) {
+  if (problem.is_small()) return relax_in_full(problem, q);
   const auto residual = [&](const auto& at) {
     const VectorXd g = problem.gap(at);
-    const VectorXd d = problem.distance(at);
-    return VectorXd((VectorXd(g.size() + d.size()) << g, d).finished());
+    return joined(g, problem.distance(at));
   };
   const auto linearized = [&](const auto& at) {
     return [G = problem.gap_jacobian(at), T = problem.distance_jacobian(at)](const VectorXd& r,
@@ -161,9 +190,9 @@ void relax(AssemblyProblem& problem, std::vector<double>& q) {
       return -solve_definite(plus_diagonal(normal, damping), downhill);
     };
   };
-  // Low accuracy suffices. The damping keeps coordinates that neither loops nor guesses determine near their values.
-  descend(q, {.min_progress = 1e-4, .min_damping = 1e-4, .max_step = longest_step, .max_steps = 40}, residual,
-          linearized, [&](const auto& at, const VectorXd& step) { return problem.displaced(at, step); });
+  return descend(q, relaxation, residual, linearized,
+                 [&](const auto& at, const VectorXd& step) { return problem.displaced(at, step); })
+      .squaredNorm();
 }
 
 void minimize_distance(AssemblyProblem& problem, std::vector<double>& q) {
@@ -192,18 +221,6 @@ LocalMinimum local_minimum_at(AssemblyProblem& problem, const std::vector<double
   }
   out.least_curvature = Eigen::SelfAdjointEigenSolver<MatrixXd>(reduced_hessian(problem, q, at, Z)).eigenvalues()[0];
   return out;
-}
-
-std::vector<double> perturbed(const AssemblyProblem& problem, const std::vector<double>& q, int attempt) {
-  if (attempt == 0) return q;
-  std::mt19937 random(static_cast<unsigned>(attempt));
-  // Small at first, for guesses at a dead center; finally over the whole range.
-  const double reach = std::min(std::numbers::pi, 0.05 * std::pow(1.35, attempt));
-  std::uniform_real_distribution<double> perturbation(-reach, reach);
-  const auto n = static_cast<Eigen::Index>(problem.free(Level::position).size());
-  VectorXd step(n);
-  for (Eigen::Index k = 0; k < n; ++k) step[k] = perturbation(random) * problem.length();
-  return problem.displaced(q, step);
 }
 
 }  // namespace gelenk

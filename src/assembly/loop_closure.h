@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <vector>
 
 #include "assembly/assembly_problem.h"
@@ -12,17 +13,23 @@ namespace gelenk {
 inline constexpr double assembled_gap = 1e-9;       // m or rad: closure error guaranteed to the user
 inline constexpr double closure_tolerance = 1e-13;  // relative to the mechanism's length: some hundred roundings
 
+// Where closing gives up.
+struct ClosingLimits {
+  int steps = 200;
+  AssemblyProblem::Squared within = {INFINITY, INFINITY};  // distances of the tree's coordinates from their guesses
+};
+
 // Closes the loops from q by Levenberg-Marquardt steps with fixed values kept; returns the largest closure error left
 // [m, rad].
-double close_loops(AssemblyProblem& problem, std::vector<double>& q);
+double close_loops(AssemblyProblem& problem, std::vector<double>& q, const ClosingLimits& limits = {});
 // Satisfies all constraint equations from q, without regard to guesses; returns false if that fails. It does not use
 // the rank: away from closed loops redundant constraints look independent, and at a singular start independent ones do
 // not. Leaves `dynamics` at an arbitrary position.
 bool close_rows(const Mechanism& mechanism, Dynamics& dynamics, std::vector<double>& q);
 
-// Minimizes closure errors and weighted distances together, so that guesses of cut joints guide the tree before it
-// closes.
-void relax(AssemblyProblem& problem, std::vector<double>& q);
+// Minimizes the squares of closure errors and weighted distances together, so that guesses guide the tree before it
+// closes; returns their sum. Low accuracy suffices.
+double relax(AssemblyProblem& problem, std::vector<double>& q);
 
 // Moves along the closed loops to a minimum of the weighted distance. Each trial is closed again and judged by the
 // distance, so this is no descend(). Gauss-Newton, then Newton with the curvature of the loops, which converges in the
@@ -41,9 +48,5 @@ LocalMinimum local_minimum_at(AssemblyProblem& problem, const std::vector<double
 // these leave a choice, the others. Pivots below `threshold` times the largest
 // count as zero.
 Eigen::VectorXd nearest_velocities(const AssemblyProblem::VelocityEquations& s, double threshold);
-
-// q with its free coordinates perturbed, the more the higher the attempt, reproducibly; attempt 0 returns q.
-std::vector<double> perturbed(const AssemblyProblem& problem, const std::vector<double>& q, int attempt);
-inline constexpr int max_attempts = 24;  // by then the free coordinates have covered their whole range
 
 }  // namespace gelenk

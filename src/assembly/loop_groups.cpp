@@ -7,8 +7,6 @@
 #include "mechanism/mechanism.h"
 
 namespace gelenk {
-namespace {
-
 std::vector<int> velocities_between(const Mechanism& mechanism, const Cut& cut) {
   std::vector<int> out;
   for (const auto* path : {&cut.path_a, &cut.path_b}) {
@@ -18,8 +16,6 @@ std::vector<int> velocities_between(const Mechanism& mechanism, const Cut& cut) 
   }
   return out;
 }
-
-}  // namespace
 
 std::vector<LoopGroup> loop_groups(const Mechanism& mechanism) {
   const std::size_t n = mechanism.nv;

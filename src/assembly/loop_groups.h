@@ -9,10 +9,15 @@
 
 namespace gelenk {
 
+struct Cut;
+
 struct LoopGroup {
   std::vector<bool> velocities, cut_velocities, rows;  // those that belong to it
   int size = 0;                                        // number of its velocities, those of cut joints included
 };
+
+// The tree velocities that move a cut: those of the joints along its path_a, then along its path_b.
+std::vector<int> velocities_between(const Mechanism& mechanism, const Cut& cut);
 
 // Joints in no loop, whose coordinates nothing constrains, are in none.
 std::vector<LoopGroup> loop_groups(const Mechanism& mechanism);

@@ -8,8 +8,9 @@
 #include <random>
 
 #include "assembly/assembly_problem.h"
+#include "assembly/known_assemblies.h"
 #include "assembly/loop_closure.h"
-#include "linear/descent.h"
+#include "assembly/search_positions.h"
 #include "mechanism/mechanism.h"
 
 namespace gelenk {
@@ -32,6 +33,10 @@ constexpr int max_velocities_full_search = 45;
 constexpr int min_unsuccessful = 16;
 constexpr int unsuccessful_per_assembly = 8;
 constexpr int max_unsuccessful = 50;
+// Most starts close, or go astray, in fewer steps.
+constexpr int max_closing_steps = 40;
+// Closing gives up where the squared distance has become so many times that of the best assembly.
+constexpr double astray = 6;
 // Perturbations of the first starts.
 constexpr std::array perturbation_levels = {0, 8, 10, 12, 14, 16, 18, 20};
 
@@ -108,6 +113,11 @@ class Candidates {
     return true;
   }
 
+  // Squared distances, in the weights of the search, that a nearer assembly cannot exceed.
+  AssemblyProblem::Squared bounds() const {
+    if (least_.given > negligible_change * negligible_change) return {least_.given, INFINITY};
+    return {0, least_.other / unspecified_weight_factor};
+  }
   // Number of different assemblies found.
   int count() const { return static_cast<int>(found_.size()); }
   const std::vector<double>& best() const { return best_; }
@@ -145,25 +155,50 @@ class Candidates {
   AssemblyProblem::Squared least_;
 };
 
+// Closes the loops from a position near the guesses; false if that fails. Many starts lead to the same position.
+bool close_near(GroupProblem& problem, int perturbation, std::vector<double>& q) {
+  q = perturbed(problem.is, problem.tree.q, perturbation);
+  relax(problem.is, q);
+  return close_loops(problem.is, q) <= problem.max_gap;
+}
+
+// Closes the loops from a random position within the bounds that a nearer assembly obeys; false if that fails, or where
+// it would lead farther away. pulled: toward the guesses first. What remains of closure errors and distances then is no
+// more than the distance of any assembly in the neighborhood.
+bool close_within(GroupProblem& problem, const AssemblyProblem::Squared& bounds, bool pulled, std::mt19937& random,
+                  std::vector<double>& q) {
+  q = random_position(problem.is, random, bounds);
+  if (pulled) {
+    const double left = relax(problem.is, q);
+    const bool others_count = std::isfinite(bounds.other);
+    const double others = others_count ? 0 : problem.is.squared_tree_distance(q).other;
+    if (left - others > (others_count ? bounds.other : bounds.given)) return false;
+  }
+  const ClosingLimits limits{
+      .steps = max_closing_steps,
+      .within = {astray * std::max(bounds.given, guess_tolerance * guess_tolerance), astray * bounds.other}};
+  return close_loops(problem.is, q, limits) <= problem.max_gap;
+}
+
 // The loops have closed from the guesses of the tree joints, perhaps in an assembly far from the guesses. Others are
-// searched for, first near the guesses and then from random positions, until many searches in a row find nothing
-// nearer. The nearest one depends neither on where the loops are cut nor on the order of the file.
+// searched for, first near the guesses and then from random positions where a nearer one may be, until many searches in
+// a row find nothing nearer. The nearest one depends neither on where the loops are cut nor on the order of the file.
 void search_nearest(const LoopGroup& group, GroupProblem& problem, Candidates& candidates) {
   std::mt19937 random(1);  // NOLINT(bugprone-random-generator-seed): the same scene gives the same start
   const auto limit = [&] {
     if (group.size > max_velocities_full_search) return static_cast<int>(perturbation_levels.size());
     return std::min(max_unsuccessful, min_unsuccessful + unsuccessful_per_assembly * candidates.count());
   };
+  std::vector<double> other;
   for (int i = 0, unsuccessful = 0; unsuccessful < limit() && problem.is.moved(candidates.best()).any > guess_tolerance;
        ++i, ++unsuccessful) {
     const auto k = static_cast<std::size_t>(i);
-    const bool is_near = k < perturbation_levels.size();
-    std::vector<double> other =
-        is_near ? perturbed(problem.is, problem.tree.q, perturbation_levels[k]) : problem.is.random_position(random);
-    if (is_near) relax(problem.is, other);  // many starts lead to the same position
-    if (close_loops(problem.is, other) > problem.max_gap) continue;
+    const bool closed = k < perturbation_levels.size()
+                            ? close_near(problem, perturbation_levels[k], other)
+                            : close_within(problem, candidates.bounds(), i % 2 == 0, random, other);
+    if (!closed) continue;
     settle(problem.is, other);
-    if (candidates.add(std::move(other))) unsuccessful = 0;
+    if (candidates.add(other)) unsuccessful = 0;
   }
 }
 
@@ -208,9 +243,19 @@ NearestAssembly close_nearest(const Mechanism& mechanism, Dynamics& dynamics, co
   GroupProblem final(mechanism, dynamics, group, downweight_unspecified(problem->tree),
                      downweight_unspecified(problem->cuts));
   Candidates candidates(problem->is, final.is, q);
-  search_nearest(group, *problem, candidates);
-  q = candidates.best();
-  out.equal_q = candidates.equal();
+  if (!(problem->is.moved(candidates.best()).any > guess_tolerance)) {
+    q = candidates.best();
+    return out;
+  }
+  AssemblyKey key(problem->is, problem->tree, problem->cuts, q);
+  std::optional<KnownAssembly> nearest = find_known(key);
+  if (!nearest) {
+    search_nearest(group, *problem, candidates);
+    nearest = KnownAssembly{candidates.best(), candidates.equal()};
+    remember(std::move(key), *nearest);
+  }
+  q = std::move(nearest->q);
+  out.equal_q = std::move(nearest->equal_q);
   return out;
 }
 

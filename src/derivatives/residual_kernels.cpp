@@ -18,7 +18,7 @@ namespace gelenk::kernels {
   template void loop_accelerations(const Model<A>&, Workspace<A>&, A::Scalar*);                                       \
   template void cut_loads(const Model<A>&, const Loads&, const A::Scalar*, const double*, Workspace<A>&, const int*); \
   template void counted_cut_coordinates<A>(const Model<A>::Cut&, const A::Pose&, const double*, A::Scalar*);          \
-  template void cut_speeds<A>(const Model<A>::Cut&, const Workspace<A>&, int, const A::Scalar*, A::Scalar*);          \
+  template void cut_speeds<A>(const Model<A>::Cut&, const A::Pose&, const A::Motion&, const A::Scalar*, A::Scalar*);  \
   template CutMotion<A> counted_cut_motion<A>(const Model<A>&, const Workspace<A>&, int, const double*);              \
   template void accelerations(const Model<A>&, const A::Scalar*, Workspace<A>&);                                      \
   template A::Force cut_reaction(const Model<A>&, const Workspace<A>&, int);                                          \

@@ -12,6 +12,7 @@
 #include "dynamics/last_solution.h"
 #include "dynamics/mass_factor.h"
 #include "dynamics/mass_weighted_jacobian.h"
+#include "dynamics/with_kinematics.h"
 #include "kinematics/coordinate_kernels.h"
 #include "kinematics/coordinate_rows.h"
 #include "kinematics/kernels.h"
@@ -19,7 +20,6 @@
 #include "kinematics/output_kernels.h"
 #include "kinematics/stages.h"
 #include "kinematics/visit.h"
-#include "kinematics/with_readings.h"
 #include "math/bitwise.h"
 
 namespace gelenk {
@@ -41,8 +41,8 @@ std::vector<int> all_links(const Mechanism& mechanism) {
 class AllOfDynamics : public Dynamics, public StateReadings {};
 
 template <class A>
-class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
-  using Base = WithReadings<A, AllOfDynamics>;
+class DynamicsOf final : public WithKinematics<A, AllOfDynamics> {
+  using Base = WithKinematics<A, AllOfDynamics>;
   using Base::cut_reference_;
   using Base::loads_;
   using Base::mechanism_;
@@ -59,8 +59,6 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
         compute_all_outputs_(compute_all_outputs),
         all_links_(all_links(mechanism)),
         loaded_links_(links_with_loads(mechanism, loads)),
-        qdot_is_v_(
-            std::ranges::all_of(model_.links, [](const auto& link) { return link.constant_subspace || link.nv == 0; })),
         M_(model_, ws_, loads.added_inertia, [this](int k) { throw_singular(mechanism_, k); }),
         Y_(M_, ws_.J, model_.nv),
         modes_({model_, loads_, ws_, q_, v_, cut_reference_}, M_, Y_),
@@ -175,14 +173,6 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
     kernels::accelerations(model_, vdot, ws_);
   }
 
-  void qdot_from_v(const double* q, const double* v, double* qdot) const override {
-    qdot_is_v_ ? void(std::copy_n(v, model_.nv, qdot)) : kernels::coordinate_rates(model_, q, v, qdot);
-  }
-  void displace(double* q, const double* dv) const override { kernels::displace(model_, qdot_is_v_, q, dv); }
-  void normalize(double* q) const override {
-    if (!qdot_is_v_) kernels::normalize(model_, q);
-  }
-
   void differentiate(const double* u, int inputs, const double* vdot, Jacobians& out, const double* lambda,
                      bool by_duals) override {
     if (model_.rows > 0 && lambda == nullptr) Y_.multipliers(ws_.lambda.data());
@@ -224,18 +214,14 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
     if (locks) modes_.locked().clear(r, columns);
   }
 
-  const std::vector<double>& Phi() const override { return ws_.Phi; }
-  bool row_is_angle(int row) const override { return kernels::row_is_angle(model_, row, ws_); }
-  const std::vector<double>& row_rates() const override { return ws_.rate; }
-  const std::vector<double>& gamma() const override { return ws_.gamma; }
   const std::vector<double>& lambda() const override { return ws_.lambda; }
   Eigen::Map<const RowMatrix> J() const override {
     ws_.J.write(J_, model_.nv);
     return {J_.data(), model_.rows, model_.nv};
   }
-  Eigen::SparseMatrix<double> sparse_J() override {
+  const SparseRows& rows_of_J() override {
     if (!factors_.holds(stages_) && model_.rows > 0) fill_jacobian();
-    return ws_.J.matrix(model_.nv);
+    return ws_.J;
   }
   StateReadings& readings() override { return *this; }
   const StateReadings& readings() const override { return *this; }
@@ -256,9 +242,6 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
     if (locks) modes_.locked().clear(dv);
   }
 
-  void cut_coordinates(int cut, double* q) const override {
-    visit_joint<A>(model_.cuts[cut].joint, [&](const auto& joint) { joint.template coordinates<A>(ws_.X_FM[cut], q); });
-  }
   void set_cut_reference(const double* q) override {
     if (bitwise_equal(q, cut_reference_)) return;
     std::copy(q, q + model_.cut_nq, cut_reference_.begin());
@@ -270,7 +253,6 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
     kernels::constraint_wrenches(model_, ws_);
   }
   Spatial::Motion link_bias_acceleration(int link) const override { return kernels::motion3<A>(ws_.A_bias[link]); }
-  Pose3 cut_pose(int cut) const override { return kernels::pose3<A>(ws_.X_FM[cut], 0); }
   long evaluations() const override { return evaluations_; }
 
  private:
@@ -373,7 +355,6 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
   long velocities_ = 0;  // how often v_ or gravity_ has changed
   bool compute_all_outputs_;
   std::vector<int> all_links_, loaded_links_;
-  bool qdot_is_v_;  // for all joints
   MassFactor<A> M_;
   MassWeightedJacobian<A> Y_;
   mutable JointModes<A> modes_;

@@ -65,6 +65,9 @@ template <class A>
 void loop_positions(const Model<A>& model, Workspace<A>& ws);
 template <class A>
 void loop_jacobian(const Model<A>& model, Workspace<A>& ws);
+// Speeds of cut joint c at its coordinates q per velocity along its paths, cut.nv numbers each. After loop_positions.
+template <class A>
+void cut_speed_columns(const Model<A>& model, const Workspace<A>& ws, int c, const double* q, double* columns);
 template <class A>
 void loop_velocities(const Model<A>& model, Workspace<A>& ws);
 // Acceleration residuals J vdot - gamma, for the accelerations in ws.A_full.

@@ -9,6 +9,7 @@
 #include <Eigen/SparseCore>
 #include <vector>
 
+#include "linear/sparse_rows.h"
 #include "math/spatial.h"
 
 namespace gelenk {
@@ -27,6 +28,7 @@ class Kinematics {
   virtual const std::vector<double>& Phi() const = 0;        // after set_position
   virtual bool row_is_angle(int row) const = 0;              // Phi of this equation is in rad, not m
   virtual Eigen::SparseMatrix<double> sparse_J() = 0;        // after set_position; allocates
+  virtual const SparseRows& rows_of_J() = 0;                 // after set_position
   virtual const std::vector<double>& row_rates() const = 0;  // after set_velocity
   virtual const std::vector<double>& gamma() const = 0;      // after set_velocity
 
@@ -34,6 +36,9 @@ class Kinematics {
   virtual void cut_coordinates(int cut, double* q) const = 0;
   // Sets the coordinates of cut joints with full revolutions (cut_nq numbers), for the forces along them.
   virtual void set_cut_reference(const double* q) = 0;
+  // Speeds of a cut joint per velocity of the links of path_a, then of path_b (Cut), each cut.nv numbers; after
+  // set_position.
+  virtual void cut_speed_columns(int cut, double* columns) const = 0;
   virtual Pose3 cut_pose(int cut) const = 0;  // X_FM
 
   // qdot <- N(q) v.

@@ -8,7 +8,7 @@ namespace gelenk::kernels {
 #define GELENK_INSTANTIATE(A)                                                                                         \
   template void cut_loads(const Model<A>&, const Loads&, const A::Scalar*, const double*, Workspace<A>&, const int*); \
   template void counted_cut_coordinates<A>(const Model<A>::Cut&, const A::Pose&, const double*, A::Scalar*);          \
-  template void cut_speeds<A>(const Model<A>::Cut&, const Workspace<A>&, int, const A::Scalar*, A::Scalar*);          \
+  template void cut_speeds<A>(const Model<A>::Cut&, const A::Pose&, const A::Motion&, const A::Scalar*, A::Scalar*);  \
   template CutMotion<A> counted_cut_motion<A>(const Model<A>&, const Workspace<A>&, int, const double*);
 GELENK_INSTANTIATE(Planar)
 GELENK_INSTANTIATE(Spatial)

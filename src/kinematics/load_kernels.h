@@ -41,10 +41,10 @@ void cut_loads(const Model<A>& model, const Loads& loads, const typename A::Scal
 template <class A>
 void counted_cut_coordinates(const typename Model<A>::Cut& cut, const typename A::Pose& X_FM, const double* reference,
                              typename A::Scalar* q);
-// Velocities of a cut joint, at its coordinates q.
+// Velocities of a cut joint at its pose X_FM and coordinates q, from that of M relative to F, at M's origin in F.
 template <class A>
-void cut_speeds(const typename Model<A>::Cut& cut, const Workspace<A>& ws, int c, const typename A::Scalar* q,
-                typename A::Scalar* v);
+void cut_speeds(const typename Model<A>::Cut& cut, const typename A::Pose& X_FM, const typename A::Motion& V_FM,
+                const typename A::Scalar* q, typename A::Scalar* v);
 template <class A>
 struct CutMotion {
   std::array<typename A::Scalar, max_cut_nq> q;

@@ -23,16 +23,15 @@ void counted_cut_coordinates(const typename Model<A>::Cut& cut, const typename A
 }
 
 template <class A>
-void cut_speeds(const typename Model<A>::Cut& cut, const Workspace<A>& ws, int c, const typename A::Scalar* q,
-                typename A::Scalar* v) {
-  // V_FM is written in F at M's origin; joints expect it in M.
-  typename A::Pose turn = ws.X_FM[c];
+void cut_speeds(const typename Model<A>::Cut& cut, const typename A::Pose& X_FM, const typename A::Motion& V_FM,
+                const typename A::Scalar* q, typename A::Scalar* v) {
+  typename A::Pose turn = X_FM;  // joints expect V_FM in M
   if constexpr (A::planar) {
     turn.px = turn.py = 0;
   } else {
     turn.p.setZero();
   }
-  const typename A::Motion V_M = turn.to_child(ws.V_FM[c]);
+  const typename A::Motion V_M = turn.to_child(V_FM);
   visit_joint<A>(cut.joint, [&](const auto& joint) { joint.template speeds<A>(q, V_M, v); });
 }
 
@@ -41,7 +40,7 @@ CutMotion<A> counted_cut_motion(const Model<A>& model, const Workspace<A>& ws, i
   const auto& cut = model.cuts[c];
   CutMotion<A> out;
   counted_cut_coordinates<A>(cut, ws.X_FM[c], reference + cut.iq, out.q.data());
-  cut_speeds<A>(cut, ws, c, out.q.data(), out.v.data());
+  cut_speeds<A>(cut, ws.X_FM[c], ws.V_FM[c], out.q.data(), out.v.data());
   return out;
 }
 

@@ -14,5 +14,7 @@ GELENK_INSTANTIATE(Spatial)
 #undef GELENK_INSTANTIATE
 template void loop_jacobian(const Model<Planar>&, Workspace<Planar>&);
 template void loop_jacobian(const Model<Spatial>&, Workspace<Spatial>&);
+template void cut_speed_columns(const Model<Planar>&, const Workspace<Planar>&, int, const double*, double*);
+template void cut_speed_columns(const Model<Spatial>&, const Workspace<Spatial>&, int, const double*, double*);
 
 }  // namespace gelenk::kernels

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "kinematics/kernels.h"
+#include "kinematics/load_kernels.h"
 #include "kinematics/revolute_kernels.h"
 #include "kinematics/visit.h"
 #include "math/dual.h"
@@ -142,7 +143,30 @@ void row_accelerations(const typename Model<A>::Cut& cut, const Workspace<A>& ws
   add_rows_bias<A>(cut, ws.X_FM[c], ws.V_FM[c], &rows[cut.first_row]);
 }
 
+template <class A>
+double* path_speeds(const Model<A>& model, const Workspace<A>& ws, int c, const std::vector<int>& path,
+                    const typename A::Pose* X_FL, double sign, const double* q, double* columns) {
+  const auto& cut = model.cuts[c];
+  for (const int i : path) {
+    const auto& link = model.links[i];
+    for (int k = link.iv; k < link.iv + link.nv; ++k, columns += cut.nv) {
+      const typename A::Motion V = sign * motion_of_M<A>(link.is_revolute_about_z, *X_FL, ws.S[k], ws.X_FM[c]);
+      cut_speeds<A>(cut, ws.X_FM[c], V, q, columns);
+    }
+    ++X_FL;
+  }
+  return columns;
+}
+
 }  // namespace detail
+
+template <class A>
+void cut_speed_columns(const Model<A>& model, const Workspace<A>& ws, int c, const double* q, double* columns) {
+  const auto& cut = model.cuts[c];
+  const typename A::Pose* X_FL = ws.X_FL.data() + cut.first_path;
+  columns = detail::path_speeds(model, ws, c, cut.path_a, X_FL, -1.0, q, columns);
+  detail::path_speeds(model, ws, c, cut.path_b, X_FL + cut.path_a.size(), 1.0, q, columns);
+}
 
 template <class A>
 void loop_positions(const Model<A>& model, Workspace<A>& ws) {

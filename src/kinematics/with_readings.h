@@ -34,13 +34,13 @@ class WithReadings : public Base {
   void cut_speeds(int cut, T* v) const override {
     T q[max_cut_nq] = {};
     counted_coordinates(cut, q);
-    kernels::cut_speeds<A>(model_.cuts[cut], ws_, cut, q, v);
+    kernels::cut_speeds<A>(model_.cuts[cut], ws_.X_FM[cut], ws_.V_FM[cut], q, v);
   }
   void cut_accelerations(int cut, T* a) const override {
     T q[max_cut_nq] = {};
     T v[6];
     counted_coordinates(cut, q);
-    kernels::cut_speeds<A>(model_.cuts[cut], ws_, cut, q, v);
+    kernels::cut_speeds<A>(model_.cuts[cut], ws_.X_FM[cut], ws_.V_FM[cut], q, v);
     kernels::cut_accelerations<A>(model_.cuts[cut], ws_, cut, q, v, a);
   }
 
@@ -99,7 +99,7 @@ class WithReadings : public Base {
     T q[max_cut_nq] = {};
     T v[max_cut_nv] = {};
     counted_coordinates(cut, q);
-    kernels::cut_speeds<A>(model_.cuts[cut], ws_, cut, q, v);
+    kernels::cut_speeds<A>(model_.cuts[cut], ws_.X_FM[cut], ws_.V_FM[cut], q, v);
     const Rod& rod = std::get<Rod>(model_.cuts[cut].joint);
     return {rod.rod_pose<A>(q), rod.rod_velocity<A>(q, v)};
   }

@@ -3,10 +3,28 @@
 
 #include <cmath>
 #include <utility>
+#include <vector>
 
 namespace gelenk {
 
 using Eigen::Index;
+
+void lower_product(const Eigen::MatrixXd& C, Eigen::MatrixXd& A) {
+  const Index n = C.rows();
+  A.setZero();
+  std::vector<Index> nonzeros(static_cast<std::size_t>(n));
+  for (Index j = 0; j < C.cols(); ++j) {
+    const double* c = C.data() + j * n;
+    std::size_t count = 0;
+    for (Index i = 0; i < n; ++i) {
+      if (c[i] != 0) nonzeros[count++] = i;
+    }
+    for (std::size_t k = 0; k < count; ++k) {
+      double* column = A.data() + nonzeros[k] * n;
+      for (std::size_t i = k; i < count; ++i) column[nonzeros[i]] += c[nonzeros[k]] * c[nonzeros[i]];
+    }
+  }
+}
 
 void factorize_symmetric(DenseMatrix A, double least_pivot) {
   const Index n = A.rows();

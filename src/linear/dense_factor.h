@@ -15,6 +15,9 @@ void factorize_symmetric(DenseMatrix A, double least_pivot);
 // x <- A^-1 x
 void solve_symmetric(const DenseMatrix& A, DenseVector x);
 
+// A <- the lower triangle of C C^T, whose columns have few nonzeros.
+void lower_product(const Eigen::MatrixXd& C, Eigen::MatrixXd& A);
+
 // P A = L U with row pivoting; pivots: A.rows() numbers. Pivots smaller than least_pivot are replaced by it.
 void factorize_general(DenseMatrix A, int* pivots, double least_pivot);
 void solve_general(const DenseMatrix& A, const int* pivots, DenseVector x);

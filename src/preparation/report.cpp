@@ -64,6 +64,8 @@ std::string describe_island(const Scene& scene, const ReducedScene& reduced, int
   return out;
 }
 
+constexpr double rounding = 1e-12;  // natural units: of a coordinate whose loops are closed
+
 // A fixed value with the name and sign of the scene.
 struct Named {
   int joint = -1;
@@ -97,7 +99,9 @@ std::string conflict_advice(const Scene& scene, const Conflict& conflict, const 
   std::string out = one ? " Leave it as a guess (fixed: false)" : " Leave one of them as a guess (fixed: false)";
   if (conflict.freed < 0) return out + ".";
   const Named& freed = values[static_cast<std::size_t>(conflict.freed)];
-  const auto shown = [&](double x) { return text::rounded(in_si(scene, x, freed.unit)) + " " + freed.unit; };
+  const auto shown = [&](double x) {
+    return text::rounded(std::abs(x) < rounding ? 0 : in_si(scene, x, freed.unit)) + " " + freed.unit;
+  };
   return out + (one ? ": it" : ": " + freed.name + ", for instance,") + " would then be " +
          shown(freed.sign * conflict.nearest) + " instead of " + shown(freed.fixed) + ".";
 }
