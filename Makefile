@@ -14,7 +14,7 @@
 # make nonsmooth  measure dry friction, hard limits, contacts, cone solvers: docs/nonsmooth-measurements.md, docs/cone-solvers.md; QUICK=1: a subset
 # make gallery  draw the pictures of docs/gallery and write its list
 # make tutorial  draw the figures of docs/tutorial-*.md
-# make real-time  measure control loops that step FMUs: table of docs/fmu.md
+# make real-time  measure control loops that step FMUs: table of docs/real-time.md
 # make growth   measure how cost scales with the size of a scene: table of docs/performance.md
 # make bench    benchmark kernels and runs against other engines: docs/performance.md; QUICK=1: a subset
 # make costs    update the reference evaluation and instruction counts: tests/costs/figures.json; WHY="..."

@@ -219,6 +219,8 @@ std::vector<Signal> diagnostic_signals() {
   set(Diagnostic::law_excess, "solver.law_excess", "1",
       "by how much forces of friction, limits and contacts exceed their laws at present, relative to what rounding and "
       "tolerances explain; a step with more than 1 is refused");
+  set(Diagnostic::worst_step, "solver.worst_step_evaluations", "1",
+      "most evaluations of the equations of motion in one communication step since initialization");
   return signals;
 }
 

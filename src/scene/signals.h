@@ -63,8 +63,9 @@ enum class Diagnostic : int {
   scheme,               // of contacts: 0: located events, 1: steps with impulses
   step_error,           // of the latter with the integrator auto: estimated error of positions [rad, m]
   law_excess,           // at present, of forces beyond their laws; 1: as much as is permitted
+  worst_step,           // the most evaluations in one communication step since initialize()
 };
-inline constexpr int diagnostic_count = 20;
+inline constexpr int diagnostic_count = 21;
 
 // Returns the diagnostics in the order of Diagnostic.
 std::vector<Signal> diagnostic_signals();

@@ -109,6 +109,7 @@ void Simulation::initialize(double time, double tolerance) {
     s.prepared.warnings.push_back(describe_unreachable_tolerance(s.scene.solver.integrator, wanted, finest));
   if (any_integrator(s.islands, &Integrator::may_have_history)) s.log.reserve();
   s.initialized = s.runs = true;
+  s.worst_step = 0;
 }
 
 void Simulation::tune(const Scene& scene) {

@@ -154,13 +154,27 @@ void Simulation::step_to(double end) {
   if (end <= s.time) return;
   s.renew_motions();
   s.check_inputs(end);
-  s.advance(end);
+  const long before = s.evaluations();
+  const auto count = [&] { s.worst_step = std::max(s.worst_step, s.evaluations() - before); };
+  try {
+    s.advance(end);
+  } catch (const StepBudgetError&) {
+    count();  // its part of the step is not undone
+    throw;
+  }
+  count();
+}
+
+long Simulation::Impl::evaluations() const {
+  long sum = 0;
+  for (const auto& island : islands) sum += island->counts().evaluations;
+  return sum;
 }
 
 void Simulation::serialize(Archive& archive) {
   Impl& s = *impl_;
   if (!s.runs) throw UsageError("a run cannot be saved or restored before initialize()");
-  archive.serialize(s.time, s.cut_short);
+  archive.serialize(s.time, s.cut_short, s.worst_step);
   s.u.serialize(archive);
   if (s.cut_short) s.log.serialize_last(archive);
   for (const auto& island : s.islands) island->serialize(archive);
@@ -277,6 +291,8 @@ double Simulation::diagnostic(int index) {
       return std::max(1.0, s.scene.units.length) * step_error;  // of angles, or of lengths
     case Diagnostic::law_excess:
       return s.law_excess();
+    case Diagnostic::worst_step:
+      return static_cast<double>(s.worst_step);
     case Diagnostic::constraint_position:
       return s.max_constraint_error(&Kinematics::Phi);
     case Diagnostic::constraint_velocity:

@@ -76,6 +76,7 @@ struct Simulation::Impl {
   bool runs = false;       // whether there are integrators
   InputLog log;            // for islands with a history
   bool cut_short = false;  // whether the last advance ended early
+  long worst_step = 0;     // the most evaluations in one communication step
   IndependentOutputs independent;
   std::vector<Independent> independent_by_island;
   std::vector<int> states;                   // outputs
@@ -100,6 +101,7 @@ struct Simulation::Impl {
   void check_inputs(double end) const;
   void renew_motions();
   void advance(double end);
+  long evaluations() const;
   void serialize_replay(Archive& archive);
   void replay(const std::vector<ReplayPath>& paths);
   void replay(Island& island, const ReplayPath& path, std::size_t newer);

@@ -29,7 +29,10 @@ def compiled(name: str, folder: Path, *flags: str, where: Path = HERE) -> Path |
 
 
 def extracted(fmu: Path, folder: Path, library: Path | None = None) -> list[str]:
-    """Unpacks an FMU; the arguments of a host, for its library or one in its place."""
+    """Unpacks an FMU; the arguments of a host, for its library or one in its place.
+
+    The input is the first one, or 0 if there is none.
+    """
     description = fmpy.read_model_description(str(fmu))
     fmpy.extract(str(fmu), str(folder))
     (own,) = (folder / "binaries" / "linux64").glob("*.so")
@@ -42,5 +45,5 @@ def extracted(fmu: Path, folder: Path, library: Path | None = None) -> list[str]
         str(own),
         description.guid,
         (folder / "resources").as_uri(),
-        *(str(n) for n in (inputs[0], outputs[0], len(outputs))),
+        *(str(n) for n in (inputs[0] if inputs else 0, outputs[0], len(outputs))),
     ]
