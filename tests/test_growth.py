@@ -1,9 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Time and memory of initialization and export grow linearly with the size of a scene."""
+"""Time and memory of initialization and export grow linearly with the size of a scene, and the time of
+linearization with the entries of its matrices.
+"""
 
 from __future__ import annotations
 
 import math
+import time
+import warnings
 import xml.etree.ElementTree as ET
 import zipfile
 from pathlib import Path
@@ -31,6 +35,27 @@ def test_cost_grows_as_the_number_of_bodies(family: str) -> None:
         times = [min(getattr(cost, what) for cost in costs) for costs in (small, large)]
         found = exponent(times[0], times[1], LARGE / SMALL)
         assert found < 1.5, f"{what}: from {times[0]:.2f} s to {times[1]:.2f} s; 1.3 on an idle machine"
+
+
+def time_of_linearization(n: int) -> float:
+    scene = gelenk.load(FAMILIES["tree"](n))
+    taken = []
+    for _ in range(2):
+        before = time.process_time()
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", gelenk.OperatingPointWarning)  # it falls
+            gelenk.linearize(scene)
+        taken.append(time.process_time() - before)
+    return min(taken)
+
+
+@pytest.mark.clock
+def test_linearization_grows_as_the_entries_of_its_matrices() -> None:
+    """The square of the number of states; it was once their cube, 16 s for 1000 bodies."""
+    time_of_linearization(10)  # imports
+    small, large = time_of_linearization(400), time_of_linearization(1600)
+    found = exponent(small, large, 4.0)
+    assert found < 2.5, f"from {small:.2f} s to {large:.2f} s; 2.0 on an idle machine"
 
 
 @pytest.mark.thorough

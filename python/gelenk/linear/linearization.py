@@ -254,7 +254,8 @@ def _in_si(model: LinearModel) -> LinearModel:
 
 
 def _indices(names: Names, among: Names) -> list[int]:
-    return [among.index(name) for name in names]
+    place = {name: i for i, name in enumerate(among)}
+    return [place[name] for name in names]
 
 
 def _independent_of_others(C: Array, readings: Names, outputs: Names, kept: int) -> tuple[str, ...]:

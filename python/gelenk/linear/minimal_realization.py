@@ -36,6 +36,11 @@ class _Rotation:
     G: Array  # shape (4, 3): dQ = G dtheta; dtheta = 4 G' dQ
 
 
+def _rotates(rotation: _Rotation, change: Array) -> bool:
+    """Return whether a joint rotates if the readings change so: not if its loop forbids it."""
+    return bool(np.abs(4 * rotation.G.T @ change[rotation.Q]).max() > 0.5)  # of 1 rad
+
+
 class MinimalRealization:
     """Derivatives with respect to minimal states: three rotation coordinates replace each quaternion.
 
@@ -62,30 +67,24 @@ class MinimalRealization:
             if theta not in self._row
         }
         by_component = {Q: rotation for rotation in self._rotations for Q in rotation.of.Q}
-        columns: dict[str, Array] = {}
-        raw = dict(zip(of.states, np.eye(len(of.states)), strict=True))
+        columns: dict[str, Array] = {}  # of C
+        own = dict(zip(of.states, of.C.T, strict=True))
         for name in of.states:
             rotation = by_component.get(name)
             if rotation is None:
-                columns[name] = raw[name]
+                columns[name] = own[name]
             elif name == rotation.of.Q[0]:
-                across = rotation.G.T @ np.array([raw[Q] for Q in rotation.of.Q])
+                across = rotation.G.T @ np.array([own[Q] for Q in rotation.of.Q])
                 turns = zip(rotation.of.theta, across, strict=True)
-                columns |= {theta: column for theta, column in turns if self._rotates(rotation, column)}
+                columns |= {theta: column for theta, column in turns if _rotates(rotation, column)}
         self.names = tuple(sorted(columns, key=lambda name: not self.is_coordinate(name)))
-        E = np.array([columns[name] for name in self.names]).reshape(len(columns), len(of.states)).T
-        self.C: Array = of.C @ E
+        self.C: Array = np.array([columns[name] for name in self.names]).reshape(len(columns), len(of.C)).T
         self.D = of.D
 
     def _rotation(self, of: Quaternion) -> _Rotation:
         x, y, z, s = (self.of.values[n] for n in of.Q)
         G = 0.5 * np.array([[s, -z, y], [z, s, -x], [-y, x, s], [-x, -y, -z]])
         return _Rotation(of, [self._row[n] for n in of.Q], [self._row[n] for n in of.w], G)
-
-    def _rotates(self, rotation: _Rotation, direction: Array) -> bool:
-        """Return whether a joint rotates if the plant's states change so: not if its loop forbids it."""
-        change = 4 * rotation.G.T @ self.of.C[rotation.Q] @ direction
-        return bool(np.abs(change).max() > 0.5)  # of 1 rad
 
     @property
     def incomplete_joints(self) -> list[str]:

@@ -179,8 +179,11 @@ class LinearModel:
         own = {self.states[i] for i in moving}
         others = [k for k in range(len(C)) if self.outputs[k] not in own]
         changing = [M for M in (A, C[others]) if _exceeds_rounding(M @ rates, np.abs(M) @ np.abs(rates))]
+        sizes = [np.abs(M).max(axis=1) for M in changing]
         named = [
-            i for i in moving if any(_exceeds_rounding(M[:, i], np.abs(M).max(axis=1)) for M in changing)
+            i
+            for i in moving
+            if any(_exceeds_rounding(M[:, i], size) for M, size in zip(changing, sizes, strict=True))
         ]
         unsteady = [i for i in moving if _exceeds_rounding(A[i] @ rates, np.abs(A[i]) @ np.abs(rates))]
         return sorted({*named, *unsteady})

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gelenk.model.skeleton import GROUND, axis_of, constraining_joints, joint_kind, point
-from gelenk.viewer.shapes import SAME, Shapes, slides
+from gelenk.viewer.distinct_points import SAME, DistinctPoints
+from gelenk.viewer.shapes import Shapes, slides
 
 type Array = NDArray[np.float64]
 type Line = tuple[Array, Array]
@@ -45,16 +46,15 @@ def add_hatching(
     hatching = _Hatching(out, axes, radius)
     for rail in rails:
         hatching.add_line(*rail)
-    seen: list[Array] = []
+    seen = DistinctPoints()
     for joint in constraining_joints(scene).values():
         kind = joint_kind(joint)
         is_pin = kind["axes"] == 1 and kind["nv"] == 1 and not slides(joint)
         if not (kind["nv"] == 0 or (is_pin and abs(axis_of(joint) @ towards) > 1 - PARALLEL)):
             continue
         for body, p in map(point, (joint["parent"], joint["child"])):
-            if body != GROUND or any(np.linalg.norm(p - other) < SAME for other in seen):
+            if body != GROUND or not seen.add(p):
                 continue
-            seen.append(p)
             foot = p - PIN_HEIGHT * radius * up if is_pin else p
             hatching.add_line(*(foot + sign * HALF_LINE * radius * right for sign in (-1, 1)))
             for sign in (-1, 1) if is_pin else ():
@@ -62,8 +62,7 @@ def add_hatching(
     for end, other in springs:
         along = other - end
         along = along - (along @ towards) * towards
-        if np.linalg.norm(along) > SAME and not any(np.linalg.norm(end - p) < SAME for p in seen):
-            seen.append(end)
+        if np.linalg.norm(along) > SAME and seen.add(end):
             half = HALF_LINE * radius * np.cross(towards, along / np.linalg.norm(along))
             hatching.add_line(end - half, end + half, -along)
 

@@ -24,10 +24,10 @@ from gelenk.model.skeleton import (
     wheel_axes,
     wheels,
 )
+from gelenk.viewer.distinct_points import SAME, DistinctPoints
 
 type Array = NDArray[np.float64]
 
-SAME = 1e-9  # m; closer points are one
 ALIKE = 0.02  # relative difference of moments of inertia given with two digits
 IN_LINE = 1e-3  # width of points in line, relative to their distance
 LINK_RADIUS = 0.012  # relative to the size of the mechanism, like the following
@@ -124,12 +124,11 @@ def _solids(data: Mapping[str, Any], size: float) -> dict[str, list[tuple[Any, A
 
 def marks_of(data: Mapping[str, Any]) -> dict[str, list[Array]]:
     """Return the distinct points of bodies and of the ground at which joints and springs act [m]."""
-    out: dict[str, list[Array]] = {name: [] for name in (GROUND, *data["bodies"])}
+    out = {name: DistinctPoints() for name in (GROUND, *data["bodies"])}
     for pair in (*joint_ends(data), *springs(data)):
         for body, p in map(point, pair):
-            if all(np.linalg.norm(p - other) > SAME for other in out[body]):
-                out[body].append(p)
-    return out
+            out[body].add(p)
+    return {body: points.all for body, points in out.items()}
 
 
 def has_axis(joint: Mapping[str, Any]) -> bool:
