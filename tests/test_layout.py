@@ -13,6 +13,7 @@ ROOT = Path(__file__).resolve().parent.parent
 
 # What a room may include of ours: itself and these.
 BELOW: dict[str, set[str]] = {"util": set(), "math": set()}
+BELOW["expression"] = {"util", "math"}
 BELOW["field"] = {"util"}
 BELOW["shape"] = {"field", "math", *BELOW["field"]}
 BELOW["collision"] = {"shape", *BELOW["shape"]}

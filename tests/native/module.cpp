@@ -6,6 +6,7 @@ NB_MODULE(native_units, m) {
   native::bind_cones(m);
   native::bind_contacts(m);
   native::bind_descent(m);
+  native::bind_expressions(m);
   native::bind_factors(m);
   native::bind_files(m);
   native::bind_laws(m);

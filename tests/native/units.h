@@ -21,6 +21,7 @@ void bind_cones(nanobind::module_& m);
 void bind_box_complementarity(nanobind::module_& m);
 void bind_contacts(nanobind::module_& m);
 void bind_descent(nanobind::module_& m);
+void bind_expressions(nanobind::module_& m);
 void bind_factors(nanobind::module_& m);
 void bind_files(nanobind::module_& m);
 void bind_laws(nanobind::module_& m);

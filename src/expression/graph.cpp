@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "expression/graph.h"
+
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "expression/functions.h"
+
+namespace gelenk::expression {
+namespace {
+
+// The value of an operation on constants; the operands that it does not have are NaN.
+double folded(const Node& node, double a, double b) {
+  switch (node.operation) {
+    case Operation::add:
+      return a + b;
+    case Operation::subtract:
+      return a - b;
+    case Operation::multiply:
+      return a * b;
+    case Operation::divide:
+      return a / b;
+    case Operation::negate:
+      return -a;
+    case Operation::integer_power:
+      return integer_power(a, node.index);
+    case Operation::power:
+      return power(a, b);
+    case Operation::atan2:
+      return std::atan2(a, b);
+    default:
+      return value_at(node.operation, a);
+  }
+}
+
+}  // namespace
+
+Term Graph::stored(const Node& node) {
+  const auto [at, is_new] = known_.try_emplace(node, size());
+  if (is_new) nodes_.push_back(node);
+  return at->second;
+}
+
+Term Graph::made(const Node& node) {
+  const auto value = [&](int k) {
+    const Term term = node.of[static_cast<std::size_t>(k)];
+    return term < 0 ? std::numeric_limits<double>::quiet_NaN() : (*this)[term].value;
+  };
+  for (const Term term : node.of) {
+    if (term >= 0 && !is_constant(term)) return stored(node);
+  }
+  return constant(folded(node, value(0), value(1)));
+}
+
+Term Graph::constant(double x) { return stored({.value = x}); }
+Term Graph::variable(int index) { return stored({.operation = Operation::variable, .index = index}); }
+
+Term Graph::add(Term a, Term b) {
+  if (is_constant(a, 0)) return b;
+  if (is_constant(b, 0)) return a;
+  if (a > b) std::swap(a, b);  // one node for both orders
+  return made({.operation = Operation::add, .of = {a, b, -1}});
+}
+
+Term Graph::subtract(Term a, Term b) {
+  if (is_constant(b, 0)) return a;
+  if (is_constant(a, 0)) return negate(b);
+  if (a == b) return constant(0);
+  return made({.operation = Operation::subtract, .of = {a, b, -1}});
+}
+
+Term Graph::multiply(Term a, Term b) {
+  if (is_constant(a, 0) || is_constant(b, 0)) return constant(0);
+  if (is_constant(a, 1)) return b;
+  if (is_constant(b, 1)) return a;
+  if (is_constant(a, -1)) return negate(b);
+  if (is_constant(b, -1)) return negate(a);
+  if (a > b) std::swap(a, b);
+  return made({.operation = Operation::multiply, .of = {a, b, -1}});
+}
+
+Term Graph::divide(Term a, Term b) {
+  if (is_constant(b, 1)) return a;
+  if (is_constant(a, 0) && !is_constant(b, 0)) return a;
+  return made({.operation = Operation::divide, .of = {a, b, -1}});
+}
+
+Term Graph::negate(Term a) {
+  if ((*this)[a].operation == Operation::negate) return (*this)[a].of[0];
+  return made({.operation = Operation::negate, .of = {a, -1, -1}});
+}
+
+Term Graph::integer_power(Term a, int exponent) {
+  if (exponent == 0) return constant(1);
+  if (exponent == 1) return a;
+  return made({.operation = Operation::integer_power, .of = {a, -1, -1}, .index = exponent});
+}
+
+Term Graph::power(Term a, Term b) {
+  constexpr double max_exponent = 1024;  // of repeated multiplication
+  if (is_constant(b)) {
+    const double exponent = (*this)[b].value;
+    if (exponent == std::floor(exponent) && std::abs(exponent) <= max_exponent)
+      return integer_power(a, static_cast<int>(exponent));
+    if (exponent == 0.5) return function(Operation::sqrt, a);
+  }
+  return made({.operation = Operation::power, .of = {a, b, -1}});
+}
+
+Term Graph::choose(Term g, Term a, Term b) {
+  if (a == b) return a;
+  if (is_constant(g)) return (*this)[g].value > 0 ? a : b;
+  return stored({.operation = Operation::choose, .of = {g, a, b}});
+}
+
+Term Graph::function(Operation operation, Term a, Term b) { return made({.operation = operation, .of = {a, b, -1}}); }
+
+template <class Predicate>
+bool Graph::any(Term term, Predicate predicate) const {
+  std::vector<bool> needed(static_cast<std::size_t>(term) + 1, false);
+  needed[static_cast<std::size_t>(term)] = true;
+  for (Term at = term; at >= 0; --at) {
+    if (!needed[static_cast<std::size_t>(at)]) continue;
+    if (predicate((*this)[at])) return true;
+    for (const Term of : (*this)[at].of) {
+      if (of >= 0) needed[static_cast<std::size_t>(of)] = true;
+    }
+  }
+  return false;
+}
+
+bool Graph::depends_on(Term term, int variable) const {
+  return any(term, [&](const Node& node) { return node.operation == Operation::variable && node.index == variable; });
+}
+
+bool Graph::has_choices(Term term) const {
+  return any(term, [](const Node& node) { return node.operation == Operation::choose; });
+}
+
+}  // namespace gelenk::expression

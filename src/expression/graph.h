@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Expressions as a graph of operations on numbers. Equal subexpressions are one node, and what depends on constants
+// alone is computed at once. Nodes refer to earlier ones only.
+//
+// The one operation with a kink is `choose`: choose(g, a, b) is a where g > 0, else b. |x| is choose(x, x, -x), and so
+// on; where a branch changes is thus known to whoever integrates the result.
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <map>
+#include <tuple>
+#include <vector>
+
+namespace gelenk::expression {
+
+enum class Operation : unsigned char {
+  constant,  // Node::value
+  variable,  // Node::index
+  add,
+  subtract,
+  multiply,
+  divide,
+  negate,
+  integer_power,  // to Node::index
+  power,          // of a positive base
+  choose,
+  sin,
+  cos,
+  tan,
+  asin,
+  acos,
+  atan,
+  atan2,
+  sinh,
+  cosh,
+  tanh,
+  asinh,
+  acosh,
+  atanh,
+  exp,
+  log,
+  log10,
+  sqrt,
+  cbrt,
+  erf,
+};
+
+// Index of a node in its graph.
+using Term = int;
+
+struct Node {
+  Operation operation = Operation::constant;
+  std::array<Term, 3> of{-1, -1, -1};  // operands; -1: none
+  int index = 0;                       // of a variable; exponent
+  double value = 0;                    // of a constant
+
+  // Bit by bit, so that there is an order with NaN, too.
+  auto key() const { return std::tuple(operation, of, index, std::bit_cast<std::uint64_t>(value)); }
+  bool operator<(const Node& other) const { return key() < other.key(); }
+};
+
+class Graph {
+ public:
+  Term constant(double x);
+  Term variable(int index);
+
+  Term add(Term a, Term b);
+  Term subtract(Term a, Term b);
+  Term multiply(Term a, Term b);
+  Term divide(Term a, Term b);
+  Term negate(Term a);
+  // a to the power of b; if b is a constant integer, a may have any sign.
+  Term power(Term a, Term b);
+  Term integer_power(Term a, int exponent);
+  Term choose(Term g, Term a, Term b);
+  // A function of one argument, or atan2.
+  Term function(Operation operation, Term a, Term b = -1);
+
+  const Node& operator[](Term term) const { return nodes_[static_cast<std::size_t>(term)]; }
+  int size() const { return static_cast<int>(nodes_.size()); }
+  bool is_constant(Term term) const { return (*this)[term].operation == Operation::constant; }
+  bool is_constant(Term term, double value) const { return is_constant(term) && (*this)[term].value == value; }
+  // Whether the term depends on a variable, and whether it has a kink.
+  bool depends_on(Term term, int variable) const;
+  bool has_choices(Term term) const;
+
+ private:
+  // The node, or the one that is equal to it; a constant if its operands are constants.
+  Term made(const Node& node);
+  Term stored(const Node& node);
+  template <class Predicate>
+  bool any(Term term, Predicate predicate) const;
+
+  std::vector<Node> nodes_;
+  std::map<Node, Term> known_;
+};
+
+// The derivative of a term with respect to a variable, as a term. That of a choice is taken on its branch.
+Term derivative(Graph& graph, Term term, int variable);
+
+}  // namespace gelenk::expression
