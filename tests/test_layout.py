@@ -12,9 +12,8 @@ import pytest
 ROOT = Path(__file__).resolve().parent.parent
 
 # What a room may include of ours: itself and these.
-BELOW: dict[str, set[str]] = {"util": set(), "math": set()}
-BELOW["expression"] = {"util", "math"}
-BELOW["field"] = {"util"}
+BELOW: dict[str, set[str]] = {"util": set(), "math": set(), "expression": {"util", "math"}}
+BELOW["field"] = {"expression", *BELOW["expression"]}
 BELOW["shape"] = {"field", "math", *BELOW["field"]}
 BELOW["collision"] = {"shape", *BELOW["shape"]}
 BELOW["joint"] = {"field", "math", *BELOW["field"]}

@@ -54,6 +54,8 @@ nb::object value_in(const Field& field, const void* element) {
       return nb::cast(field.of<bool>(element));
     case Field::Type::choice:
       return nb::cast(field.of<Choice>(element).index);
+    case Field::Type::formula:
+      return nb::cast(field.of<Formula>(element).text());
     case Field::Type::group:
       break;
   }
@@ -223,9 +225,11 @@ void put_number(std::span<const Field> fields, void* element, const std::string&
       case Field::Type::flag:
         field.of<bool>(element) = number() != 0;
         return;
-      default:
+      case Field::Type::choice:
         field.of<Choice>(element).index = static_cast<int>(number());
         return;
+      default:
+        throw std::invalid_argument(name + " is no number");
     }
   }
   throw std::invalid_argument("unknown field: " + name);

@@ -75,6 +75,7 @@ void check_fields(std::span<const Field> fields, const void* element, const std:
         break;
       case Field::Type::flag:
       case Field::Type::choice:
+      case Field::Type::formula:
         break;
     }
   }

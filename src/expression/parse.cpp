@@ -244,9 +244,9 @@ class Parser {
 
 Term parse(Graph& graph, std::string_view text, const Names& names) {
   if (text.size() > max_length)
-    throw SyntaxError(max_length, 1,
-                      "found " + std::to_string(text.size()) + " characters, expected at most " +
-                          std::to_string(max_length));
+    throw SyntaxError(
+        max_length, 1,
+        "found " + std::to_string(text.size()) + " characters, expected at most " + std::to_string(max_length));
   return Parser(graph, text, names).whole();
 }
 

@@ -3,8 +3,8 @@
 //
 //   -k*s^3 - d*v*abs(v) + if(s > 0 and v > 0, 2.5e3, 0)*exp(-t/T)
 //
-// Operators, from the weakest: or, and, not, comparisons, + -, * /, the sign, ^ (from right to left). Comparisons stand
-// in conditions of `if` only. Functions: those of one argument in graph.h, atan2(y, x), hypot(x, y), pow(x, y), abs, sign,
+// Operators, from the weakest: or, and, not, comparisons, + -, * /, the sign, ^ (from right to left). Comparisons are
+// conditions of `if` only. Functions: those of one argument in graph.h, atan2(y, x), hypot(x, y), pow(x, y), abs, sign,
 // min and max of two or more, clip(x, lower, upper), smoothstep(x, from, to), if(condition, a, b). pi is a constant.
 #pragma once
 
@@ -20,7 +20,7 @@
 namespace gelenk::expression {
 
 struct Names {
-  std::function<std::optional<Term>(std::string_view)> find;  // the term that a name stands for
+  std::function<std::optional<Term>(std::string_view)> find;  // the term with a name
   std::vector<std::string> known;                             // for suggestions
 };
 

@@ -70,6 +70,8 @@ bool is_given(const Field& field, const void* element) {
       return !field.of<std::vector<double>>(element).empty();
     case Field::Type::choice:
       return field.of<Choice>(element).index != Choice::none;
+    case Field::Type::formula:
+      return field.of<Formula>(element).is_given();
     case Field::Type::group:
       return field.in(element) != nullptr;
     default:

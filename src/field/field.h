@@ -22,6 +22,8 @@
 #include <string_view>
 #include <vector>
 
+#include "field/formula.h"
+
 namespace gelenk {
 
 // Permitted range of a number.
@@ -49,7 +51,8 @@ struct FieldInfo {
   bool by_time = false;       // of a list: entry i, from 0, has this unit divided by s^i
   int alternative = 0;        // if not 0: exactly one alternative must be given, by one or more of its fields
   std::size_t min_count = 0;  // of a list that is given: minimum number of entries
-  std::span<const std::string_view> words = {};  // of a choice: its permitted values
+  std::span<const std::string_view> words = {};     // of a choice: its permitted values
+  std::span<const FormulaVariable> variables = {};  // of a formula
 };
 
 struct Field : FieldInfo {
@@ -60,6 +63,7 @@ struct Field : FieldInfo {
     numbers,    // std::vector<double>; empty if not given
     flag,       // bool
     choice,     // Choice
+    formula,    // Formula
     group,      // std::optional of a struct with fields(): a nested mapping in scene files
   };
   Type type = Type::number;
@@ -122,6 +126,10 @@ struct FieldType<bool> {
 template <>
 struct FieldType<Choice> {
   static constexpr auto value = Field::Type::choice;
+};
+template <>
+struct FieldType<Formula> {
+  static constexpr auto value = Field::Type::formula;
 };
 template <class Group>
 struct FieldType<std::optional<Group>> {

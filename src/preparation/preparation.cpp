@@ -110,6 +110,7 @@ struct Preparer {
   // Throws CannotAssemble, SingularMass.
   void assemble_island(int i) {
     const Mechanism& mechanism = out.reduced.islands[i];
+    check_prescribed_motions(scene, mechanism, time);
     const StartGuesses guesses = start_guesses(preferred, out.reduced, i);
     PreparedIsland& island = out.islands[i];
     island.cut_start = guesses.cuts.q;

@@ -11,6 +11,7 @@
 #include "joint/turns.h"
 #include "mechanism/mechanism.h"
 #include "scene/scene.h"
+#include "util/text.h"
 
 namespace gelenk {
 namespace {
@@ -153,6 +154,21 @@ std::vector<double> velocities_of(const ReducedScene& reduced, int joint, const 
   std::vector<double> out(place.v_sign.size());
   for (std::size_t k = 0; k < out.size(); ++k) out[k] = place.v_sign[k] * of_joint[k];
   return out;
+}
+
+void check_prescribed_motions(const Scene& scene, const Mechanism& mechanism, double time) {
+  constexpr std::string_view names[] = {"value", "speed", "acceleration"};
+  for (const CoordinateRow& row : mechanism.coordinate_rows) {
+    if (!row.law) continue;
+    const MotionLaw::Derivatives at = row.law->at(time);
+    for (std::size_t k = 0; k < std::size(names); ++k) {
+      if (std::isfinite(at[k])) continue;
+      throw SceneError({(scene.file.empty() ? "" : scene.file + ": ") + "constraints." +
+                        scene.constraints[row.constraint].name + ": found no finite " + std::string(names[k]) +
+                        " of its motion at t = " + text::rounded(time * scene.units.size_of("s")) +
+                        " s, expected one with which the run can start"});
+    }
+  }
 }
 
 }  // namespace gelenk

@@ -120,6 +120,16 @@ class Converter {
 
   void convert(std::span<const Field> fields, void* element, const Coordinate& coordinate) const {
     each_number(fields, element, [&](const Number& x) { *x.value /= units_.size_of(x.unit(coordinate)); });
+    for (const Field& field : fields) {
+      if (field.type == Field::Type::formula) convert(field, field.of<Formula>(element), coordinate);
+    }
+  }
+
+  // Expressions stay in SI units: their variables and results are converted.
+  void convert(const Field& field, Formula& formula, const Coordinate& coordinate) const {
+    std::vector<double> sizes;
+    for (const FormulaVariable& variable : field.variables) sizes.push_back(units_.size_of(variable.unit));
+    formula.set_sizes(units_.size_of(unit_of(field, coordinate)), sizes);
   }
 
   void convert(BodyShape& shape) const {

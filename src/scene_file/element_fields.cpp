@@ -45,6 +45,11 @@ std::string expected_of(const Field& field, const Coordinate& coordinate) {
   if (field.type == Field::Type::choice) return "one of " + text::list(words_of(field));
   const std::string unit = unit_for_people(field, coordinate);
   const std::string in_unit = unit.empty() ? "" : " in " + unit;
+  if (field.type == Field::Type::formula) {
+    std::vector<std::string> names;
+    for (const FormulaVariable& variable : field.variables) names.emplace_back(variable.name);
+    return "an expression of " + text::list(names) + in_unit;
+  }
   return (field.type == Field::Type::numbers ? "a list of numbers" : "a number") + in_unit;
 }
 
@@ -55,6 +60,17 @@ void read_choice(const Json& value, const std::string& path, Faults& faults, con
   const auto found = std::ranges::find(words, word);
   if (found == words.end()) return faults.add(path, text::quoted(word), text::one_of(word, words, "words"));
   choice.index = static_cast<int>(found - words.begin());
+}
+
+void read_formula(const Json& value, const std::string& path, Faults& faults, const Field& field,
+                  const Coordinate& coordinate, Formula& formula) {
+  if (!value.is_string() && !value.is_number()) return faults.add(path, shown(value), expected_of(field, coordinate));
+  const std::string text = value.is_number() ? text::number(value.get<double>()) : value.get<std::string>();
+  try {
+    formula = Formula(text, field.variables);
+  } catch (const expression::SyntaxError& error) {
+    faults.add(path, text::quoted(text), expected_of(field, coordinate) + "; " + with_caret(error, text));
+  }
 }
 
 }  // namespace
@@ -88,6 +104,8 @@ void read_field(const Json& value, const std::string& path, Faults& faults, cons
       return;
     case Field::Type::choice:
       return read_choice(value, path, faults, field, field.of<Choice>(element));
+    case Field::Type::formula:
+      return read_formula(value, path, faults, field, coordinate, field.of<Formula>(element));
     case Field::Type::group: {
       Fields inner(value, path, faults, "a mapping with " + text::list(field_names(field.inner())));
       if (!inner.valid()) return;
@@ -129,6 +147,9 @@ void write_fields(Json& to, std::span<const Field> fields, const void* element) 
         if (const int i = field.of<Choice>(element).index; i != Choice::none) {
           value = std::string(field.words[static_cast<std::size_t>(i)]);
         }
+        break;
+      case Field::Type::formula:
+        if (const Formula& formula = field.of<Formula>(element); formula.is_given()) value = formula.text();
         break;
       case Field::Type::group:
         if (const void* there = field.in(element)) {

@@ -61,6 +61,8 @@ Json field_schema(const Field& field, const void* defaults, const Coordinate* co
       const std::string default_word = i == Choice::none ? "" : std::string(field.words[static_cast<std::size_t>(i)]);
       return {{"enum", words}, {"description", default_word.empty() ? text : with_default(text, default_word)}};
     }
+    case Field::Type::formula:
+      return {{"type", {"string", "number"}}, {"description", text + (unit.empty() ? "" : " [" + unit + "]")}};
     case Field::Type::group:
       break;
   }

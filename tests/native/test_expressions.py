@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Expressions: values and derivatives against Python's parser and forty digits, kinks, and mistakes in words.
 
-Values are compared relative to the largest term that occurs in the expression, since a difference of large terms
-has no more digits.
+Values are compared relative to the largest term that occurs in the expression, since a difference of large
+terms has no more digits.
 """
 
 from __future__ import annotations
@@ -58,8 +58,9 @@ def random_text(rng: random.Random, depth: int) -> str:
     a, b = random_text(rng, depth - 1), random_text(rng, depth - 1)
     name = rng.choice(sorted(INSIDE))
     return rng.choice([
-        f"{a} + {b}", f"{a} - {b}", f"({a})*({b})", f"({a} - {b})*{a}", f"-({a})", f"-{a}", f"({a})/(1 + ({b})^2)",
-        f"-({a})^2", f"({a})^3 - {b}", f"(1 + ({a})^2)^-2", f"{name}({INSIDE[name].format(f'({a})')})",
+        f"{a} + {b}", f"{a} - {b}", f"({a})*({b})", f"({a} - {b})*{a}", f"-({a})", f"-{a}",
+        f"({a})/(1 + ({b})^2)", f"-({a})^2", f"({a})^3 - {b}", f"(1 + ({a})^2)^-2",
+        f"{name}({INSIDE[name].format(f'({a})')})",
         f"pow(1 + ({a})^2, sin({b}))", f"atan2({a}, 2 + ({b})^2)", f"hypot({a}, 1)", f"min({a}, {b})",
         f"max({a}, {b}, s)", f"if(s < 0.3 and not v >= 1 or arm.phi > 1, {a}, {b})",
     ])  # fmt: skip
@@ -82,7 +83,7 @@ class Exact:
     def value(self, x: list[Any], code: Any = None) -> Any:
         s, v, phi = x
         names = {"s": s, "v": v, "arm": SimpleNamespace(phi=phi)}
-        return mpmath.mpf(eval(code or self._whole, EXACT | names))  # noqa: S307 (the test's own text)
+        return mpmath.mpf(eval(code or self._whole, EXACT | names))  # the text of this test
 
     def along(self, x: list[Any], direction: list[float], order: int, code: Any = None) -> Any:
         """A derivative in a direction, by differences of numbers with a hundred digits."""
@@ -178,7 +179,7 @@ def test_equal_parts_are_computed_once(s: Callable[[str], Any]) -> None:
 
 
 def test_kinks_are_known_and_can_be_held(s: Callable[[str], Any]) -> None:
-    """|s| + min(v, 2): two kinks, where s and 2 - v pass zero; a branch held beyond its kink goes on smoothly."""
+    """|s| + min(v, 2): two kinks. A branch held beyond its kink is smooth."""
     expression = s("abs(s) + min(v, 2)")
     assert expression.has_choices()
     assert not s("s*v").has_choices()
@@ -262,7 +263,7 @@ MISTAKES = {
 
 @pytest.mark.parametrize("text", MISTAKES, ids=lambda text: text[:20] or "empty")
 def test_mistakes_are_answered_in_words(s: Callable[[str], Any], text: str) -> None:
-    with pytest.raises(ValueError, match="^column ") as raised:
+    with pytest.raises(ValueError, match=r"^column ") as raised:
         s(text)
     assert MISTAKES[text] in str(raised.value)
     assert "^" in str(raised.value).splitlines()[-1]
@@ -270,10 +271,35 @@ def test_mistakes_are_answered_in_words(s: Callable[[str], Any], text: str) -> N
 
 def test_the_caret_is_below_the_mistake(s: Callable[[str], Any]) -> None:
     """Columns count characters, not bytes, of the line with the mistake."""
-    with pytest.raises(ValueError, match="^column") as raised:
+    with pytest.raises(ValueError, match=r"^column") as raised:
         s("2*k +\n  s*force*v")
     assert str(raised.value).splitlines()[0].startswith("column 5: found 'force'")
     assert str(raised.value).splitlines()[1:] == ["    s*force*v", "      ^^^^^"]
-    with pytest.raises(ValueError, match="^column") as raised:
+    with pytest.raises(ValueError, match=r"^column") as raised:
         s("(\u00e4)")
     assert str(raised.value).splitlines()[1:] == ["  (\u00e4)", "   ^"]
+
+
+WORDS = (
+    "s v 1 2.5 ( ) + - * / ^ , < >= and or not if( min( sin( clip( \u00e9 pi atan2( e3 . [1] pow( smoothstep("
+).split() + [" "]
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_any_text_is_an_expression_or_a_mistake(s: Callable[[str], Any], seed: int) -> None:
+    """Ten thousand texts of words in any order, and as many of any characters: no crash, no other error."""
+    rng = random.Random(seed)
+    read, mistakes = 0, []
+    for k in range(5000):
+        words = WORDS if k % 2 == 0 else [chr(rng.randrange(1, 0x2FF)) for _ in range(8)]
+        text = "".join(rng.choice(words) for _ in range(rng.randrange(1, 12)))
+        try:
+            expression = s(text)
+        except ValueError as error:
+            mistakes.append(str(error))
+        else:
+            read += 1
+            expression.value([0.3, -0.4, 0.5, 0.6])
+            expression.derivative([0, 1], [0.3, -0.4, 0.5, 0.6])
+    assert all(mistake.startswith("column ") for mistake in mistakes)
+    assert read > 20

@@ -71,6 +71,7 @@ def test_tree_is_the_same_in_cpp_and_python(source: Scene, tmp_path: Path) -> No
     assert gelenk.load(plain).to_dict() == expected
 
 
+@warned.GYRATION
 @examples(40)
 @given(source=trees())
 def test_saved_tree_moves_bitwise_identically(source: Scene, tmp_path: Path) -> None:

@@ -3,10 +3,27 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "util/text.h"
 
 namespace gelenk {
+
+std::optional<ElementFault> Motion::fault(const Coordinate&) const {
+  if (table) return fault(*table);
+  if (!law_of_time.is_given()) return {};
+  if (law_of_time.has_kinks()) {
+    return {{"law", text::quoted(law_of_time.text()) + ", which has kinks (abs, sign, min, max, clip, smoothstep, if)",
+             "a smooth expression: at a kink of a prescribed motion, the acceleration or the speed would jump"}};
+  }
+  try {
+    (void)law();
+  } catch (const std::length_error&) {
+    return {{"law", "an expression of " + std::to_string(law_of_time.text().size()) + " characters",
+             "a shorter one: its derivatives have too many terms"}};
+  }
+  return {};
+}
 
 std::optional<ElementFault> Motion::fault(const Table& table) {
   constexpr double end_tolerance = 1e-12;  // of a periodic table, relative: rounding of the decimal numbers in the file

@@ -18,12 +18,14 @@ struct Motion {
                                     .has_coordinate = true,
                                     .fits = [](const JointKind& kind) { return kind.springs(); }}};
   static constexpr std::string_view sources[] = {"position", "speed"};
+  static constexpr FormulaVariable time[] = {{"t", "s"}};
 
   std::vector<double> polynomial;  // c0 + c1 t + c2 t^2 + ...
   std::optional<Sine> sine;        // added to the polynomial
   std::optional<Table> table;
   double speed = std::numeric_limits<double>::quiet_NaN();  // constant speed; NaN if not given
   Choice input;
+  Formula law_of_time;
 
   static std::span<const Field> fields() {
     static constexpr Field all[] = {
@@ -46,7 +48,12 @@ struct Motion {
         field<&Motion::input>({.name = "input",
                                .text = "quantity that an input of the model prescribes",
                                .alternative = 4,
-                               .words = sources})};
+                               .words = sources}),
+        field<&Motion::law_of_time>({.name = "law",
+                                     .unit = "{q}",
+                                     .text = "smooth expression of the time t",
+                                     .alternative = 5,
+                                     .variables = time})};
     return all;
   }
 
@@ -55,7 +62,7 @@ struct Motion {
   // Otherwise only the speed is prescribed, and the start value is free.
   bool holds_position() const { return input.index != 1 && !gives_speed(); }
 
-  std::optional<ElementFault> fault(const Coordinate&) const { return table ? fault(*table) : std::nullopt; }
+  std::optional<ElementFault> fault(const Coordinate&) const;
 
   std::span<const SignalGroup> inputs() const {
     static constexpr SignalGroup position[] = {{"{coordinate}_ref", 0, "{q}",
@@ -76,7 +83,7 @@ struct Motion {
   std::optional<MotionLaw> law() const {
     if (follows_input()) return {};
     if (gives_speed()) return MotionLaw({0, speed}, {}, {});
-    return MotionLaw(polynomial, sine, table);
+    return MotionLaw(polynomial, sine, table, law_of_time);
   }
   template <class Seen>
   auto output(const Seen& seen, int, int) const {

@@ -9,9 +9,28 @@
 
 namespace gelenk {
 
-MotionLaw::MotionLaw(std::vector<double> polynomial, std::optional<Sine> sine, std::optional<Table> table)
+MotionLaw::MotionLaw(std::vector<double> polynomial, std::optional<Sine> sine, std::optional<Table> table,
+                     const Formula& formula)
     : polynomial_(std::move(polynomial)), sine_(sine), table_(std::move(table)) {
   if (table_) make_spline();
+  if (formula.is_given()) differentiate(formula);
+}
+
+void MotionLaw::differentiate(const Formula& formula) {
+  expression::Graph graph = formula.graph();
+  std::vector<expression::Term> terms = {formula.term()};
+  for (int k = 1; k < orders; ++k) terms.push_back(derivative(graph, terms.back(), 0));
+  formula_.emplace(graph, terms);
+  formula_size_ = formula.size();
+  time_size_ = formula.size_of(0);
+}
+
+void MotionLaw::add_formula(double t, Derivatives& out) const {
+  Derivatives in_si{};
+  const double seconds = t * time_size_;
+  formula_->evaluate(&seconds, in_si.data());
+  double factor = 1 / formula_size_;
+  for (int k = 0; k < orders; ++k, factor *= time_size_) out[k] += factor * in_si[k];
 }
 
 // s'' is continuous and linear between the points; at each inner point (de Boor 1978, ch. IV)
@@ -93,6 +112,7 @@ MotionLaw::Derivatives MotionLaw::at(double t) const {
   add_polynomial(t, out);
   if (sine_) add_sine(t, out);
   if (table_) add_spline(t, out);
+  if (formula_) add_formula(t, out);
   return out;
 }
 

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "expression/tape.h"
 #include "field/field.h"
 
 namespace gelenk {
@@ -49,15 +50,16 @@ struct Table {
   }
 };
 
-// Sum of a polynomial sum c_i t^i, a sine and a table, as far as they are given. If only the speed is prescribed, the
-// function is used only through its derivatives.
+// Sum of a polynomial sum c_i t^i, a sine, a table and a formula of t, as far as they are given. If only the speed is
+// prescribed, the function is used only through its derivatives.
 class MotionLaw {
  public:
   static constexpr int orders = 5;  // the value and its first four derivatives
   using Derivatives = std::array<double, orders>;
 
   // polynomial: coefficients c0, c1, ... [rad or m, divided by s^i]; may be empty.
-  MotionLaw(std::vector<double> polynomial, std::optional<Sine> sine, std::optional<Table> table);
+  MotionLaw(std::vector<double> polynomial, std::optional<Sine> sine, std::optional<Table> table,
+            const Formula& formula = {});
 
   // Returns s, s', s'', ... at t [s].
   Derivatives at(double t) const;
@@ -67,11 +69,15 @@ class MotionLaw {
   void add_polynomial(double t, Derivatives& out) const;
   void add_sine(double t, Derivatives& out) const;
   void add_spline(double t, Derivatives& out) const;
+  void differentiate(const Formula& formula);
+  void add_formula(double t, Derivatives& out) const;
 
   std::vector<double> polynomial_;
   std::optional<Sine> sine_;
   std::optional<Table> table_;
-  std::vector<double> curvature_;  // s'' at the table's times
+  std::vector<double> curvature_;            // s'' at the table's times
+  std::optional<expression::Tape> formula_;  // and its derivatives, in SI units
+  double formula_size_ = 1, time_size_ = 1;  // SI values of one unit
 };
 
 }  // namespace gelenk
