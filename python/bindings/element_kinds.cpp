@@ -18,7 +18,8 @@ namespace gelenk {
 namespace {
 
 const char* field_type(Field::Type type) {
-  static constexpr const char* names[] = {"number", "vector", "direction", "numbers", "flag", "choice", "group"};
+  static constexpr const char* names[] = {"number", "vector", "direction", "numbers",
+                                          "flag",   "choice", "formula",   "group"};
   return names[static_cast<int>(type)];
 }
 const char* range_name(Range range) {
@@ -229,7 +230,8 @@ void put_number(std::span<const Field> fields, void* element, const std::string&
         field.of<Choice>(element).index = static_cast<int>(number());
         return;
       default:
-        throw std::invalid_argument(name + " is no number");
+        field.of<Formula>(element) = Formula(std::get<std::string>(value), field.variables);
+        return;
     }
   }
   throw std::invalid_argument("unknown field: " + name);

@@ -33,6 +33,9 @@ constexpr int max_velocities_full_search = 45;
 constexpr int min_unsuccessful = 16;
 constexpr int unsuccessful_per_assembly = 8;
 constexpr int max_unsuccessful = 50;
+// In groups of fewer velocities starts are cheaper and more of them are made, up to this factor.
+constexpr double velocities_few_starts = 40;
+constexpr double max_more_starts = 4;
 // Most starts close, or go astray, in fewer steps.
 constexpr int max_closing_steps = 40;
 // Closing gives up where the squared distance has become so many times that of the best assembly.
@@ -187,7 +190,9 @@ void search_nearest(const LoopGroup& group, GroupProblem& problem, Candidates& c
   std::mt19937 random(1);  // NOLINT(bugprone-random-generator-seed): the same scene gives the same start
   const auto limit = [&] {
     if (group.size > max_velocities_full_search) return static_cast<int>(perturbation_levels.size());
-    return std::min(max_unsuccessful, min_unsuccessful + unsuccessful_per_assembly * candidates.count());
+    const double more = std::clamp(velocities_few_starts / group.size, 1.0, max_more_starts);
+    return static_cast<int>(
+        more * std::min(max_unsuccessful, min_unsuccessful + unsuccessful_per_assembly * candidates.count()));
   };
   std::vector<double> other;
   for (int i = 0, unsuccessful = 0; unsuccessful < limit() && problem.is.moved(candidates.best()).any > guess_tolerance;

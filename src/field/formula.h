@@ -9,10 +9,12 @@
 
 #include "expression/error.h"
 #include "expression/graph.h"
+#include "expression/tape.h"
 
 namespace gelenk {
 
-// A variable of a formula, with its unit in FMI's spelling; expressions are in SI units.
+// A variable of a formula, with its unit in FMI's spelling; expressions are in SI units. One without a name keeps its
+// place only.
 struct FormulaVariable {
   std::string_view name, unit;
 };
@@ -22,7 +24,7 @@ class Formula {
   static constexpr std::size_t max_variables = 4;
 
   Formula() = default;  // not given
-  // Throws expression::SyntaxError.
+  // Throws expression::SyntaxError, also for a text that is too long to be evaluated.
   Formula(std::string text, std::span<const FormulaVariable> variables);
 
   bool is_given() const { return graph_ != nullptr; }
@@ -37,10 +39,22 @@ class Formula {
   double size_of(std::size_t k) const { return sizes_[k]; }
   void set_sizes(double of_result, std::span<const double> of_variables);
 
+  // The value, in the unit system of the scene, as are the variables. T: double, Dual or Series.
+  template <class T>
+  T value(const T* variables) const {
+    T at[max_variables];
+    for (std::size_t k = 0; k < count_; ++k) at[k] = T(sizes_[k]) * variables[k];
+    T out;
+    tape_->evaluate(at, &out);
+    return out * T(1 / size_);
+  }
+
  private:
   std::string text_;
   std::shared_ptr<const expression::Graph> graph_;  // shared by copies; immutable
   expression::Term term_ = -1;
+  std::shared_ptr<const expression::Tape> tape_;  // of the term
+  std::size_t count_ = 0;                         // number of variables
   double size_ = 1;
   double sizes_[max_variables] = {1, 1, 1, 1};
 };

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "joint/kinds.h"
 #include "preparation/report.h"
@@ -75,16 +74,16 @@ std::string describe_changed_guess(const Scene& scene, const ReducedScene& reduc
     const std::vector<double> q = coordinates_of(scene, reduced, j, found.q, dynamics);
     for (std::size_t k = 0; k < q.size(); ++k) {
       if (!guess.q_given[k] || guess.q_fixed[k] || (only_set && !is_set(guess, k))) continue;
-      const bool angle = kind.q[k].unit == "rad";
-      const double change = angle ? std::remainder(q[k] - guess.q[k], 2 * std::numbers::pi) : q[k] - guess.q[k];
-      if (std::abs(change) <= max_change) continue;
-      max_change = std::abs(change);
+      // Free angles are within half a turn of their guesses; full turns of the others count.
+      const double change = std::abs(q[k] - guess.q[k]);
+      if (change <= max_change) continue;
+      max_change = change;
       const auto shown = [&](double x) {
         return text::with_unit(text::rounded(scene.units.size_of(kind.q[k].unit) * x), kind.q[k].unit);
       };
       out = name_of_guess(joint.name, kind.q[k].name, only_set) + ": found " + shown(guess.q[k]) +
-            ", a guess with which the loops cannot be closed, expected one near " + shown(guess.q[k] + change) +
-            ", which is used; " + guess_advice(joint.name, only_set);
+            ", a guess with which the loops cannot be closed, expected one near " + shown(q[k]) + ", which is used; " +
+            guess_advice(joint.name, only_set);
     }
   }
   return out.empty() || scene.file.empty() || only_set ? out : scene.file + ": " + out;

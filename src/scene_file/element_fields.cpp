@@ -41,13 +41,21 @@ std::vector<double> read_numbers(const Json& value, const std::string& path, Fau
   return out;
 }
 
+// Whether a variable of a formula exists at this coordinate: those of time do everywhere.
+bool fits(const FormulaVariable& variable, const Coordinate& coordinate) {
+  return coordinate.name.empty() || variable.unit == "s" || variable.name == coordinate.name ||
+         variable.name == coordinate.speed;
+}
+
 std::string expected_of(const Field& field, const Coordinate& coordinate) {
   if (field.type == Field::Type::choice) return "one of " + text::list(words_of(field));
   const std::string unit = unit_for_people(field, coordinate);
   const std::string in_unit = unit.empty() ? "" : " in " + unit;
   if (field.type == Field::Type::formula) {
     std::vector<std::string> names;
-    for (const FormulaVariable& variable : field.variables) names.emplace_back(variable.name);
+    for (const FormulaVariable& variable : field.variables) {
+      if (fits(variable, coordinate)) names.emplace_back(variable.name);
+    }
     return "an expression of " + text::list(names) + in_unit;
   }
   return (field.type == Field::Type::numbers ? "a list of numbers" : "a number") + in_unit;
@@ -67,7 +75,11 @@ void read_formula(const Json& value, const std::string& path, Faults& faults, co
   if (!value.is_string() && !value.is_number()) return faults.add(path, shown(value), expected_of(field, coordinate));
   const std::string text = value.is_number() ? text::number(value.get<double>()) : value.get<std::string>();
   try {
-    formula = Formula(text, field.variables);
+    std::vector<FormulaVariable> variables(field.variables.begin(), field.variables.end());
+    for (FormulaVariable& variable : variables) {
+      if (!fits(variable, coordinate)) variable.name = {};
+    }
+    formula = Formula(text, variables);
   } catch (const expression::SyntaxError& error) {
     faults.add(path, text::quoted(text), expected_of(field, coordinate) + "; " + with_caret(error, text));
   }

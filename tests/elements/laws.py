@@ -75,6 +75,8 @@ def drawn(field: Kind, rng: np.random.Generator) -> Any:
     if field["type"] == "numbers":
         found = [number() for _ in range(max(3, field["size"]))]
         return sorted(abs(x) for x in found) if field["unit"] == "s" else found
+    if field["type"] == "formula":
+        return "0.9 - 1.3*phi - 0.2*phi^3 - 0.4*w - 0.1*w^3"
     return field["default"]
 
 
@@ -130,7 +132,8 @@ def general_cases(kind: Kind) -> Iterator[Case]:
     rng = np.random.default_rng(20261122)
     for label, words in words_and_flags(kind):
         for _ in range(100):
-            numbers = {f["name"]: drawn(f, rng) for f in kind["fields"] if is_number(f)} | words
+            described = [f for f in kind["fields"] if is_number(f) or f["type"] == "formula"]
+            numbers = {f["name"]: drawn(f, rng) for f in described} | words
             if make(kind["name"], numbers).is_sound:
                 break
         yield Case(kind, numbers, label)

@@ -80,6 +80,8 @@ def given(fields: list[Kind], way: int, words: dict[str, Any], rng: np.random.Ge
             continue
         if field["type"] == "group":
             out[field["name"]] = given(field["fields"], 0, {}, rng)
+        elif field["type"] == "formula":
+            out[field["name"]] = "0.9"  # of any variables
         elif field["name"] in words:
             out[field["name"]] = words[field["name"]]
         elif field["type"] not in ("flag", "choice", "direction"):
@@ -98,7 +100,12 @@ def sound(section: str, kind: Kind, way: int, words: dict[str, Any]) -> dict[str
     ]
     for _ in range(100):
         fields = given(described, way, words, rng)
-        numbers = {name: value for name, value in fields.items() if not isinstance(value, str | bool)}
+        texts = {f["name"] for f in described if f["type"] == "formula"}
+        numbers = {
+            name: value
+            for name, value in fields.items()
+            if name in texts or not isinstance(value, str | bool)
+        }
         checked: type[Any] | None = {"joints": elements.Along, "forces": elements.Force}.get(section)
         if checked is None or checked(kind["name"], numbers).is_sound:
             break

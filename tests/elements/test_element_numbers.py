@@ -141,8 +141,10 @@ def others(value: Any, field: Kind) -> Iterator[Any]:
         yield changed(value, field)
 
 
-def changed(x: float, field: Kind) -> float:
+def changed(x: Any, field: Kind) -> Any:
     """By a fourth; of times, which are in order, by less; exponents are 1 or 2."""
+    if field["type"] == "formula":
+        return f"1.25*({x})"
     return x * (2 if field["name"] == "exponent" else 1.01 if field["unit"] == "s" else 1.25)
 
 

@@ -7,6 +7,7 @@ import math
 
 import numpy as np
 import pytest
+import warned
 from mechanisms import GRAVITY, Array, Scene, four_bar_angles
 from models.meeting import meet
 
@@ -39,6 +40,7 @@ def test_four_bar() -> None:
     np.testing.assert_allclose(left, np.cos(crank - rocker), rtol=0, atol=10 * CLOSED)  # coefficients up to 4
 
 
+@warned.STILL
 def test_five_bar() -> None:
     """The tool is where circles about the elbows meet."""
     run = ran("five_bar")

@@ -28,6 +28,8 @@ def size(unit: str, length: float, mass: float, angle: bool = True) -> float:
 
 
 def multiplied(value: Any, factor: float) -> Any:
+    if isinstance(value, str):  # a formula without lengths and masses
+        return f"({value})*{factor!r}"
     return [factor * x for x in value] if isinstance(value, list) else factor * value
 
 
@@ -93,7 +95,7 @@ def scale_joint(joint: dict[str, Any], by: Factors) -> None:
         values = entry[field["name"]]
         each = values if isinstance(values, list) else [values]
         found = [
-            x * size(field["unit"], by.length, by.mass, angle)
+            multiplied(x, size(field["unit"], by.length, by.mass, angle))
             for x, angle in zip(each, turns(joint), strict=True)
         ]
         entry[field["name"]] = found if isinstance(values, list) else found[0]

@@ -280,9 +280,10 @@ def test_the_caret_is_below_the_mistake(s: Callable[[str], Any]) -> None:
     assert str(raised.value).splitlines()[1:] == ["  (\u00e4)", "   ^"]
 
 
-WORDS = (
-    "s v 1 2.5 ( ) + - * / ^ , < >= and or not if( min( sin( clip( \u00e9 pi atan2( e3 . [1] pow( smoothstep("
-).split() + [" "]
+WORDS = [
+    "s", "v", "1", "2.5", "(", ")", "+", "-", "*", "/", "^", ",", "<", ">=", "and", "or", "not", "if(",
+    "min(", "sin(", "clip(", " ", "\u00e9", "pi", "atan2(", "e3", ".", "[1]", "pow(", "smoothstep(",
+]  # fmt: skip
 
 
 @pytest.mark.parametrize("seed", range(4))
