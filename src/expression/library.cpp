@@ -147,7 +147,8 @@ Term Library::absolute(Term x) { return graph_.choose(x, x, graph_.negate(x)); }
 Term Library::least(Term a, Term b) { return graph_.choose(graph_.subtract(b, a), a, b); }
 Term Library::largest(Term a, Term b) { return graph_.choose(graph_.subtract(a, b), a, b); }
 
-Term Library::applied(std::string_view name, const std::vector<Term>& of) {
+Term Library::applied(std::string_view name, const std::vector<Term>& arguments) {
+  const std::vector<Term>& of = arguments;
   const Function& function = *found(name);
   if (function.operation == Operation::atan2) return graph_.function(function.operation, of[0], of[1]);
   if (function.operation != Operation::constant) return graph_.function(function.operation, of[0]);

@@ -11,7 +11,12 @@ namespace {
 // Slots of which those that are free again are used first.
 class Slots {
  public:
+  // Throws std::length_error if all are taken.
   short take() {
+    if (free_.empty() && count_ == Tape::max_slots) {
+      throw std::length_error("the expression needs more than " + std::to_string(Tape::max_slots) +
+                              " intermediate values at once");
+    }
     if (free_.empty()) return static_cast<short>(count_++);
     const short slot = free_.back();
     free_.pop_back();
@@ -38,23 +43,31 @@ std::vector<Term> last_uses(const Graph& graph, const std::vector<Term>& terms) 
   return out;
 }
 
+// An operand that nothing else needs gives its place to the result.
+void release_last_uses(const Node& node, Term at, const std::vector<Term>& last, const std::vector<short>& slot,
+                       Slots& slots) {
+  for (auto of = node.of.begin(); of != node.of.end(); ++of) {
+    const bool is_first = std::find(node.of.begin(), of, *of) == of;
+    if (*of >= 0 && is_first && last[static_cast<std::size_t>(*of)] == at)
+      slots.release(slot[static_cast<std::size_t>(*of)]);
+  }
+}
+
 }  // namespace
 
 Tape::Tape(const Graph& graph, const std::vector<Term>& terms) {
   const std::vector<Term> last = last_uses(graph, terms);
   std::vector<short> slot(last.size(), -1);
   Slots slots;
-  const auto limited = [&](short taken) {
-    if (taken < max_slots) return taken;
-    throw std::length_error("the expression needs more than " + std::to_string(max_slots) +
-                            " intermediate values at once");
+  const auto is_loaded = [&](std::size_t at) {
+    const Operation operation = graph[static_cast<Term>(at)].operation;
+    return operation == Operation::variable || operation == Operation::constant;
   };
   // Variables and constants first: they are written before the instructions.
   for (std::size_t at = 0; at < last.size(); ++at) {
+    if (last[at] < 0 || !is_loaded(at)) continue;
     const Node& node = graph[static_cast<Term>(at)];
-    if (last[at] < 0) continue;
-    if (node.operation != Operation::variable && node.operation != Operation::constant) continue;
-    slot[at] = limited(slots.take());
+    slot[at] = slots.take();
     if (node.operation == Operation::variable) {
       variables_.push_back({slot[at], node.index});
     } else {
@@ -62,24 +75,15 @@ Tape::Tape(const Graph& graph, const std::vector<Term>& terms) {
     }
   }
   for (std::size_t at = 0; at < last.size(); ++at) {
+    if (last[at] < 0 || is_loaded(at)) continue;
     const Node& node = graph[static_cast<Term>(at)];
-    if (last[at] < 0 || slot[at] >= 0) continue;
     Instruction made{.operation = node.operation, .index = node.index};
     for (std::size_t k = 0; k < node.of.size(); ++k) {
       if (node.of[k] >= 0) made.of[k] = slot[static_cast<std::size_t>(node.of[k])];
     }
-    if (node.operation == Operation::choose) {
-      made.index = choices();
-      choices_.push_back(node.of[0]);
-    }
-    // An operand that is not needed any more gives its place to the result.
-    for (std::size_t k = 0; k < node.of.size(); ++k) {
-      const auto of = static_cast<std::size_t>(node.of[k]);
-      const bool repeated = std::find(node.of.begin(), node.of.begin() + static_cast<std::ptrdiff_t>(k), node.of[k]) !=
-                            node.of.begin() + static_cast<std::ptrdiff_t>(k);
-      if (node.of[k] >= 0 && !repeated && last[of] == static_cast<Term>(at)) slots.release(slot[of]);
-    }
-    made.to = slot[at] = limited(slots.take());
+    if (node.operation == Operation::choose) made.index = choices_++;
+    release_last_uses(node, static_cast<Term>(at), last, slot, slots);
+    made.to = slot[at] = slots.take();
     instructions_.push_back(made);
   }
   for (const Term term : terms) outputs_.push_back(slot[static_cast<std::size_t>(term)]);

@@ -15,14 +15,13 @@ namespace gelenk::expression {
 class Tape {
  public:
   static constexpr int max_slots = 512;
-  // The number of slots that `terms` need at once, for a message where they are too many.
-  Tape() = default;
+  Tape() = default;  // of no terms
   // Throws std::length_error if the terms need more than max_slots intermediate values at once.
   Tape(const Graph& graph, const std::vector<Term>& terms);
 
   // Instructions of one evaluation; without variables and constants.
   int operations() const { return static_cast<int>(instructions_.size()); }
-  int choices() const { return static_cast<int>(choices_.size()); }
+  int choices() const { return choices_; }
 
   // out[k] <- the k-th of the terms. variables: by index. held: by choice, whether the first branch is taken; null: as
   // the values say. arguments: by choice, what decides on its branch, if not null.
@@ -105,7 +104,7 @@ class Tape {
   std::vector<Constant> constants_;
   std::vector<Instruction> instructions_;
   std::vector<short> outputs_;
-  std::vector<Term> choices_;
+  int choices_ = 0;
   int slots_ = 0;
 };
 

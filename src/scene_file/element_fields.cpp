@@ -161,7 +161,7 @@ void write_fields(Json& to, std::span<const Field> fields, const void* element) 
         }
         break;
       case Field::Type::formula:
-        if (const Formula& formula = field.of<Formula>(element); formula.is_given()) value = formula.text();
+        if (const auto& formula = field.of<Formula>(element); formula.is_given()) value = formula.text();
         break;
       case Field::Type::group:
         if (const void* there = field.in(element)) {
