@@ -17,6 +17,7 @@ constexpr int probes = 3;
 struct Store {
   std::mutex mutex;
   std::list<std::pair<AssemblyKey, KnownAssembly>> entries;  // the last one needed first
+  std::size_t numbers = 0;                                   // of all keys
 };
 
 Store& store() {
@@ -73,7 +74,11 @@ void remember(AssemblyKey key, KnownAssembly assembly) {
   Store& all = store();
   const std::scoped_lock lock(all.mutex);
   all.entries.emplace_front(std::move(key), std::move(assembly));
-  if (all.entries.size() > max_known_assemblies) all.entries.pop_back();
+  all.numbers += all.entries.front().first.numbers().size();
+  while (all.entries.size() > max_known_assemblies || all.numbers > max_known_numbers) {
+    all.numbers -= all.entries.back().first.numbers().size();
+    all.entries.pop_back();
+  }
 }
 
 }  // namespace gelenk

@@ -34,5 +34,6 @@ class AssemblyKey {
 std::optional<KnownAssembly> find_known(const AssemblyKey& key);
 void remember(AssemblyKey key, KnownAssembly assembly);
 inline constexpr std::size_t max_known_assemblies = 64;
+inline constexpr std::size_t max_known_numbers = 1'000'000;  // of their keys: 8 MB
 
 }  // namespace gelenk

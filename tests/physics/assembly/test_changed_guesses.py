@@ -7,7 +7,7 @@ import math
 from typing import Any
 
 import pytest
-from mechanisms import body, joint, scene
+from mechanisms import body, frame, joint, scene
 
 import gelenk
 
@@ -17,9 +17,9 @@ def screwed(travel: float) -> dict[str, Any]:
     return scene(
         {name: body(1.0) for name in ("nut", "spindle")},
         {
-            "slide": joint("prismatic", "ground", "nut", start={"s": travel, "fixed": True}),
-            "bearing": joint("revolute", "ground", "spindle"),
-            "thread": joint("screw", "spindle", "nut", pitch=0.1, start={"phi": 0.0}),
+            "slide": joint("prismatic", frame("ground"), frame("nut"), start={"s": travel, "fixed": True}),
+            "bearing": joint("revolute", frame("ground"), frame("spindle")),
+            "thread": joint("screw", frame("spindle"), frame("nut"), pitch=0.1, start={"phi": 0.0}),
         },
         gravity=[0, 0, 0],
     )
@@ -39,7 +39,7 @@ def test_turns_of_a_screw_count(travel: float) -> None:
 def test_motion_that_starts_beyond_a_turn() -> None:
     source = scene(
         {"arm": body(1.0)},
-        {"A": joint("revolute", "ground", "arm", start={"phi": 0.5})},
+        {"A": joint("revolute", frame("ground"), frame("arm"), start={"phi": 0.5})},
         constraints={"turn": {"type": "motion", "joint": "A", "polynomial": [9.0, 1.0]}},
         gravity=[0, 0, 0],
     )
