@@ -55,7 +55,9 @@ class NameClaims {
 };
 
 void add_fields(std::vector<std::string>& out, std::span<const Field> fields) {
-  for (const Field& field : fields) out.emplace_back(field.name);
+  for (const Field& field : fields) {
+    if (field.type != Field::Type::formula) out.emplace_back(field.name);  // no variable
+  }
 }
 
 std::vector<std::string> joint_suffixes(const Joint& joint) {

@@ -2,8 +2,9 @@
 #include "expression/tokens.h"
 
 #include <algorithm>
-#include <charconv>
+#include <clocale>
 #include <cmath>
+#include <cstdlib>
 #include <string>
 #include <utility>
 
@@ -61,6 +62,31 @@ std::size_t length_of_character(std::string_view text) {
   return n;
 }
 
+std::size_t digits(std::string_view text, std::size_t from) {
+  std::size_t at = from;
+  while (at < text.size() && is_digit(text[at])) ++at;
+  return at - from;
+}
+
+// Length of the number with which the text begins: digits with a point, and an exponent if it has digits.
+std::size_t length_of_number(std::string_view text) {
+  std::size_t at = digits(text, 0);
+  if (at < text.size() && text[at] == '.') at += 1 + digits(text, at + 1);
+  if (at + 1 < text.size() && (text[at] == 'e' || text[at] == 'E')) {
+    const std::size_t power = at + (text[at + 1] == '+' || text[at + 1] == '-' ? 2 : 1);
+    if (digits(text, power) > 0) at = power + digits(text, power);
+  }
+  return at;
+}
+
+// from_chars is not used: the FMU would require a newer C library. strtod expects the point of the locale.
+double value_of(std::string_view number) {
+  std::string own(number);
+  const char* const point = std::localeconv()->decimal_point;
+  if (const std::size_t at = own.find('.'); at != std::string::npos) own.replace(at, 1, point);
+  return std::strtod(own.c_str(), nullptr);
+}
+
 class Tokenizer {
  public:
   explicit Tokenizer(std::string_view text) : text_(text) {}
@@ -100,12 +126,9 @@ class Tokenizer {
   }
 
   Token number() {
-    double value = 0;
-    const char* const first = text_.data() + at_;
-    const auto [end, error] = std::from_chars(first, text_.data() + text_.size(), value);
-    const auto length = static_cast<std::size_t>(end - first);
-    if (error == std::errc::result_out_of_range || !std::isfinite(value))
-      throw SyntaxError(at_, length, "found a number that is too large or too small for 64 bits");
+    const std::size_t length = length_of_number(text_.substr(at_));
+    const double value = value_of(text_.substr(at_, length));
+    if (!std::isfinite(value)) throw SyntaxError(at_, length, "found a number that is too large for 64 bits");
     if (at_ + length < text_.size() && text_[at_ + length] == '.')
       throw SyntaxError(at_, length + 1, "found two decimal points in a number");
     Token out = taken(Token::Kind::number, length);

@@ -248,7 +248,7 @@ MISTAKES = {
     "mod(s, 2)": "jump again and again",
     "x'": "speed w",
     "1.2.3": "two decimal points",
-    "1e999": "64 bits",
+    "1e999": "too large for 64 bits",
     "s $ 2": "found '$'",
     "tip.r[": "tip.r[1]",
     "s; v": "one formula",

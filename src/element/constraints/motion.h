@@ -52,6 +52,7 @@ struct Motion {
         field<&Motion::law_of_time>({.name = "law",
                                      .unit = "{q}",
                                      .text = "smooth expression of the time t",
+                                     .settable = false,
                                      .alternative = 5,
                                      .variables = time})};
     return all;

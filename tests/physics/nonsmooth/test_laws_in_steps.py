@@ -31,8 +31,8 @@ def compared_settings() -> set[registered_laws.Setting]:
 
 
 def test_every_field_of_the_laws_of_joints_is_compared() -> None:
-    """All numbers and words of the registry."""
-    assert registered_laws.wanted("joints") - compared_settings() == set()
+    """All numbers and words of the registry; a force by an expression is smooth, as that of a spring."""
+    assert registered_laws.wanted("joints") - compared_settings() == {(("law", "effort"), True)}
 
 
 def test_every_input_of_the_laws_of_joints_varies() -> None:
