@@ -7,6 +7,7 @@
 #include "mechanism/mechanism.h"
 
 namespace gelenk {
+
 std::vector<int> velocities_between(const Mechanism& mechanism, const Cut& cut) {
   std::vector<int> out;
   for (const auto* path : {&cut.path_a, &cut.path_b}) {

@@ -13,15 +13,7 @@ class Differentiator {
   Differentiator(Graph& graph, int variable) : g_(graph), variable_(variable) {}
 
   Term of(Term term) {
-    // Operands precede, so that no recursion is needed, however deep the graph is.
-    std::vector<bool> needed(static_cast<std::size_t>(term) + 1, false);
-    needed.back() = true;
-    for (Term at = term; at >= 0; --at) {
-      if (!needed[static_cast<std::size_t>(at)]) continue;
-      for (const Term operand : g_[at].of) {
-        if (operand >= 0) needed[static_cast<std::size_t>(operand)] = true;
-      }
-    }
+    const std::vector<bool> needed = g_.parts_of(term);
     d_.assign(needed.size(), -1);
     for (Term at = 0; at <= term; ++at) {
       if (needed[static_cast<std::size_t>(at)]) d_[static_cast<std::size_t>(at)] = of_node(at);

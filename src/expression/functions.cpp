@@ -111,4 +111,32 @@ Derivatives derivatives_at(Operation function, double x) {
   }
 }
 
+namespace {
+
+// A derivative, which may be infinite where x = 0, times a rate: a rate of 0 leaves nothing.
+double along(double derivative, double rate) { return rate == 0 ? 0 : derivative * rate; }
+
+// The derivative of x^y with respect to y; 0 at x = 0, where x^y is 0 for all y > 0.
+double by_exponent(double value, double x) { return value == 0 ? 0 : value * std::log(x); }
+
+}  // namespace
+
+Dual power(const Dual& x, const Dual& y) {
+  const double value = std::pow(x.value(), y.value());
+  const double by_base = y.value() * std::pow(x.value(), y.value() - 1);
+  return {value, by_base * x.derivatives() + by_exponent(value, x.value()) * y.derivatives()};
+}
+
+Series power(const Series& x, const Series& y) {
+  const double value = std::pow(x[0], y[0]);
+  const double by_base = y[0] * std::pow(x[0], y[0] - 1);
+  const double by_both = std::pow(x[0], y[0] - 1) * (1 + y[0] * std::log(x[0]));
+  const double twice_by_base = y[0] * (y[0] - 1) * std::pow(x[0], y[0] - 2);
+  const double e = by_exponent(value, x[0]);
+  const double twice_by_exponent = value == 0 ? 0 : e * std::log(x[0]);
+  return Series(Series::Coefficients{value, along(by_base, x[1]) + e * y[1],
+                                     along(by_base, x[2]) + e * y[2] + along(twice_by_base, x[1] * x[1]) / 2 +
+                                         along(by_both, x[1] * y[1]) + twice_by_exponent * y[1] * y[1] / 2});
+}
+
 }  // namespace gelenk::expression

@@ -38,14 +38,9 @@ T integer_power(T x, int n) {
   return out;
 }
 
-// x to the power of y, x > 0.
+// x to the power of y, x >= 0.
 inline double power(double x, double y) { return std::pow(x, y); }
-template <class T>
-T power(const T& x, const T& y) {
-  using std::log;
-  const double value = std::pow(value_of(x), value_of(y));
-  const T relative = y * applied(Operation::log, x) - T(value_of(y) * std::log(value_of(x)));  // 0, with derivatives
-  return T(value) * applied(Operation::exp, relative);
-}
+Dual power(const Dual& x, const Dual& y);
+Series power(const Series& x, const Series& y);
 
 }  // namespace gelenk::expression

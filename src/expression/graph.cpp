@@ -116,16 +116,24 @@ Term Graph::choose(Term g, Term a, Term b) {
 
 Term Graph::function(Operation operation, Term a, Term b) { return made({.operation = operation, .of = {a, b, -1}}); }
 
+// Operands precede, so that no recursion is needed, however deep the graph is.
+std::vector<bool> Graph::parts_of(Term term) const {
+  std::vector<bool> out(static_cast<std::size_t>(term) + 1, false);
+  out.back() = true;
+  for (Term at = term; at >= 0; --at) {
+    if (!out[static_cast<std::size_t>(at)]) continue;
+    for (const Term operand : (*this)[at].of) {
+      if (operand >= 0) out[static_cast<std::size_t>(operand)] = true;
+    }
+  }
+  return out;
+}
+
 template <class Predicate>
 bool Graph::any(Term term, Predicate predicate) const {
-  std::vector<bool> needed(static_cast<std::size_t>(term) + 1, false);
-  needed[static_cast<std::size_t>(term)] = true;
-  for (Term at = term; at >= 0; --at) {
-    if (!needed[static_cast<std::size_t>(at)]) continue;
-    if (predicate((*this)[at])) return true;
-    for (const Term of : (*this)[at].of) {
-      if (of >= 0) needed[static_cast<std::size_t>(of)] = true;
-    }
+  const std::vector<bool> parts = parts_of(term);
+  for (Term at = 0; at <= term; ++at) {
+    if (parts[static_cast<std::size_t>(at)] && predicate((*this)[at])) return true;
   }
   return false;
 }

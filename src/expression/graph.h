@@ -82,6 +82,8 @@ class Graph {
   int size() const { return static_cast<int>(nodes_.size()); }
   bool is_constant(Term term) const { return (*this)[term].operation == Operation::constant; }
   bool is_constant(Term term, double value) const { return is_constant(term) && (*this)[term].value == value; }
+  // By term up to this one: whether it is a part of it.
+  std::vector<bool> parts_of(Term term) const;
   // Whether the term depends on a variable, and whether it has a kink.
   bool depends_on(Term term, int variable) const;
   bool has_choices(Term term) const;

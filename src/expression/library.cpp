@@ -174,7 +174,7 @@ Term Library::applied(std::string_view name, const std::vector<Term>& arguments)
   return out;
 }
 
-std::string advice_on_function(std::string_view name, const Library&) {
+std::string advice_on_function(std::string_view name) {
   const std::string_view plain = without_module(name);
   if (const std::string_view meant = meant_by(of_functions, plain); !meant.empty()) return std::string(meant);
   if (plain != name && Library::has(plain)) return "expected " + Library::form(plain);
@@ -184,7 +184,7 @@ std::string advice_on_function(std::string_view name, const Library&) {
   return "expected one of " + text::list(names);
 }
 
-std::string advice_on_name(std::string_view name, const std::vector<std::string>& known, const Library&) {
+std::string advice_on_name(std::string_view name, const std::vector<std::string>& known) {
   if (const std::string_view meant = meant_by(of_names, without_module(name)); !meant.empty())
     return std::string(meant);
   if (const std::string near = text::nearest(name, known); !near.empty()) return "did you mean '" + near + "'?";

@@ -33,8 +33,8 @@ class Library {
 };
 
 // What is meant by an unknown name of a number or a function, as the end of a message.
-std::string advice_on_name(std::string_view name, const std::vector<std::string>& known, const Library& library);
-std::string advice_on_function(std::string_view name, const Library& library);
+std::string advice_on_name(std::string_view name, const std::vector<std::string>& known);
+std::string advice_on_function(std::string_view name);
 // What to write instead of a number with a unit; empty if the name is no unit.
 std::string advice_on_unit(std::string_view number, std::string_view name);
 

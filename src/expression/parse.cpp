@@ -198,7 +198,7 @@ class Parser {
     if (name.is("pi")) return {.term = graph_.constant(std::numbers::pi), .from = name};
     if (library_.has(name.text))
       fail(name, "found the function " + shown(name) + " without arguments; write " + std::string(name.text) + "(x)");
-    fail(name, "found " + shown(name) + ", " + advice_on_name(name.text, names_.known, library_));
+    fail(name, "found " + shown(name) + ", " + advice_on_name(name.text, names_.known));
   }
 
   Value call(const Token& name) {
@@ -206,7 +206,7 @@ class Parser {
       if (names_.find(name.text) || name.is("pi"))
         fail(name, shown(name) + " is no function; a multiplication is written with '*': " + std::string(name.text) +
                        "*(...)");
-      fail(name, "found the function " + shown(name) + ", " + advice_on_function(name.text, library_));
+      fail(name, "found the function " + shown(name) + ", " + advice_on_function(name.text));
     }
     const Token open = take();
     std::vector<Value> arguments;

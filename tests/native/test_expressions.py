@@ -178,6 +178,18 @@ def test_equal_parts_are_computed_once(s: Callable[[str], Any]) -> None:
     assert s("0*s + v").depends_on(1)
 
 
+@pytest.mark.parametrize("exponent", [1.5, 2.5, 3.25])
+def test_powers_at_zero(s: Callable[[str], Any], exponent: float) -> None:
+    """x^y at x = 0, y > 1: all first derivatives are 0, and with x = t + t^2 the second is 0 where y > 2."""
+    for text in (f"s^{exponent}", f"pow(s, v + {exponent})"):
+        expression = s(text)
+        assert expression.value([0.0, 0.0, 0.0, 0.0]) == 0
+        assert expression.gradient([0.0, 0.0, 0.0, 0.0]) == [0, 0, 0, 0]
+        assert expression.series([0.0] * 4, [0.0] * 4, [2.0, 0.0, 0.0, 0.0]) == [0, 0, 0]
+        if exponent > 2:
+            assert expression.series([0.0] * 4, [1.0, 0.0, 0.0, 0.0], [2.0, 0.0, 0.0, 0.0]) == [0, 0, 0]
+
+
 def test_kinks_are_known_and_can_be_held(s: Callable[[str], Any]) -> None:
     """|s| + min(v, 2): two kinks. A branch held beyond its kink is smooth."""
     expression = s("abs(s) + min(v, 2)")

@@ -197,6 +197,11 @@ def _assembled(
     u = _selected(inputs, found.inputs, "input")
     y = _selected(outputs, found.outputs, "output")
     undetermined = found.undetermined_outputs()
+    if unclear := [found.rates[x] for x in found.states if found.rates.get(x) in undetermined]:
+        raise UsageError(
+            f"{', '.join(unclear)}: found no derivatives at the operating point, where a force given by an "
+            "expression is not smooth; expected another operating point"
+        )
     if outputs is None:
         y = tuple(name for name in y if name not in undetermined)
     elif asked := [name for name in y if name in undetermined]:

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import warned
 from mechanisms import body, frame, joint, rod, scene
 from scipy.special import ellipj
 
@@ -110,6 +111,22 @@ def test_linear_model_has_the_derivatives_of_the_law() -> None:
         model = gelenk.linearize(plant, states=["S.s", "S.v"])
     truth = np.array([[0.0, 1.0], [-LINEAR - 3 * CUBIC * START**2, -1.4]])
     np.testing.assert_allclose(np.asarray(model.A), truth, rtol=1e-12, atol=1e-12)
+
+
+@pytest.mark.parametrize("effort", ["-s - 3*(s^2)^1.5", "-s - pow(s, 2.5) - v^3", "-s - s^1.5*exp(v)"])
+def test_powers_have_derivatives_at_zero(effort: str) -> None:
+    """At s = 0 and rest, where the logarithm of the base is infinite: A = [[0, 1], [-1, 0]]."""
+    model = gelenk.linearize(slide(effort, start=0.0), states=["S.s", "S.v"])
+    np.testing.assert_array_equal(np.asarray(model.A), [[0, 1], [-1, 0]])
+
+
+@warned.MOVING
+@pytest.mark.parametrize("effort", ["-hypot(s, v)", "-sqrt(s^2)", "-cbrt(s)*s"])
+def test_law_without_derivatives_has_no_linear_model(effort: str) -> None:
+    with pytest.raises(gelenk.UsageError, match=r"S\.a: found no derivatives at the operating point"):
+        gelenk.linearize(slide(effort, start=0.0))
+    moved = gelenk.linearize(slide(effort, start=0.1), states=["S.s", "S.v"])
+    assert np.isfinite(np.asarray(moved.A)).all()
 
 
 def test_law_is_part_of_the_state_machine_of_runs(tmp_path: Any) -> None:
