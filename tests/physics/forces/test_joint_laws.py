@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 import warned
-from mechanisms import body, frame, joint, rod, scene
+from mechanisms import body, four_bar, frame, joint, rod, scene
 from scipy.special import ellipj
 
 import gelenk
@@ -102,6 +102,55 @@ def test_linear_law_is_a_spring_and_a_damper(integrator: str) -> None:
             simulation.step_to(0.05 * k)
         found.append(simulation.values())
     np.testing.assert_allclose(found[0], found[1], rtol=0, atol=1e-8)
+
+
+BESIDE: dict[str, dict[str, Any]] = {
+    "friction": {"friction": {"coulomb": 0.3, "static": 0.5}},
+    "limit": {"limit": {"lower": -0.5, "upper": 1.2, "restitution": 0.5}},
+    "friction and limit": {"friction": {"coulomb": 0.2}, "limit": {"lower": -0.2, "restitution": 0.4}},
+    "stop": {"stop": {"lower": -0.4, "stiffness": 1e3, "damping": 2.0}},
+}
+
+
+@pytest.mark.parametrize("beside", BESIDE)
+@pytest.mark.parametrize("integrator", ["auto", "rk4", "ida", "moreau-jean"])
+def test_law_beside_friction_and_limits_under_a_torque_that_jumps(integrator: str, beside: str) -> None:
+    """As a spring and a damper, with equally many events, and to the bit after a restore."""
+    found = []
+    for forces in ({"law": {"effort": PENDULUM}}, {"stiffness": 3.0, "damping": 0.4}):
+        source = pendulum(**forces, **BESIDE[beside]) | {"motors": {"drive": {"joint": "A"}}}
+        simulation = gelenk.Simulation(source | {"solver": {"integrator": integrator, "step": 1e-3}})
+        simulation.initialize(0.0, 1e-8)
+        ends = []
+        saved = b""
+        for k in [*range(60), *range(30, 60)]:
+            if k == 30:
+                saved = saved or simulation.save()
+                simulation.restore(saved)
+            simulation.set_input("drive.tau", 1.0 if k % 20 < 10 else -1.0)
+            simulation.step_to(0.025 * (k + 1))
+            if k == 59:
+                ends.append(simulation.values())
+        np.testing.assert_array_equal(ends[0], ends[1])
+        events = simulation.diagnostic("solver.events")
+        found.append([simulation.output("A.phi"), simulation.output("A.w"), events])
+    np.testing.assert_allclose(found[0], found[1], rtol=0, atol=1e-7)  # ten tolerances
+
+
+@pytest.mark.parametrize("name", ["A", "B", "C", "D"])
+def test_law_on_each_joint_of_a_loop_is_a_spring_there(name: str) -> None:
+    """Also on the joint that closes the loop, whose coordinate is no state."""
+    found = []
+    for forces in ({"law": {"effort": "-3*(phi - 0.2) - 0.4*w"}},
+                   {"stiffness": 3.0, "damping": 0.4, "spring_reference": 0.2}):  # fmt: skip
+        source = four_bar(1.1, damping=0.0)
+        source["joints"][name].update(forces)
+        simulation = gelenk.Simulation(source)
+        simulation.initialize(0.0, 1e-10)
+        for k in range(40):
+            simulation.step_to(0.025 * (k + 1))
+        found.append(simulation.values())
+    np.testing.assert_allclose(found[0], found[1], rtol=0, atol=1e-9)
 
 
 def test_linear_model_has_the_derivatives_of_the_law() -> None:
