@@ -8,6 +8,7 @@
 
 #include "joint/kinds.h"
 #include "mechanism/disjoint_sets.h"
+#include "scene/formulas.h"
 #include "scene/name_index.h"
 #include "simulation/start_report.h"
 
@@ -129,13 +130,20 @@ class DependencyAnalysis {
       const Signal& input = inputs[static_cast<std::size_t>(i)];
       all.insert(i);
       if (input.section == sections::constraints) continue;  // a prescribed motion: see structure_is_known_
-      const ElementPlace on = input.section < 0 ? joint_place(input.joint) : element_of(input);
-      for (const int body : moving_bodies(scene_, numbers_, on)) {
-        inputs_of_[static_cast<std::size_t>(cluster_[static_cast<std::size_t>(body)])].insert(i);
+      for (const ElementPlace& on : places_of(input)) {
+        for (const int body : moving_bodies(scene_, numbers_, on))
+          inputs_of_[static_cast<std::size_t>(cluster_[static_cast<std::size_t>(body)])].insert(i);
       }
     }
     all.insert(all_islands_.states.begin(), all_islands_.states.end());
     all_knowns_ = listed(all);
+  }
+
+  // Where an input acts.
+  std::vector<ElementPlace> places_of(const Signal& input) const {
+    if (input.section >= 0) return {element_of(input)};
+    if (input.joint >= 0) return {joint_place(input.joint)};
+    return readers_of(scene_, input.name);
   }
 
   const ElementPlace& element_of(const Signal& signal) const {

@@ -19,7 +19,7 @@ namespace {
 
 const char* field_type(Field::Type type) {
   static constexpr const char* names[] = {"number", "vector", "direction", "numbers",
-                                          "flag",   "choice", "formula",   "group"};
+                                          "flag", "choice", "formula", "formulas", "group"};
   return names[static_cast<int>(type)];
 }
 const char* range_name(Range range) {
@@ -57,6 +57,8 @@ nb::object value_in(const Field& field, const void* element) {
       return nb::cast(field.of<Choice>(element).index);
     case Field::Type::formula:
       return nb::cast(field.of<Formula>(element).text());
+    case Field::Type::formulas:
+      return nb::cast(std::vector<std::string>());
     case Field::Type::group:
       break;
   }
@@ -154,6 +156,9 @@ nb::list shown_fields(std::span<const Field> fields, const void* defaults) {
     entry["way"] = field.alternative;
     entry["size"] = field.type == Field::Type::vector || field.type == Field::Type::direction ? 3 : field.min_count;
     entry["words"] = list_of(field.words);
+    nb::list variables;
+    for (const FormulaVariable& variable : field.variables) variables.append(std::string(variable.name));
+    entry["variables"] = variables;
     entry["default"] = value_in(field, defaults);
     const bool group = field.type == Field::Type::group;
     entry["fields"] = group ? shown_fields(field.inner(), field.defaults()) : nb::list();
@@ -191,6 +196,21 @@ nb::list shown_signals(std::span<const SignalGroup> groups) {
   }
   return out;
 }
+
+namespace {
+
+// A text, or one for each component.
+void put_texts(std::span<Formula> formulas, const ElementNumbers::mapped_type& value, const Field& field) {
+  if (const auto* text = std::get_if<std::string>(&value)) {
+    formulas.front() = Formula(*text, field.variables);
+    return;
+  }
+  const auto& texts = std::get<std::vector<std::string>>(value);
+  if (texts.size() != formulas.size()) throw std::invalid_argument(std::string(field.name) + " has three texts");
+  for (std::size_t i = 0; i < texts.size(); ++i) formulas[i] = Formula(texts[i], field.variables);
+}
+
+}  // namespace
 
 void put_number(std::span<const Field> fields, void* element, const std::string& name,
                 const ElementNumbers::mapped_type& value) {
@@ -230,8 +250,7 @@ void put_number(std::span<const Field> fields, void* element, const std::string&
         field.of<Choice>(element).index = static_cast<int>(number());
         return;
       default:
-        field.of<Formula>(element) = Formula(std::get<std::string>(value), field.variables);
-        return;
+        return put_texts(formulas_of(field, element), value, field);
     }
   }
   throw std::invalid_argument("unknown field: " + name);

@@ -162,7 +162,8 @@ class ForceAtPorts {
       Spatial::Motion U = here.V.back();
       if (moved.size() > 1) U = U - here.V.front();
       const Eigen::Vector3d v = detail::velocity(U, here.X.back().p);
-      return shown_jacobians(detail::derivatives_by_duals(force, moved, u.data(), U.w, v));
+      const auto input = detail::constants(force, u.data());
+      return shown_jacobians(detail::derivatives_by_duals(force, moved, input.data(), U.w, v));
     });
   }
 

@@ -76,6 +76,7 @@ void check_fields(std::span<const Field> fields, const void* element, const std:
       case Field::Type::flag:
       case Field::Type::choice:
       case Field::Type::formula:
+      case Field::Type::formulas:
         break;
     }
   }

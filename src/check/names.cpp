@@ -4,6 +4,7 @@
 #include <set>
 
 #include "check/check.h"
+#include "expression/library.h"
 #include "joint/kinds.h"
 #include "scene/element_numbers.h"
 #include "scene/quantity_groups.h"
@@ -90,11 +91,45 @@ std::vector<std::string> suffixes(const Scene& scene, const Element<Any>& elemen
   return out;
 }
 
+// Names that expressions give a meaning of their own: of variables, operators and functions.
+bool is_taken(const std::string& name) {
+  constexpr std::string_view words[] = {"t",  "phi", "w",   "s",  "v",      "pi",     "x",       "y",      "z",
+                                        "if", "and", "or",  "not", "gravity", "length", "rate", "ground"};
+  return std::ranges::find(words, name) != std::end(words) || expression::Library::has(name);
+}
+
+// The names of constants and inputs, which expressions use.
+void check_own_names(const Scene& scene, Faults& faults) {
+  std::map<std::string, std::string> seen;
+  const auto add_elements = [&](const std::string& section, const auto& elements) {
+    for (const auto& element : elements) seen.try_emplace(element.name, section + "." + text::printable(element.name));
+  };
+  add_elements("bodies", scene.bodies);
+  add_elements("joints", scene.joints);
+  each_section(scene, [&](const Section& section, const auto& elements) {
+    add_elements(std::string(section.name), elements);
+  });
+  const auto check = [&](const std::string& section, const std::string& name) {
+    const std::string path = section + "." + text::printable(name);
+    if (is_taken(name)) {
+      faults.add(path, "the name " + text::quoted(name) + ", which has a meaning of its own", "another name");
+      return;
+    }
+    const auto [at, is_new] = seen.try_emplace(name, path);
+    if (!is_new) faults.add(path, "the name of " + at->second, "a name that nothing else has");
+  };
+  for (const FormulaNames::Constant& constant : scene.constants) check("constants", constant.name);
+  for (const SceneInput& input : scene.inputs) check("inputs", input.name);
+}
+
 }  // namespace
 
 void check_names(const Scene& scene, Faults& faults) {
   check_section(scene.bodies, "bodies", faults);
   check_section(scene.joints, "joints", faults);
+  check_section(scene.constants, "constants", faults);
+  check_section(scene.inputs, "inputs", faults);
+  check_own_names(scene, faults);
   each_section(scene, [&](const Section& section, const auto& elements) {
     check_section(elements, std::string(section.name), faults);
   });

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What depends on the kinds of forces on links: their derivatives, and the kernels for dual numbers and series.
+#include <span>
+#include <vector>
+
 #include "derivatives/recursive_loads_impl.h"
 #include "kinematics/force_kernels_by_kind.h"
 #include "kinematics/force_ports.h"
@@ -13,7 +16,7 @@ auto RecursiveJacobians<A>::ports_at(const PlacedForce<F>& force) const {
   std::array<detail::PortAt<A>, PlacedForce<F>::ports> out;
   for (std::size_t k = 0; k < out.size(); ++k) {
     const Body& body = body_[force.at[k].link];
-    out[k] = {&force.at[k], &loads_, &body.X, &body.V};
+    out[k] = {&force.at[k], &loads_, &body.X, &body.V, kernels::point<double>(body_[0].X, {})};
   }
   return out;
 }
@@ -24,13 +27,18 @@ template <class F>
 PortJacobians RecursiveJacobians<A>::port_jacobians(const PlacedForce<F>& force, const double* u) const {
   const auto ports = ports_at(force);
   if constexpr (HasPortJacobians<F, std::decay_t<decltype(ports[0])>>) {
-    return force.element.jacobians(ports.data(), u);
+    return force.element.jacobians(ports.data(), u + force.first_input());
   } else {
     const int link_a = force.at.size() == 1 ? 0 : force.at.front().link;
     const Motion U = body_[force.at.back().link].V - body_[link_a].V;
     const auto dual = detail::constant_ports(ports, loads_);
-    return detail::derivatives_by_duals(force.element, dual, u, detail::angular(U),
-                                        detail::velocity(U, ports.back().p()));
+    const Eigen::Vector3d v = detail::velocity(U, ports.back().p());
+    if constexpr (HasFormulas<F>) {
+      return detail::derivatives_by_duals(force.element, dual, u_.data(), detail::angular(U), v);
+    } else {
+      const auto input = detail::constants(force.element, u + force.first_input());
+      return detail::derivatives_by_duals(force.element, dual, input.data(), detail::angular(U), v);
+    }
   }
 }
 
@@ -40,7 +48,7 @@ void RecursiveJacobians<A>::set_forces(const LinearizationPoint& at) {
   each_list(loads_.forces->lists, [&](const auto& list) {
     for (const auto& force : list) {
       auto ports = ports_at(force);
-      force.element.act(ports.data(), at.u + force.input);
+      force.element.act(ports.data(), at.u + force.first_input());
       const auto& last = ports.back();
       add_interaction(forces_[n++], force.at.size() == 1 ? 0 : force.at.front().link, force.at.back().link,
                       detail::force_at<A>(last.p(), -last.f, -last.n));
@@ -51,18 +59,34 @@ void RecursiveJacobians<A>::set_forces(const LinearizationPoint& at) {
 template <class A>
 template <class F>
 void RecursiveJacobians<A>::force_input_derivatives(const PlacedForce<F>& force, const LinkPair& of, const double* u,
-                                                    Jacobians& out) const {
-  const int inputs = count_of(own_inputs(force.element));
-  if (inputs == 0) return;
+                                                    Jacobians& out) {
+  if constexpr (HasFormulas<F>) {
+    for (const int input : force.inputs()) {
+      u_[input].derivatives()[0] = 1;
+      add_input_derivatives(force, of, u_.data(), std::span(&input, 1), out);
+      u_[input].derivatives()[0] = 0;
+    }
+  } else {
+    const std::vector<int> inputs = force.inputs();
+    if (inputs.empty()) return;
+    auto own = detail::constants(force.element, u + force.first_input());
+    for (std::size_t i = 0; i < inputs.size(); ++i) own[i].derivatives()[static_cast<int>(i)] = 1;
+    add_input_derivatives(force, of, own.data(), inputs, out);
+  }
+}
+
+// own: the inputs, of which the derivatives are those along these ones.
+template <class A>
+template <class F>
+void RecursiveJacobians<A>::add_input_derivatives(const PlacedForce<F>& force, const LinkPair& of, const Dual* own,
+                                                  std::span<const int> inputs, Jacobians& out) const {
   const auto ports = ports_at(force);
-  auto input = detail::constants(force.element, u + force.input);
-  for (int i = 0; i < inputs; ++i) input[i].derivatives()[i] = 1;
   auto dual = detail::constant_ports(ports, loads_);
-  force.element.act(dual.data(), input.data());
-  for (int i = 0; i < inputs; ++i) {
+  force.element.act(dual.data(), own);
+  for (int i = 0; i < static_cast<int>(inputs.size()); ++i) {
     const Force by_input = detail::force_at<A>(ports.back().p(), detail::derivatives_along(dual.back().f, i),
                                                detail::derivatives_along(dual.back().n, i));
-    add_input_derivative(by_input, of, force.input + i, out);
+    add_input_derivative(by_input, of, inputs[static_cast<std::size_t>(i)], out);
   }
 }
 
@@ -72,7 +96,7 @@ void RecursiveJacobians<A>::forces_jacobians(const LinearizationPoint& at, Jacob
   each_list(loads_.forces->lists, [&](const auto& list) {
     for (const auto& force : list) {
       const LinkPair& of = forces_[n++];
-      force_jacobians(port_jacobians(force, at.u + force.input), force.at.back(), of, tangent);
+      force_jacobians(port_jacobians(force, at.u), force.at.back(), of, tangent);
       if (out.of_inputs) force_input_derivatives(force, of, at.u, out);
     }
   });

@@ -77,6 +77,7 @@ RecursiveJacobians<A>::RecursiveJacobians(const Model<A>& model, const Workspace
     return link_pair(from_a, from_b);
   };
   for (const auto [a, b] : links_of(*loads.forces)) forces_.push_back(between(a, b));
+  each_formula(std::as_const(*loads.forces), [this](const Formula&, int) { has_formulas_ = true; });
 }
 
 template <class A>
@@ -260,11 +261,11 @@ void RecursiveJacobians<A>::tree_load_jacobians(const LinearizationPoint& at, Ja
         r_q(force.v, force.q) -= by_q;
         r_v(force.v, force.v) -= by_v;
       } else {
-        const int inputs = count_of(own_inputs(force.element));
+        const int inputs = force.input_count();
         const Dual::Directions derivatives = derivatives_by_duals(force, at.q, at.v, at.u, inputs);
         r_q(force.v, force.q) -= derivatives[0];
         r_v(force.v, force.v) -= derivatives[1];
-        for (int i = 0; out.of_inputs && i < inputs; ++i) out.r_u(force.v, force.input + i) -= derivatives[2 + i];
+        for (int i = 0; out.of_inputs && i < inputs; ++i) out.r_u(force.v, force.input_at(i)) -= derivatives[2 + i];
       }
     }
   });

@@ -161,11 +161,10 @@ void RecursiveJacobians<A>::add_link_pair_terms(const LinkPair& of, const Motion
 
 template <class A>
 void RecursiveJacobians<A>::set_loads(const LinearizationPoint& at, int inputs) {
-  set_forces(at);
-  bool loaded = false;
+  bool loaded = has_formulas_;
   for (const JointLoads& on : loads_.cuts) loaded = loaded || !on.empty();
-  if (!loaded) return;
-  u_.assign(at.u, at.u + inputs);
+  if (loaded) u_.assign(at.u, at.u + inputs);
+  set_forces(at);
   for (int c = 0; c < static_cast<int>(cuts_.size()); ++c) {
     if (loads_.cuts[c].empty()) continue;
     const auto& cut = model_.cuts[c];
@@ -280,8 +279,7 @@ void RecursiveJacobians<A>::cut_input_derivatives(int c, const LinearizationPoin
   const auto V = detail::constant(X.to_child(body_[cut.link_b].V - body_[cut.link_a].V));
   each_list(loads_.cuts[c].lists, [&](const auto& list) {
     for (const auto& force : list) {
-      for (int i = 0; i < count_of(own_inputs(force.element)); ++i)
-        cut_input_derivative(c, force.input + i, V, at, out);
+      for (int i = 0; i < force.input_count(); ++i) cut_input_derivative(c, force.input_at(i), V, at, out);
     }
   });
 }

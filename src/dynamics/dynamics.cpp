@@ -70,7 +70,7 @@ class DynamicsOf final : public WithKinematics<A, AllOfDynamics> {
         biased_gamma_(model_.rows),
         unlocked_(model_.nv),
         holding_(modes_.locks()),
-        last_(loads.inputs, model_.nv, modes_.count()) {
+        last_(loads.inputs, model_.nv, modes_.count(), modes_.kinks().count()) {
     if (!modes_.loads().empty()) zero_rows_.resize(static_cast<std::size_t>(model_.rows));
   }
 
@@ -324,7 +324,7 @@ class DynamicsOf final : public WithKinematics<A, AllOfDynamics> {
   }
   LastSolution::Conditions conditions(const double* u) const {
     const std::size_t modes = modes_.held() == nullptr ? 0 : static_cast<std::size_t>(modes_.count());
-    return {modes_.locked().generation(), velocities_, Y_.solutions(), u, {modes_.held(), modes}};
+    return {modes_.locked().generation(), velocities_, Y_.solutions(), u, {modes_.held(), modes}, modes_.kinks().held()};
   }
 
   void link_loads(const double* u) {

@@ -9,6 +9,7 @@
 #include <span>
 #include <tuple>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "dynamics/locked_coordinates.h"
@@ -55,6 +56,7 @@ class JointLaws {
     for (const int input : input_numbers_) inputs_[static_cast<std::size_t>(input)] = u[input];
   }
   std::span<double> inputs() { return inputs_; }
+  const double* all_inputs() const { return inputs_.data(); }
   template <class Force>
   const double* inputs_of(const Force& force) const {
     return inputs_.data() + force.input;
@@ -91,6 +93,23 @@ class JointLaws {
     });
   }
 
+  // Calls visit(force, cut, q, v) for each expression that has branches, with the cut along which it is (-1: the tree),
+  // its coordinates and velocities.
+  template <class Visit>
+  void each_branching(Visit visit) const {
+    const auto look = [&](const JointLoads& along, int cut, const double* q, const double* v) {
+      along.each_formula([&](const auto& force) {
+        if (force.element.formula().branches() > 0) visit(force, cut, q, v);
+      });
+    };
+    look(state_.loads.tree, -1, state_.q.data(), state_.v.data());
+    for (int c = 0; c < static_cast<int>(state_.loads.cuts.size()); ++c) {
+      if (!state_.loads.cuts[c].has_formulas()) continue;
+      const auto at = cut_motion(c);
+      look(state_.loads.cuts[c], c, at.q.data(), at.v.data());
+    }
+  }
+
   // Of the coordinate of the force with this index, in the user's sign.
   template <class Force>
   double position(const Force& force, int index) const {
@@ -100,7 +119,11 @@ class JointLaws {
   // The same of a cut joint is that of the last set_acceleration().
   template <class Force>
   double acceleration(const Force& force, int index, const double* vdot) const {
-    const int cut = places_[index].cut;
+    return acceleration_along(force, places_[index].cut, vdot);
+  }
+  // cut: -1: the tree.
+  template <class Force>
+  double acceleration_along(const Force& force, int cut, const double* vdot) const {
     if (cut < 0) return force.sign * vdot[force.v];
     const auto at = cut_motion(cut);
     double a[max_cut_nv] = {};
@@ -170,8 +193,24 @@ class JointLaws {
       for (int i = 0; i < own; ++i) input_numbers_.push_back(force.input + i);
       end = std::max(end, force.input + own);
     };
-    state_.loads.tree.each_switching(add);
-    for (const JointLoads& on : state_.loads.cuts) on.each_switching(add);
+    const auto add_named = [&](const auto& force) {
+      for (int k = 0; k < force.input_count(); ++k) {
+        input_numbers_.push_back(force.input_at(k));
+        end = std::max(end, force.input_at(k) + 1);
+      }
+    };
+    const auto look = [&](const JointLoads& along) {
+      along.each_switching(add);
+      along.each_formula(add_named);
+    };
+    look(state_.loads.tree);
+    for (const JointLoads& on : state_.loads.cuts) look(on);
+    each_formula(std::as_const(*state_.loads.forces), [&](const Formula& formula, int) {
+      for (const int input : formula.signals()) {
+        input_numbers_.push_back(input);
+        end = std::max(end, input + 1);
+      }
+    });
     inputs_.resize(static_cast<std::size_t>(end) + 1);
   }
 

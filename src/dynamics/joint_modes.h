@@ -12,6 +12,7 @@
 #include "dynamics/contact_rows_of.h"
 #include "dynamics/force_size.h"
 #include "dynamics/joint_laws.h"
+#include "dynamics/law_kinks_of.h"
 #include "dynamics/loaded_friction.h"
 #include "dynamics/locked_coordinates.h"
 #include "dynamics/switching_forces.h"
@@ -34,6 +35,7 @@ class JointModes final : public SwitchingForces {
         contact_rows_(state.model, state.ws, M, Y, locks_),
         holding_(laws_.signs()),
         loaded_(state.model, state.loads, state.ws, laws_.count()),
+        kinks_(state, laws_),
         force_size_(state.model, state.loads, state.v, M),
         work_(static_cast<std::size_t>(state.model.nv)) {}
 
@@ -54,6 +56,7 @@ class JointModes final : public SwitchingForces {
   void set_inputs(const double* u) { laws_.set_inputs(u); }
   ContactRowsOf<A>& contact_rows() override { return contact_rows_; }
   LoadedFriction<A>& loads() override { return loaded_; }
+  LawKinksOf<A>& kinks() override { return kinks_; }
   // Adds the friction in motion that depends on loads to the generalized forces f. free(vdot, lambda): the solution of
   // the equations of motion with f alone; unit(f, lambda, holding): with the generalized forces f, overwritten by vdot,
   // alone.
@@ -293,6 +296,7 @@ class JointModes final : public SwitchingForces {
   ContactRowsOf<A> contact_rows_;
   HoldingForces holding_;
   LoadedFriction<A> loaded_;
+  LawKinksOf<A> kinks_;
   std::vector<typename LoadedFriction<A>::Slipping> slipping_;
   ForceSize<A> force_size_;  // of the last solve()
   std::vector<double> work_, difference_, lambda_;

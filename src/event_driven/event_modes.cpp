@@ -14,6 +14,7 @@ namespace gelenk {
 EventModes::EventModes(const Context& context)
     : dynamics_(context.dynamics),
       forces_(context.dynamics.switching_forces()),
+      kinks_(forces_.kinks()),
       equations_(context.equations),
       nq_(context.mechanism.nq),
       nv_(context.mechanism.nv),
@@ -45,6 +46,10 @@ void EventModes::indicator_values(double t, const double* y, double* g, double* 
   dynamics_.set_position(y);
   dynamics_.set_velocity(y + nq_);
   locks_.indicators(vdot, g, gdot);
+  if (kinks_.count() > 0) {
+    equations_.bring_inputs(t);
+    kinks_.indicators(vdot, g + switching_indicators(), gdot + switching_indicators());
+  }
   forces_.loads().indicators(g + own_indicators());
   std::fill_n(gdot + own_indicators(), forces_.loads().signed_count(), NAN);
   if (!contacts_->any()) return;
@@ -95,6 +100,7 @@ void EventModes::hold_mode(double t, const bool* positive) {
     sides_[i] = !held_ ? mode_of_state : positive[2 * i] ? 1 : positive[2 * i + 1] ? -1 : 0;
   }
   forces_.hold(held_ || !locks_.empty() ? sides_.data() : nullptr);
+  kinks_.hold(held_ ? positive + switching_indicators() : nullptr);
   forces_.loads().hold_signs(held_ ? positive + own_indicators() : nullptr);
 }
 
@@ -147,7 +153,7 @@ std::string EventModes::indeterminacy() const {
 void EventModes::found_event(double t, int indicator, bool positive) {
   if (indicator >= smooth_indicators()) {
     changes_->found_contact_event(indicator - smooth_indicators(), positive);
-  } else if (indicator < own_indicators() && !locks_.found_event(indicator)) {
+  } else if (indicator >= switching_indicators() ? indicator < own_indicators() : !locks_.found_event(indicator)) {
     log_.add({t, indicator, positive});
   }  // where the load of friction changes its sign, no mode changes
 }

@@ -33,11 +33,11 @@ class EventModes final : public EventSource {
   explicit EventModes(const Context& context);
   ~EventModes() override;
 
-  // Two indicators for each force with modes. A stop or limit: for its upper and its lower bound, positive while it is
+  // Two indicators for each force with modes, then one for each branch of a law. A stop or limit: for its upper and its lower bound, positive while it is
   // in contact. Friction: of motion in the positive and in the negative direction, positive during it. There follow
   // those of the signs of loads of friction, and those of contacts.
   int indicators() const override { return smooth_indicators() + contact_indicators(); }
-  int own_indicators() const { return 2 * static_cast<int>(sides_.size()); }
+  int own_indicators() const { return switching_indicators() + kinks_.count(); }
   void indicator_values(double t, const double* y, double* g, double* gdot) override;
   bool recall_mode(double t, double* y) override;
   void remembered_mode(bool* positive) const override;
@@ -56,7 +56,8 @@ class EventModes final : public EventSource {
   }
   // The same after the accelerations have been solved for: whether what is kept at rest, or closed, can no longer be.
   void watch_forces(double t) {
-    if (held_ && t > held_from_ && t < mode_exit_time_ && are_overloaded()) mode_exit_time_ = t;
+    if (held_ && t > held_from_ && t < mode_exit_time_ && (kinks_.are_passed() || are_overloaded()))
+      mode_exit_time_ = t;
   }
   double since_step_began(double t) const { return held_ ? t - held_from_ : 0; }
 
@@ -81,6 +82,7 @@ class EventModes final : public EventSource {
   void serialize(Archive& archive);
 
  private:
+  int switching_indicators() const { return 2 * static_cast<int>(sides_.size()); }
   int smooth_indicators() const override { return own_indicators() + forces_.loads().signed_count(); }
   int contact_indicators() const;
   double touch_within(double t0, const double* y0, double t1, const double* y1) override;
@@ -92,6 +94,7 @@ class EventModes final : public EventSource {
 
   Dynamics& dynamics_;
   SwitchingForces& forces_;
+  LawKinks& kinks_;
   ModeEquations& equations_;
   int nq_, nv_;
   EventLog& log_;

@@ -62,6 +62,26 @@ std::string bound(Range allowed, std::string_view unit) {
   return unit.empty() ? "a number" : "a number in " + std::string(unit);
 }
 
+std::span<Formula> formulas_of(const Field& field, void* element) {
+  if (field.type == Field::Type::formula) return {&field.of<Formula>(element), 1};
+  if (field.type == Field::Type::formulas) return field.of<std::array<Formula, 3>>(element);
+  return {};
+}
+
+std::span<const Formula> formulas_of(const Field& field, const void* element) {
+  return formulas_of(field, const_cast<void*>(element));  // NOLINT(*-const-cast): only read
+}
+
+std::vector<FormulaVariable> variables_of(const Field& field, const Coordinate& coordinate) {
+  std::vector<FormulaVariable> out(field.variables.begin(), field.variables.end());
+  for (FormulaVariable& variable : out) {
+    const bool fits = coordinate.name.empty() || variable.unit == "s" || variable.name == coordinate.name ||
+                      variable.name == coordinate.speed;
+    if (!fits) variable.name = {};
+  }
+  return out;
+}
+
 bool is_given(const Field& field, const void* element) {
   switch (field.type) {
     case Field::Type::number:
@@ -71,7 +91,8 @@ bool is_given(const Field& field, const void* element) {
     case Field::Type::choice:
       return field.of<Choice>(element).index != Choice::none;
     case Field::Type::formula:
-      return field.of<Formula>(element).is_given();
+    case Field::Type::formulas:
+      return formulas_of(field, element).front().is_given();
     case Field::Type::group:
       return field.in(element) != nullptr;
     default:

@@ -15,6 +15,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <span>
@@ -53,6 +54,7 @@ struct FieldInfo {
   std::size_t min_count = 0;  // of a list that is given: minimum number of entries
   std::span<const std::string_view> words = {};     // of a choice: its permitted values
   std::span<const FormulaVariable> variables = {};  // of a formula
+  bool reads_signals = false;                       // of a formula: whether it may name the time and inputs
 };
 
 struct Field : FieldInfo {
@@ -64,6 +66,7 @@ struct Field : FieldInfo {
     flag,       // bool
     choice,     // Choice
     formula,    // Formula
+    formulas,   // std::array<Formula, 3>: components of a vector
     group,      // std::optional of a struct with fields(): a nested mapping in scene files
   };
   Type type = Type::number;
@@ -131,6 +134,10 @@ template <>
 struct FieldType<Formula> {
   static constexpr auto value = Field::Type::formula;
 };
+template <>
+struct FieldType<std::array<Formula, 3>> {
+  static constexpr auto value = Field::Type::formulas;
+};
 template <class Group>
 struct FieldType<std::optional<Group>> {
   static constexpr auto value = Field::Type::group;
@@ -184,6 +191,12 @@ std::string unit_of(const Field& field, const Coordinate& coordinate, std::size_
 bool permits(Range allowed, double x);
 // Describes the permitted range of a number with this unit: "0 kg or more".
 std::string bound(Range allowed, std::string_view unit);
+
+// The formulas of a field of either type.
+std::span<Formula> formulas_of(const Field& field, void* element);
+std::span<const Formula> formulas_of(const Field& field, const void* element);
+// The variables of a formula; those that do not exist at this coordinate have no name.
+std::vector<FormulaVariable> variables_of(const Field& field, const Coordinate& coordinate);
 
 // Whether the field has a value in this element; always true for types that cannot be absent.
 bool is_given(const Field& field, const void* element);

@@ -2,10 +2,12 @@
 // A value that a scene gives as an expression of named variables, such as "0.4 + 0.35*sin(pi*t)".
 #pragma once
 
+#include <array>
 #include <memory>
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "expression/error.h"
 #include "expression/graph.h"
@@ -19,13 +21,36 @@ struct FormulaVariable {
   std::string_view name, unit;
 };
 
+// What formulas may name besides the variables of their element.
+struct FormulaNames {
+  struct Constant {
+    std::string name;
+    double value = 0;
+  };
+  std::vector<Constant> constants;
+  std::vector<std::string> signals;  // inputs of the scene
+};
+inline constexpr std::string_view time_signal = "t";
+
+// The branches on which formulas are held, those of all formulas one after the other; null: on those of the state.
+struct HeldBranches {
+  const bool* first = nullptr;
+};
+
 class Formula {
  public:
-  static constexpr std::size_t max_variables = 4;
+  static constexpr std::size_t max_variables = 9;
+  // Signals in one formula: derivatives with respect to them and to two variables are taken at once.
+  static constexpr std::size_t max_signals = dual_directions - 2;
 
   Formula() = default;  // not given
-  // Throws expression::SyntaxError, also for a text that is too long to be evaluated.
-  Formula(std::string text, std::span<const FormulaVariable> variables);
+  // reads_signals: whether it may also name the time t and the signals. Throws expression::SyntaxError, also for a text
+  // that is too long to be evaluated.
+  Formula(std::string text, std::span<const FormulaVariable> variables, const FormulaNames& names = {},
+          bool reads_signals = false);
+
+  // Reads the text again with other constants; keeps the sizes.
+  void renew(std::span<const FormulaVariable> variables, const FormulaNames& names, bool reads_signals);
 
   bool is_given() const { return graph_ != nullptr; }
   const std::string& text() const { return text_; }
@@ -39,24 +64,75 @@ class Formula {
   double size_of(std::size_t k) const { return sizes_[k]; }
   void set_sizes(double of_result, std::span<const double> of_variables);
 
-  // The value, in the unit system of the scene, as are the variables. T: double, Dual or Series.
+  // Whether it names the k-th variable.
+  bool names_variable(int k) const { return graph_->depends_on(term_, k); }
+  // The signals that it names; for each, after bind(): its index among all signals.
+  std::span<const std::string> signal_names() const { return signal_names_; }
+  std::span<const int> signals() const { return {signals_, signal_names_.size()}; }
+  // sizes: SI values of their units. branches: must outlive the formula; first_branch: of this formula.
+  void bind(std::span<const int> signals, std::span<const double> sizes, const HeldBranches* branches,
+            int first_branch);
+  int branches() const { return tape_ == nullptr ? 0 : tape_->choices(); }
+  int first_branch() const { return first_branch_; }
+
+  // The value, in the unit system of the scene, as are the variables and the signals that it names. T: double, Dual or
+  // Series.
   template <class T>
-  T value(const T* variables) const {
-    T at[max_variables];
-    for (std::size_t k = 0; k < count_; ++k) at[k] = T(sizes_[k]) * variables[k];
+  T value(const T* variables, const T* signals = nullptr) const {
+    T at[max_variables + max_signals];
+    load(variables, signals, at);
     T out;
-    tape_->evaluate(at, &out);
+    const bool* held = branches_ == nullptr || branches_->first == nullptr ? nullptr : branches_->first + first_branch_;
+    tape_->evaluate(at, &out, held);
+    return out * T(1 / size_);
+  }
+  // The same from all signals.
+  template <class T>
+  T value_among(const T* variables, const T* all) const {
+    std::array<T, max_signals> named;
+    for (std::size_t k = 0; k < signal_names_.size(); ++k) named[k] = all[signals_[k]];
+    return value(variables, named.data());
+  }
+  // The signals that it names, from all; with derivatives in these directions with respect to the time and the others.
+  void take_signals(const double* all, double* named) const {
+    for (std::size_t k = 0; k < signal_names_.size(); ++k) named[k] = all[signals_[k]];
+  }
+  void take_signals(const double* all, int of_time, int of_inputs, Dual* named) const {
+    for (std::size_t k = 0; k < signal_names_.size(); ++k) {
+      named[k] = Dual(all[signals_[k]]);
+      named[k].derivatives()[signal_names_[k] == time_signal ? of_time : of_inputs] = 1;
+    }
+  }
+  // The same, on the branches of the state, with what decides on each of them: the first one is taken where that is
+  // positive.
+  template <class T>
+  T decide(const T* variables, const T* signals, T* arguments) const {
+    T at[max_variables + max_signals];
+    load(variables, signals, at);
+    T out;
+    tape_->evaluate(at, &out, nullptr, arguments);
     return out * T(1 / size_);
   }
 
  private:
+  template <class T>
+  void load(const T* variables, const T* signals, T* at) const {
+    for (std::size_t k = 0; k < count_; ++k) at[k] = T(sizes_[k]) * variables[k];
+    for (std::size_t k = 0; k < signal_names_.size(); ++k) at[count_ + k] = T(signal_sizes_[k]) * signals[k];
+  }
+
   std::string text_;
   std::shared_ptr<const expression::Graph> graph_;  // shared by copies; immutable
   expression::Term term_ = -1;
   std::shared_ptr<const expression::Tape> tape_;  // of the term
   std::size_t count_ = 0;                         // number of variables
   double size_ = 1;
-  double sizes_[max_variables] = {1, 1, 1, 1};
+  double sizes_[max_variables] = {1, 1, 1, 1, 1, 1, 1, 1, 1};
+  std::vector<std::string> signal_names_;
+  int signals_[max_signals] = {};
+  double signal_sizes_[max_signals] = {};
+  const HeldBranches* branches_ = nullptr;
+  int first_branch_ = 0;
 };
 
 }  // namespace gelenk

@@ -34,7 +34,7 @@ class Drives {
 
   // Inputs at the time evaluated last.
   const std::vector<double>& u() const { return inputs_.now(); }
-  int count() const { return static_cast<int>(inputs_.count()); }
+  int count() const { return static_cast<int>(inputs_.signals()); }
   const Inputs& inputs() const { return inputs_; }
 
   // Target of a coordinate row and its derivatives at t, the present time of the run (Targets::derivatives).

@@ -20,8 +20,12 @@ bool is_rounding(double value, double reached, double change) {
 
 }  // namespace
 
-Inputs::Inputs(std::size_t count)
-    : taylor_(count * orders), reached_(count), now_(count), rates_(2 * count), change_(count) {}
+Inputs::Inputs(std::size_t count, bool has_clock)
+    : taylor_(count * orders),
+      reached_(count),
+      now_(has_clock ? count + 1 : count),
+      rates_(2 * count),
+      change_(count) {}
 
 double Inputs::derivative_at(int i, int order, double t) const {
   const double s = t - start_;
@@ -31,7 +35,8 @@ double Inputs::derivative_at(int i, int order, double t) const {
 }
 
 void Inputs::evaluate(double t) {
-  for (std::size_t i = 0; i < now_.size(); ++i) now_[i] = derivative_at(static_cast<int>(i), 0, t);
+  for (std::size_t i = 0; i < count(); ++i) now_[i] = derivative_at(static_cast<int>(i), 0, t);
+  if (has_clock()) now_.back() = t;
   now_time_ = t;
 }
 
@@ -96,6 +101,7 @@ void Inputs::start(double t) {
   std::ranges::fill(change_, 0.0);
   changed_ = false;
   for (int i = 0; i < static_cast<int>(count()); ++i) now_[i] = at(i, 0);
+  if (has_clock()) now_.back() = t;
   note_reached();
 }
 
@@ -123,6 +129,7 @@ void Inputs::interrupt(double t) {
     std::ranges::fill(rates_, 0.0);
   }
   changed_ = moving_;
+  if (has_clock()) now_.back() = t;
   start_ = now_time_ = t;
   note_reached();
 }

@@ -23,19 +23,21 @@ class Inputs {
  public:
   static constexpr int highest_order = 5;
 
-  // `count` inputs, all zero, at t = 0.
-  explicit Inputs(std::size_t count);
+  // `count` inputs, all zero, at t = 0. has_clock: another signal follows them, the time.
+  explicit Inputs(std::size_t count, bool has_clock = false);
   // Declares that input `i` prescribes a motion, and that the `derivatives` inputs that follow it, at most 2, are the
   // values of its first derivatives.
   void add_motion(int i, int derivatives);
 
-  // Inputs at the time of the last go_to(); the reference remains valid.
+  // Inputs, and the clock if there is one, at the time of the last go_to(); the reference remains valid.
   const std::vector<double>& now() const { return now_; }
   void go_to(double t) {
-    if (moving_ && t != now_time_) evaluate(t);
+    if ((moving_ || has_clock()) && t != now_time_) evaluate(t);
   }
 
-  std::size_t count() const { return now_.size(); }
+  std::size_t count() const { return reached_.size(); }
+  std::size_t signals() const { return now_.size(); }  // the clock included
+  bool has_clock() const { return signals() > count(); }
   bool moving() const { return moving_; }  // some derivative is not zero
   // u0, or d^order u / dt^order at t0.
   double value(int i) const { return at(i, 0); }

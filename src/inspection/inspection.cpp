@@ -15,6 +15,7 @@
 #include "preparation/loads.h"
 #include "preparation/preparation.h"
 #include "preparation/report.h"
+#include "scene/formulas.h"
 #include "scene/locking_elements.h"
 #include "scene/words.h"
 #include "simulation/start_report.h"
@@ -73,7 +74,7 @@ class RowInspector {
   RowInspector(Scene scene, Inspection& out)
       : scene_(std::move(scene)),
         out_(out),
-        prepared_(prepare(scene_, reduce(scene_), 0, Inputs(input_signals(scene_).size()))) {
+        prepared_(prepare(scene_, reduce(scene_), 0, Inputs(input_signals(scene_).size(), reads_time(scene_)))) {
     const std::vector<Loads> loads = make_loads(scene_, prepared_.reduced);
     for (int i = 0; i < static_cast<int>(prepared_.islands.size()); ++i) inspect_island(i, loads[i]);
     out.undetermined_reactions.assign(undetermined_.begin(), undetermined_.end());

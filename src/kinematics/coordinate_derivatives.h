@@ -20,7 +20,7 @@ Dual::Directions derivatives_by_duals(const AlongCoordinate<F>& force, const dou
                                       const double* u, int inputs, const int* side = nullptr) {
   std::array<Dual, max_inputs_along> input;
   for (int i = 0; i < inputs; ++i) {
-    input[i] = Dual(u[force.input + i]);
+    input[i] = Dual(u[force.input_at(i)]);
     input[i].derivatives()[2 + i] = force.sign;  // converts the effort to the mechanism's sign
   }
   Dual at(force.sign * q[force.q]);

@@ -4,6 +4,7 @@
 
 #include <array>
 
+#include "kinematics/force_ports.h"
 #include "kinematics/load_kernels.h"
 #include "kinematics/placed_forces.h"
 #include "kinematics/ports.h"
@@ -21,7 +22,7 @@ template <class A>
 void link_loads(const Model<A>& model, const Loads& loads, const typename A::Scalar* u, Workspace<A>& ws) {
   for (std::size_t i = 0; i < model.links.size(); ++i) ws.F_ext[i] = {};
   each_list(loads.forces->lists, [&](const auto& list) {
-    for (const auto& force : list) force.element.act(ports_of<A>(force, loads, ws).data(), u + force.input);
+    for (const auto& force : list) force.element.act(ports_of<A>(force, loads, ws).data(), u + force.first_input());
   });
 }
 
@@ -37,6 +38,64 @@ typename A::Scalar force_energy(const Loads& loads, const Workspace<A>& ws) {
     }
   });
   return sum;
+}
+
+// A port of which the derivatives are those in BranchDirections.
+template <class Port>
+gelenk::detail::DualPort branching_port(const Port& port, const Loads& loads) {
+  using At = BranchDirections;
+  gelenk::detail::DualPort out = gelenk::detail::constant_port(port, loads);
+  out.rate = port.v().template cast<Dual>();
+  out.angular_rate = port.w().template cast<Dual>();
+  for (int i = 0; i < 3; ++i) {
+    out.at[i].derivatives()[At::along_motion] = port.v()[i];
+    out.at[i].derivatives()[At::position + i] = 1;
+    out.rate[i].derivatives()[At::velocity + i] = out.angular_rate[i].derivatives()[At::velocity + i] = 1;
+    const Eigen::Vector3d turning = port.w().cross(Eigen::Vector3d(port.turned(Eigen::Vector3d::Unit(i))));
+    for (int k = 0; k < 3; ++k) out.R(k, i).derivatives()[At::along_motion] = turning[k];
+  }
+  return out;
+}
+
+// arguments: by branch.
+template <class A>
+void force_branches(const Loads& loads, const double* u, const Workspace<A>& ws, Dual* arguments) {
+  each_list(loads.forces->lists, [&](const auto& list) {
+    using F = std::decay_t<decltype(list.front().element)>;
+    if constexpr (HasFormulas<F>) {
+      for (const auto& force : list) {
+        const auto ports = ports_of<A>(force, loads, ws);
+        std::array<gelenk::detail::DualPort, PlacedForce<F>::ports> moving;
+        for (std::size_t k = 0; k < ports.size(); ++k) moving[k] = branching_port(ports[k], loads);
+        force.element.template with_variables<Dual>(moving.data(), [&](const Formula& formula, const Dual* variables) {
+          if (formula.branches() == 0) return;
+          std::array<Dual, Formula::max_signals> signals;
+          formula.take_signals(u, BranchDirections::along_motion, BranchDirections::inputs, signals.data());
+          formula.decide(variables, signals.data(), arguments + formula.first_branch());
+        });
+      }
+    }
+  });
+}
+
+// The same for values alone.
+template <class A>
+void force_branches(const Loads& loads, const double* u, const Workspace<A>& ws, double* arguments) {
+  each_list(loads.forces->lists, [&](const auto& list) {
+    using F = std::decay_t<decltype(list.front().element)>;
+    if constexpr (HasFormulas<F>) {
+      for (const auto& force : list) {
+        const auto ports = ports_of<A>(force, loads, ws);
+        force.element.template with_variables<double>(
+            ports.data(), [&](const Formula& formula, const double* variables) {
+              if (formula.branches() == 0) return;
+              std::array<double, Formula::max_signals> signals;
+              formula.take_signals(u, signals.data());
+              formula.decide(variables, signals.data(), arguments + formula.first_branch());
+            });
+      }
+    }
+  });
 }
 
 }  // namespace gelenk::kernels

@@ -28,6 +28,7 @@ struct PortAt {
   const Loads* loads = nullptr;
   const typename A::Pose* X = nullptr;
   const typename A::Motion* V = nullptr;  // about the common reference point
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();  // of the root, from the same point
   Eigen::Vector3d f = Eigen::Vector3d::Zero(), n = Eigen::Vector3d::Zero();
 
   Eigen::Vector3d p() const { return kernels::point<double>(*X, *at); }
@@ -36,6 +37,8 @@ struct PortAt {
   Eigen::Vector3d turned(const Eigen::Vector3d& x) const { return kernels::to_root<double>(*X, at->R * x); }
   Eigen::Vector3d own(const Eigen::Vector3d& x) const { return at->R.transpose() * kernels::to_link<double>(*X, x); }
   Eigen::Vector3d from_world(const Eigen::Vector3d& x) const { return loads->R_0W * x; }
+  Eigen::Vector3d to_world(const Eigen::Vector3d& x) const { return loads->R_0W.transpose() * x; }
+  Eigen::Vector3d world_position() const { return to_world(p() - origin) + loads->p_W0; }
 
   void push(const Eigen::Vector3d& force) { f += force; }
   void push(const Eigen::Vector3d& force, const Eigen::Vector3d& torque) {
@@ -49,12 +52,13 @@ struct PortAt {
 using DualPort = RecordingPort<Dual>;
 
 // The port at rest, with zero derivatives.
-template <class A>
-DualPort constant_port(const PortAt<A>& port, const Loads& loads) {
+template <class Port>
+DualPort constant_port(const Port& port, const Loads& loads) {
   DualPort out;
   out.at = port.p().template cast<Dual>();
   for (int i = 0; i < 3; ++i) out.R.col(i) = port.turned(Eigen::Vector3d::Unit(i)).template cast<Dual>();
   out.R_0W = loads.R_0W.cast<Dual>();
+  out.p_W0 = port.world_position() - port.to_world(port.p());
   return out;
 }
 
@@ -101,16 +105,15 @@ inline Eigen::Vector3d derivatives_along(const Vector3<Dual>& x, int direction) 
 }
 
 // Derivatives of a force with respect to the motion of its last port, the others being at rest: a force depends on the
-// relative motion of its ports only. w, v: angular velocity and velocity of the last port relative to the others.
+// relative motion of its ports only. input: its inputs. w, v: angular velocity and velocity of the last port relative to the others.
 template <class E, class Ports>
-PortJacobians derivatives_by_duals(const E& element, const Ports& ports, const double* u, const Eigen::Vector3d& w,
+PortJacobians derivatives_by_duals(const E& element, const Ports& ports, const Dual* input, const Eigen::Vector3d& w,
                                    const Eigen::Vector3d& v) {
-  const auto input = constants(element, u);
   PortJacobians out;
   for (const bool wrt_rates : {false, true}) {
     Ports moved = ports;
     seed(moved.back(), w, v, wrt_rates);
-    element.act(moved.data(), input.data());
+    element.act(moved.data(), input);
     for (int d = 0; d < 3; ++d) {
       (wrt_rates ? out.f_v : out.f_p).col(d) = derivatives_along(moved.back().f, d);
       (wrt_rates ? out.f_w : out.f_a).col(d) = derivatives_along(moved.back().f, 3 + d);

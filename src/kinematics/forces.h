@@ -2,9 +2,11 @@
 // Forces on links, for what does not depend on their kinds; the kernels are in load_kernels.h.
 #pragma once
 
+#include <functional>
 #include <span>
 #include <vector>
 
+#include "field/formula.h"
 #include "kinematics/readings.h"
 #include "math/spatial.h"
 #include "util/stored.h"
@@ -12,6 +14,7 @@
 namespace gelenk {
 
 struct AnyForce;
+struct GravityField;
 struct PlacedForces;  // by kind: placed_forces.h
 template <class F>
 struct PlacedForce;
@@ -29,10 +32,18 @@ struct Attachment {
 void clear_forces(PlacedForces& forces);
 // Adds one that acts on these frames. input: index of its first input in the scene; index: its own in the scene.
 void add_force(PlacedForces& forces, const AnyForce& force, std::span<const Attachment> at, int input, int index);
+// The same for gravity that depends on the position, on a body with this mass at its center of mass.
+void add_gravity(PlacedForces& forces, const GravityField& field, double mass, const Attachment& at);
 bool is_empty(const PlacedForces& forces);
 
 // Marks the links on whose poses a force depends.
 void mark_links(const PlacedForces& forces, std::vector<bool>& marked);
+
+// Calls visit(formula, force) for each expression of forces; force: index in the scene, -1: gravity.
+using VisitFormula = std::function<void(Formula&, int force)>;
+void each_formula(PlacedForces& forces, const VisitFormula& visit);
+// The same for constant ones.
+void each_formula(const PlacedForces& forces, const std::function<void(const Formula&, int force)>& visit);
 
 // By force, in the order in which they act: the links on which it acts, the first of a single one being the root.
 struct LinksOfForce {

@@ -40,6 +40,37 @@ void add_force(PlacedForces& forces, const AnyForce& force, std::span<const Atta
       force);
 }
 
+void add_gravity(PlacedForces& forces, const GravityField& field, double mass, const Attachment& at) {
+  PlacedForce<GravityForce> placed{.element = {field, mass}, .at = {at}, .input = 0, .force = -1};
+  std::get<std::vector<PlacedForce<GravityForce>>>(forces.lists).push_back(placed);
+}
+
+void each_formula(PlacedForces& forces, const VisitFormula& visit) {
+  each_list(forces.lists, [&](auto& list) {
+    using F = std::decay_t<decltype(list.front().element)>;
+    if constexpr (HasFormulas<F>) {
+      for (auto& force : list) {
+        F::each_formula(force.element, [&](Formula& formula) {
+          if (formula.is_given()) visit(formula, force.force);
+        });
+      }
+    }
+  });
+}
+
+void each_formula(const PlacedForces& forces, const std::function<void(const Formula&, int force)>& visit) {
+  each_list(forces.lists, [&](const auto& list) {
+    using F = std::decay_t<decltype(list.front().element)>;
+    if constexpr (HasFormulas<F>) {
+      for (const auto& force : list) {
+        F::each_formula(force.element, [&](const Formula& formula) {
+          if (formula.is_given()) visit(formula, force.force);
+        });
+      }
+    }
+  });
+}
+
 bool is_empty(const PlacedForces& forces) { return all_empty(forces.lists); }
 
 void mark_links(const PlacedForces& forces, std::vector<bool>& marked) {
@@ -100,6 +131,10 @@ namespace kernels {
 
 template void link_loads(const Model<Planar>&, const Loads&, const double*, Workspace<Planar>&);
 template void link_loads(const Model<Spatial>&, const Loads&, const double*, Workspace<Spatial>&);
+template void force_branches(const Loads&, const double*, const Workspace<Planar>&, Dual*);
+template void force_branches(const Loads&, const double*, const Workspace<Spatial>&, Dual*);
+template void force_branches(const Loads&, const double*, const Workspace<Planar>&, double*);
+template void force_branches(const Loads&, const double*, const Workspace<Spatial>&, double*);
 template double force_energy(const Loads&, const Workspace<Planar>&);
 template double force_energy(const Loads&, const Workspace<Spatial>&);
 

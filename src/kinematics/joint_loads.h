@@ -2,6 +2,7 @@
 // Forces along joint coordinates, in the form in which the kernels read them.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <tuple>
 #include <type_traits>
@@ -26,10 +27,37 @@ struct AlongCoordinate {
   int joint = -1, component = 0;  // joint of the scene, and which of its coordinates
   int motor = -1;                 // of the scene; -1: the element is one of the joint
 
+  // The inputs of the element, by their indices in the scene.
+  int input_count() const {
+    if constexpr (HasFormula<F>) {
+      return static_cast<int>(element.formula().signals().size());
+    } else {
+      return count_of(own_inputs(element));
+    }
+  }
+  int input_at(int k) const {
+    if constexpr (HasFormula<F>) {
+      return element.formula().signals()[static_cast<std::size_t>(k)];
+    } else {
+      return input + k;
+    }
+  }
+
   // Generalized force [N m, N], in the mechanism's sign. u: all inputs of the scene.
   template <class T>
   T effort(const T* at, const T* speed, const T* u) const {
-    return T(sign) * element.effort(T(T(sign) * at[q]), T(T(sign) * speed[v]), u + input);
+    if constexpr (HasFormula<F>) {
+      std::array<T, Formula::max_signals> signals;
+      for (int k = 0; k < input_count(); ++k) signals[static_cast<std::size_t>(k)] = u[input_at(k)];
+      return along(at, speed, signals.data());
+    } else {
+      return along(at, speed, u + input);
+    }
+  }
+  // own: the inputs of the element.
+  template <class T>
+  T along(const T* at, const T* speed, const T* own) const {
+    return T(sign) * element.effort(T(T(sign) * at[q]), T(T(sign) * speed[v]), own);
   }
   // The same on a given branch (element/joint_forces/coordinate_force.h).
   template <class T>
@@ -107,6 +135,20 @@ struct JointLoads {
     return n;
   }
   bool has_branches() const { return switching_count() > 0; }
+  // Calls visit(force) for each force with an expression.
+  template <class Visit>
+  void each_formula(Visit&& visit) const {
+    each_list(lists, [&](const auto& list) {
+      for (const auto& force : list) {
+        if constexpr (HasFormula<std::decay_t<decltype(force.element)>>) visit(force);
+      }
+    });
+  }
+  bool has_formulas() const {
+    bool any = false;
+    each_formula([&](const auto&) { any = true; });
+    return any;
+  }
   // Calls visit(force) for each force with branches.
   template <class Visit>
   void each_switching(Visit&& visit) const {

@@ -6,6 +6,7 @@
 
 #include "kinematics/kernels.h"
 #include "kinematics/loads.h"
+#include "math/dual.h"
 
 namespace gelenk::kernels {
 
@@ -29,6 +30,18 @@ void link_loads(const Model<A>& model, const Loads& loads, const typename A::Sca
 // Potential energy [J] of the forces between bodies.
 template <class A>
 typename A::Scalar force_energy(const Loads& loads, const Workspace<A>& ws);
+
+// Directions of derivatives of what decides on the branches of expressions: along the motion with constant velocities,
+// of positions, of velocities, and of inputs other than the time.
+struct BranchDirections {
+  static constexpr int along_motion = 0, position = 1, velocity = 4, inputs = 7;
+};
+// What decides on the branches of the expressions of forces between bodies. arguments: by branch of all expressions of
+// the island. u: inputs of the scene, at least those that are named. After velocities.
+template <class A>
+void force_branches(const Loads& loads, const double* u, const Workspace<A>& ws, Dual* arguments);
+template <class A>
+void force_branches(const Loads& loads, const double* u, const Workspace<A>& ws, double* arguments);
 
 // Adds motors, springs and stops of cut joints as pairs of wrenches to ws.F_ext, and stores them in ws.F_cut.
 // reference: coordinates of the cut joints with full revolutions. sides: see JointLoads::add, cut by cut. After

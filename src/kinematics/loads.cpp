@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kinematics/loads.h"
 
+#include <algorithm>
+#include <span>
+#include <utility>
+
 #include "kinematics/switching_force.h"
 
 namespace gelenk {
@@ -40,6 +44,21 @@ std::vector<SwitchingForce> switching_forces_of(const Loads& loads) {
   };
   loads.tree.each_switching(add);
   for (const JointLoads& on : loads.cuts) on.each_switching(add);
+  return out;
+}
+
+std::vector<BranchPlace> branch_places(const Loads& loads) {
+  std::vector<BranchPlace> out;
+  const auto add = [&](const Formula& formula, const BranchPlace& place) {
+    const auto first = static_cast<std::size_t>(formula.first_branch());
+    const auto count = static_cast<std::size_t>(formula.branches());
+    out.resize(std::max(out.size(), first + count));
+    std::ranges::fill(std::span(out).subspan(first, count), place);
+  };
+  const auto of_joint = [&](const auto& force) { add(force.element.formula(), {true, force.joint}); };
+  loads.tree.each_formula(of_joint);
+  for (const JointLoads& on : loads.cuts) on.each_formula(of_joint);
+  each_formula(std::as_const(*loads.forces), [&](const Formula& formula, int force) { add(formula, {false, force}); });
   return out;
 }
 

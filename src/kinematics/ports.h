@@ -99,6 +99,9 @@ class PortOn {
   Vector3<T> own(const Vector3<T>& x) const { return at_->R.transpose().cast<T>() * to_link<T>(X(), x); }
   Vector3<T> from_world(const Vector3<T>& x) const { return loads_->R_0W.cast<T>() * x; }
 
+  Vector3<T> to_world(const Vector3<T>& x) const { return loads_->R_0W.transpose().cast<T>() * x; }
+  Vector3<T> world_position() const { return to_world(p()) + loads_->p_W0.cast<T>(); }
+
   void push(const Vector3<T>& f) { apply<T>(*at_, to_link<T>(X(), f), F()); }
   void push(const Vector3<T>& f, const Vector3<T>& n) { apply<T>(*at_, to_link<T>(X(), f), to_link<T>(X(), n), F()); }
   void push_along(const Vector3<T>& f, const Vector3<T>& n) {

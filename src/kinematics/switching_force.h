@@ -21,4 +21,11 @@ struct SwitchingForce {
 // All forces with modes, in the order of SwitchingForces.
 std::vector<SwitchingForce> switching_forces_of(const Loads& loads);
 
+// By branch of all expressions: the joint or the force of the scene.
+struct BranchPlace {
+  bool of_joint = true;
+  int index = 0;
+};
+std::vector<BranchPlace> branch_places(const Loads& loads);
+
 }  // namespace gelenk

@@ -77,7 +77,9 @@ class SeenPorts {
   // As a port of a force (element/forces/force.h).
   RecordingPort<T> port(int k) const {
     const SeenFrame<T> seen = frame(k);
-    return {seen.X_0P.p, seen.v, seen.w, seen.X_0P.R, X_W0().R.transpose()};
+    RecordingPort<T> out{seen.X_0P.p, seen.v, seen.w, seen.X_0P.R, X_W0().R.transpose()};
+    if (dynamics_ != nullptr) out.p_W0 = reduced_.islands[static_cast<std::size_t>(places_.island)].X_W0.p;
+    return out;
   }
   Pose X_W0() const {
     if (dynamics_ == nullptr) return {};

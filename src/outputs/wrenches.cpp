@@ -13,6 +13,7 @@
 #include "kinematics/loads.h"
 #include "mechanism/mechanism.h"
 #include "outputs/port_readings.h"
+#include "scene/formulas.h"
 #include "scene/scene.h"
 #include "scene/signals.h"
 
@@ -35,6 +36,22 @@ Pose3 BodyWrenches::X_WB(int body, const Readings<double>& dynamics) const {
   return body < 0 ? Pose3() : pose_in_world(reduced_, reduced_.bodies[static_cast<std::size_t>(body)], dynamics);
 }
 
+// input: index of its first one.
+template <class F>
+void BodyWrenches::act(const F& element, RecordingPort<double>* at, int input) const {
+  if constexpr (HasFormulas<F>) {
+    F bound = element;
+    const int first = first_scene_input(scene_);
+    F::each_formula(bound, [&](Formula& formula) {
+      formula.bind(signal_indices(scene_, formula, first, static_cast<int>(u_.size()) - 1),
+                   signal_sizes(scene_, formula), nullptr, 0);
+    });
+    bound.act(at, u_.data());
+  } else {
+    element.act(at, u_.data() + input);
+  }
+}
+
 void BodyWrenches::add_forces(int island, const Readings<double>* dynamics) {
   const std::vector<int> inputs = first_inputs(scene_)[sections::forces];
   for (std::size_t i = 0; i < scene_.forces.size(); ++i) {
@@ -44,7 +61,7 @@ void BodyWrenches::add_forces(int island, const Readings<double>* dynamics) {
     const SeenPorts<double> seen(places, reduced_, dynamics);
     std::array<RecordingPort<double>, max_force_ports> at;
     for (std::size_t k = 0; k < force.frames.size(); ++k) at[k] = seen.port(static_cast<int>(k));
-    std::visit([&](const auto& element) { element.act(at.data(), u_.data() + inputs[i]); }, *force.is);
+    std::visit([&](const auto& element) { act(element, at.data(), inputs[i]); }, *force.is);
     const Eigen::Matrix3d R_W0 = seen.X_W0().R;
     for (std::size_t k = 0; k < force.frames.size(); ++k) {
       const BodyFrame& on = force.frames[k];

@@ -11,6 +11,7 @@
 #include "element/joint_forces/registry.h"
 #include "element/motors/registry.h"
 #include "joint/kinds.h"
+#include "scene/formulas.h"
 #include "scene/signals.h"
 
 namespace gelenk {
@@ -38,16 +39,20 @@ struct LoadCollector {
   const Scene& scene;
   const ReducedScene& reduced;
   const std::unordered_map<std::string_view, int>&body_number, &joint_number;
+  int scene_input, clock;  // indices of the first input of no element, and of the time
   std::vector<Loads>& out;
+  std::vector<int> branches{};  // by island: of its expressions so far
 
   void prepare() {
     out.resize(reduced.islands.size());
+    branches.assign(out.size(), 0);
     for (std::size_t i = 0; i < out.size(); ++i) prepare(reduced.islands[i], out[i]);
   }
 
   void prepare(const Mechanism& mechanism, Loads& loads) const {
     clear(loads);
     loads.R_0W = mechanism.X_W0.R.transpose();
+    loads.p_W0 = mechanism.X_W0.p;
     loads.gravity = loads.R_0W * scene.gravity;
     for (std::size_t i = 1; i < mechanism.links.size(); ++i) {
       const Spatial::Inertia& G = mechanism.links[i].G;
@@ -59,6 +64,7 @@ struct LoadCollector {
     loads.cuts.resize(mechanism.cuts.size());
     for (std::size_t c = 0; c < mechanism.cuts.size(); ++c) reserve_capacity(loads.cuts[c], mechanism.cuts[c].nv);
     loads.added_inertia.assign(mechanism.nv, 0);
+    if (loads.branches == nullptr) loads.branches = std::make_shared<HeldBranches>();
     loads.contacts.clear();
     for (const Contact& contact : scene.contacts) loads.contacts.push_back(law_of(*contact.is));
   }
@@ -133,14 +139,43 @@ struct LoadCollector {
   }
 
   template <class E>
-  static void add(JointLoads& to, const E& element, const JointPlace& place, bool cut, int i, int input, int joint) {
+  void add(JointLoads& to, const E& element, const JointPlace& place, bool cut, int i, int input, int joint) {
     const auto push = [&](const E& part) {
       std::get<std::vector<AlongCoordinate<E>>>(to.lists).push_back(
           {part, (cut ? 0 : place.iq) + i, (cut ? 0 : place.iv) + i, place.v_sign[i], input, joint, i});
     };
     push(element);
+    if constexpr (HasFormula<E>)
+      bind(std::get<std::vector<AlongCoordinate<E>>>(to.lists).back().element.formula(), place.island);
     if constexpr (requires { element.excess(); }) {
       if (const std::optional<E> part = element.excess()) push(*part);
+    }
+  }
+
+  void gravity_field() {
+    for (std::size_t b = 0; scene.gravity_field && b < scene.bodies.size(); ++b) {
+      const Body& body = scene.bodies[b];
+      const int island = reduced.bodies[b].island;
+      if (island < 0 || body.mass == 0) continue;
+      const BodyFrame at{.body = body.name, .X_BF = {Eigen::Matrix3d::Identity(), body.com}};
+      add_gravity(*out[static_cast<std::size_t>(island)].forces, *scene.gravity_field, body.mass, attach(island, at));
+    }
+  }
+
+  // Binds the expressions of forces between bodies.
+  void bind_forces() {
+    for (int i = 0; i < static_cast<int>(out.size()); ++i)
+      each_formula(*out[static_cast<std::size_t>(i)].forces, [&](Formula& formula, int) { bind(formula, i); });
+  }
+
+  void bind(Formula& formula, int island) {
+    Loads& loads = out[static_cast<std::size_t>(island)];
+    int& first = branches[static_cast<std::size_t>(island)];
+    const std::vector<int> signals = signal_indices(scene, formula, scene_input, clock);
+    formula.bind(signals, signal_sizes(scene, formula), loads.branches.get(), first);
+    first += formula.branches();
+    for (const int signal : signals) {
+      if (std::ranges::find(loads.inputs, signal) == loads.inputs.end()) loads.inputs.push_back(signal);
     }
   }
 
@@ -180,13 +215,14 @@ struct LoadCollector {
 }  // namespace
 
 LoadAssembler::LoadAssembler(const Scene& scene, const ReducedScene& reduced)
-    : scene_(scene), reduced_(reduced), inputs_(first_inputs(scene)) {
+    : scene_(scene), reduced_(reduced), inputs_(first_inputs(scene)), scene_input_(first_scene_input(scene)) {
   for (std::size_t b = 0; b < scene.bodies.size(); ++b) body_number_[scene.bodies[b].name] = static_cast<int>(b);
   for (std::size_t j = 0; j < scene.joints.size(); ++j) joint_number_[scene.joints[j].name] = static_cast<int>(j);
 }
 
 void LoadAssembler::fill(std::vector<Loads>& loads) const {
-  LoadCollector collector{scene_, reduced_, body_number_, joint_number_, loads};
+  const int clock = scene_input_ + static_cast<int>(scene_.inputs.size());
+  LoadCollector collector{scene_, reduced_, body_number_, joint_number_, scene_input_, clock, loads};
   collector.prepare();
   for (std::size_t m = 0; m < scene_.motors.size(); ++m)
     collector.motor(static_cast<int>(m), inputs_[sections::motors][m]);
@@ -195,6 +231,8 @@ void LoadAssembler::fill(std::vector<Loads>& loads) const {
   for (std::size_t f = 0; f < scene_.forces.size(); ++f) {
     collector.force(static_cast<int>(f), inputs_[sections::forces][f]);
   }
+  collector.gravity_field();
+  collector.bind_forces();
   collector.motions();
   for (Loads& of : loads) {
     of.only_along_tree =

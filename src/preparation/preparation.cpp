@@ -43,6 +43,12 @@ struct ReducedModel {
 };
 
 // Islands are assembled independently: the result for an island is the same, bit for bit, as if it were alone.
+std::vector<double> without_inputs(const Inputs& inputs, double time) {
+  std::vector<double> out(inputs.signals(), 0.0);
+  if (inputs.has_clock()) out.back() = time;
+  return out;
+}
+
 struct Preparer {
   const Scene& scene;
   double time;
@@ -50,7 +56,7 @@ struct Preparer {
   Scene preferred{};                     // the scene with the start values to be used
   std::vector<bool> rods_stay_bodies{};  // by joint of the scene: in its island; empty: in none
   bool mass_may_need_rows = true;        // constraint rows may complete a singular mass matrix
-  std::vector<double> no_inputs = std::vector<double>(input_signals(scene).size(), 0.0);
+  std::vector<double> no_inputs = without_inputs(inputs, time);
   PreparedScene out{};
   std::vector<Loads> loads{};
   std::vector<std::unique_ptr<Dynamics>> dynamics{};

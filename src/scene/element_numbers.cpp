@@ -31,6 +31,7 @@ void each_number(const Field* group, std::span<const Field> fields, void* elemen
       case Field::Type::flag:
       case Field::Type::choice:
       case Field::Type::formula:
+      case Field::Type::formulas:
         break;
     }
   }

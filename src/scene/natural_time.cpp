@@ -21,7 +21,7 @@ struct Rates {
   void add(std::span<const Field> fields, const void* element, const Coordinate& coordinate, const UnitSystem& units) {
     each_number(fields, element, [&](const Number& x) {
       const UnitExponents unit = unit_exponents(x.field->unit.empty() ? "1" : x.unit(coordinate));
-      const auto& [kg, m, s, rad] = unit;
+      const auto& [kg, m, s, rad, ampere, kelvin] = unit;
       if (kg != 1 || s != -2 || *x.value == 0) return;
       const double rate = std::abs(*x.value) / (units.mass * std::pow(units.length, m));
       if (m == 0 || rad == -1) {

@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "element/forces/gravity_force.h"
 #include "element/kinds.h"
 #include "joint/kinds.h"
 #include "math/spatial.h"
@@ -91,6 +92,12 @@ using Constraint = Element<AnyConstraint>;
 using Contact = Element<AnyContact>;
 using Sensor = Element<AnySensor>;
 
+// An input that expressions read, of no element.
+struct SceneInput {
+  std::string name, unit, text;  // unit: in FMI's spelling; empty: none
+  double start = 0;
+};
+
 struct Experiment {
   double stop = 1;          // s
   double step = 1e-3;       // s
@@ -139,6 +146,9 @@ struct Scene {
   Metadata metadata;
   UnitSystem units;                                   // units of the numbers in this scene
   Eigen::Vector3d gravity = Eigen::Vector3d::Zero();  // m/s2
+  std::optional<GravityField> gravity_field;          // added to it
+  std::vector<FormulaNames::Constant> constants;      // of expressions, in SI units
+  std::vector<SceneInput> inputs;
   std::vector<Body> bodies;
   std::vector<BodyShape> ground_shapes;
   std::vector<Joint> joints;

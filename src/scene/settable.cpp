@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "scene/element_numbers.h"
+#include "scene/formulas.h"
 
 namespace gelenk {
 namespace {
@@ -86,6 +87,7 @@ SettableNumber SettableNumber::along(const JointForceKind& force, int coordinate
 }
 
 const std::string& SettableNumber::owner(const Scene& scene) const {
+  if (of_ == Of::constant) return scene.constants[owner_].name;
   if (of_ == Of::body || of_ == Of::inertia) return scene.bodies[owner_].name;
   if (of_ != Of::element) return scene.joints[owner_].name;
   const std::string* name = nullptr;
@@ -103,14 +105,18 @@ std::string SettableNumber::key() const {
   return (group.empty() ? "" : group + ".") + std::string(field_->name);
 }
 
-std::string SettableNumber::path(const Scene& scene) const { return owner(scene) + "." + key(); }
+std::string SettableNumber::path(const Scene& scene) const {
+  return of_ == Of::constant ? owner(scene) : owner(scene) + "." + key();
+}
 
 std::string SettableNumber::index() const {
+  if (of_ == Of::constant) return {};
   const bool alone = field_ != nullptr && field_->type == Field::Type::number && size_ == 1;
   return alone ? "" : "[" + std::to_string(i_ + 1) + "]";
 }
 
 std::string SettableNumber::variable(const Scene& scene) const {
+  if (of_ == Of::constant) return owner(scene);
   const bool renamed = field_ != nullptr && !field_->variable.empty();
   return owner(scene) + "." + (renamed ? std::string(field_->variable) : key()) + index();
 }
@@ -125,12 +131,14 @@ Coordinate SettableNumber::coordinate(const Scene& scene) const {
 }
 
 std::string SettableNumber::unit(const Scene& scene) const {
+  if (of_ == Of::constant) return "1";
   if (of_ == Of::inertia) return "kg.m2";
   if (field_ == nullptr) return "m";
   return unit_of(*field_, coordinate(scene), static_cast<std::size_t>(of_ == Of::along ? 0 : i_));
 }
 
 std::string SettableNumber::description(const Scene& scene) const {
+  if (of_ == Of::constant) return "constant of expressions, in SI units";
   if (of_ == Of::inertia) {
     const auto& [r, c] = inertia_places[static_cast<std::size_t>(i_)];
     return std::string("inertia about the center of mass, ") + axis_names[static_cast<std::size_t>(r)] +
@@ -164,6 +172,8 @@ double SettableNumber::min() const {
 
 double& SettableNumber::place(Scene& scene) const {
   switch (of_) {
+    case Of::constant:
+      return scene.constants[owner_].value;
     case Of::body:
       return number_in(group_, *field_, &scene.bodies[owner_], i_);
     case Of::inertia: {
@@ -194,6 +204,7 @@ double SettableNumber::get(const Scene& scene) const {
 
 void SettableNumber::put(Scene& scene, double value) const {
   place(scene) = value;
+  if (of_ == Of::constant) renew_formulas(scene);
   if (of_ != Of::inertia) return;
   const auto& [r, c] = inertia_places[static_cast<std::size_t>(i_)];
   scene.bodies[owner_].inertia(c, r) = value;
@@ -202,6 +213,7 @@ void SettableNumber::put(Scene& scene, double value) const {
 std::vector<SettableNumber> settable_numbers(const Scene& scene) {
   using Of = SettableNumber::Of;
   std::vector<SettableNumber> out;
+  for (std::size_t i = 0; i < scene.constants.size(); ++i) out.emplace_back(Of::constant, i);
   for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
     add(out, Of::body, b, Body::fields(), &scene.bodies[b], std::identity());
     for (int i = 0; i < 6; ++i) out.push_back(SettableNumber(Of::inertia, b).at(i, 6));

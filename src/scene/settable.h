@@ -15,7 +15,7 @@ namespace gelenk {
 // Location of a settable number; valid for every scene with the same elements.
 class SettableNumber {
  public:
-  enum class Of { body, inertia, joint, along, parent, child, element };
+  enum class Of { constant, body, inertia, joint, along, parent, child, element };
 
   SettableNumber(Of of, std::size_t owner) : of_(of), owner_(owner) {}
   // A number that is described by a field.

@@ -132,7 +132,18 @@ std::vector<Signal> input_signals(const Scene& scene) {
   });
   for (std::size_t j = 0; j < scene.joints.size(); ++j)
     add_along(signals, scene.joints[j], static_cast<int>(j), inputs_along);
+  for (const SceneInput& input : scene.inputs) {
+    Signal& signal = signals.emplace_back();
+    signal.name = input.name;
+    signal.unit = input.unit;
+    signal.description = input.text.empty() ? "input of expressions" : input.text;
+    signal.start = input.start;
+  }
   return signals;
+}
+
+int first_scene_input(const Scene& scene) {
+  return static_cast<int>(input_signals(scene).size() - scene.inputs.size());
 }
 
 std::vector<std::vector<int>> first_inputs(const Scene& scene) {

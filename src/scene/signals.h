@@ -31,8 +31,11 @@ struct Signal {
   int group = -1;
 };
 
-// Returns the inputs in the order of the sections and the file, then those of joints (clutches, brakes).
+// Returns the inputs in the order of the sections and the file, then those of joints (clutches, brakes) and of no
+// element.
 std::vector<Signal> input_signals(const Scene& scene);
+// The index of the first input of no element.
+int first_scene_input(const Scene& scene);
 // Returns, for each section and element and last for the joints, the index of the first input.
 std::vector<std::vector<int>> first_inputs(const Scene& scene);
 

@@ -15,12 +15,25 @@ namespace {
 
 struct Symbol {
   std::string_view name;
-  UnitExponents exponents;  // kg, m, s, rad
+  UnitExponents exponents;  // in the order of base_units; the last ones are 0
 };
 
 constexpr Symbol symbols[] = {
-    {"1", {0, 0, 0, 0}},  {"kg", {1, 0, 0, 0}}, {"m", {0, 1, 0, 0}},  {"s", {0, 0, 1, 0}},   {"rad", {0, 0, 0, 1}},
-    {"N", {1, 1, -2, 0}}, {"J", {1, 2, -2, 0}}, {"W", {1, 2, -3, 0}}, {"Hz", {0, 0, -1, 0}},
+    {"1", {0}},
+    {"kg", {1}},
+    {"m", {0, 1}},
+    {"s", {0, 0, 1}},
+    {"rad", {0, 0, 0, 1}},
+    {"N", {1, 1, -2}},
+    {"J", {1, 2, -2}},
+    {"W", {1, 2, -3}},
+    {"Pa", {1, -1, -2}},
+    {"Hz", {0, 0, -1}},
+    {"A", {0, 0, 0, 0, 1}},
+    {"V", {1, 2, -3, 0, -1}},
+    {"Ohm", {1, 2, -3, 0, -2}},
+    {"H", {1, 2, -2, 0, -2}},
+    {"K", {0, 0, 0, 0, 0, 1}},
 };
 
 // Returns the exponents of a symbol with an optional exponent: "m2".
@@ -104,6 +117,7 @@ class Converter {
 
   void convert(Scene& scene) const {
     scene.gravity *= length_;
+    if (scene.gravity_field) convert(GravityField::fields(), &*scene.gravity_field, {});
     for (Body& body : scene.bodies) convert(body);
     for (BodyShape& shape : scene.ground_shapes) convert(shape);
     for (Joint& joint : scene.joints) convert(joint);
@@ -121,7 +135,7 @@ class Converter {
   void convert(std::span<const Field> fields, void* element, const Coordinate& coordinate) const {
     each_number(fields, element, [&](const Number& x) { *x.value /= units_.size_of(x.unit(coordinate)); });
     for (const Field& field : fields) {
-      if (field.type == Field::Type::formula) convert(field, field.of<Formula>(element), coordinate);
+      for (Formula& formula : formulas_of(field, element)) convert(field, formula, coordinate);
     }
   }
 
@@ -169,6 +183,15 @@ class Converter {
 };
 
 }  // namespace
+
+bool is_unit(std::string_view unit) {
+  try {
+    unit_exponents(unit);
+    return true;
+  } catch (const std::invalid_argument&) {
+    return false;
+  }
+}
 
 UnitExponents unit_exponents(std::string_view unit) {
   UnitExponents total{};

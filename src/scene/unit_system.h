@@ -12,14 +12,15 @@ namespace gelenk {
 
 struct Scene;
 
-inline constexpr std::array<const char*, 4> base_units = {"kg", "m", "s", "rad"};
+inline constexpr std::array<const char*, 6> base_units = {"kg", "m", "s", "rad", "A", "K"};
 
 // Exponents of a unit in the order of base_units.
-using UnitExponents = std::array<int, 4>;
+using UnitExponents = std::array<int, 6>;
 
 // Returns the exponents of a unit: "N.m.s/rad" -> kg m2 s-1 rad-1. All factors behind the slash are divisors. Throws
 // std::invalid_argument for an unknown unit.
 UnitExponents unit_exponents(std::string_view unit);
+bool is_unit(std::string_view unit);
 
 struct UnitSystem {
   double length = 1;  // m

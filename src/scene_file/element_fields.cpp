@@ -41,21 +41,16 @@ std::vector<double> read_numbers(const Json& value, const std::string& path, Fau
   return out;
 }
 
-// Whether a variable of a formula exists at this coordinate: those of time do everywhere.
-bool fits(const FormulaVariable& variable, const Coordinate& coordinate) {
-  return coordinate.name.empty() || variable.unit == "s" || variable.name == coordinate.name ||
-         variable.name == coordinate.speed;
-}
-
 std::string expected_of(const Field& field, const Coordinate& coordinate) {
   if (field.type == Field::Type::choice) return "one of " + text::list(words_of(field));
   const std::string unit = unit_for_people(field, coordinate);
   const std::string in_unit = unit.empty() ? "" : " in " + unit;
-  if (field.type == Field::Type::formula) {
+  if (field.type == Field::Type::formula || field.type == Field::Type::formulas) {
     std::vector<std::string> names;
-    for (const FormulaVariable& variable : field.variables) {
-      if (fits(variable, coordinate)) names.emplace_back(variable.name);
+    for (const FormulaVariable& variable : variables_of(field, coordinate)) {
+      if (!variable.name.empty()) names.emplace_back(variable.name);
     }
+    if (field.reads_signals) names.emplace_back("inputs and t");
     return "an expression of " + text::list(names) + in_unit;
   }
   return (field.type == Field::Type::numbers ? "a list of numbers" : "a number") + in_unit;
@@ -71,15 +66,11 @@ void read_choice(const Json& value, const std::string& path, Faults& faults, con
 }
 
 void read_formula(const Json& value, const std::string& path, Faults& faults, const Field& field,
-                  const Coordinate& coordinate, Formula& formula) {
+                  const Coordinate& coordinate, const FormulaNames& names, Formula& formula) {
   if (!value.is_string() && !value.is_number()) return faults.add(path, shown(value), expected_of(field, coordinate));
   const std::string text = value.is_number() ? text::number(value.get<double>()) : value.get<std::string>();
   try {
-    std::vector<FormulaVariable> variables(field.variables.begin(), field.variables.end());
-    for (FormulaVariable& variable : variables) {
-      if (!fits(variable, coordinate)) variable.name = {};
-    }
-    formula = Formula(text, variables);
+    formula = Formula(text, variables_of(field, coordinate), names, field.reads_signals);
   } catch (const expression::SyntaxError& error) {
     faults.add(path, text::quoted(text), expected_of(field, coordinate) + "; " + with_caret(error, text));
   }
@@ -88,7 +79,7 @@ void read_formula(const Json& value, const std::string& path, Faults& faults, co
 }  // namespace
 
 void read_field(const Json& value, const std::string& path, Faults& faults, const Field& field, void* element,
-                const Coordinate& coordinate) {
+                const Coordinate& coordinate, const FormulaNames& names) {
   const std::string unit = unit_for_people(field, coordinate);
   switch (field.type) {
     case Field::Type::number: {
@@ -117,22 +108,31 @@ void read_field(const Json& value, const std::string& path, Faults& faults, cons
     case Field::Type::choice:
       return read_choice(value, path, faults, field, field.of<Choice>(element));
     case Field::Type::formula:
-      return read_formula(value, path, faults, field, coordinate, field.of<Formula>(element));
+      return read_formula(value, path, faults, field, coordinate, names, field.of<Formula>(element));
+    case Field::Type::formulas: {
+      const std::span<Formula> all = formulas_of(field, element);
+      if (!value.is_array() || value.size() != all.size())
+        return faults.add(path, shown(value), "a list of 3: each " + expected_of(field, coordinate));
+      for (std::size_t i = 0; i < all.size(); ++i)
+        read_formula(value[i], path + "[" + std::to_string(i + 1) + "]", faults, field, coordinate, names, all[i]);
+      return;
+    }
     case Field::Type::group: {
       Fields inner(value, path, faults, "a mapping with " + text::list(field_names(field.inner())));
       if (!inner.valid()) return;
       field.emplace(element);
-      read_fields(inner, field.inner(), field.in(element), coordinate);
+      read_fields(inner, field.inner(), field.in(element), coordinate, names);
       inner.done();
     }
   }
 }
 
-void read_fields(Fields& from, std::span<const Field> fields, void* element, const Coordinate& coordinate) {
+void read_fields(Fields& from, std::span<const Field> fields, void* element, const Coordinate& coordinate,
+                 const FormulaNames& names) {
   for (const Field& field : fields) {
     const std::string name(field.name);
     const Json* value = field.required ? from.require(name, expected_of(field, coordinate)) : from.find(name);
-    if (value != nullptr) read_field(*value, from.path(name), from.faults(), field, element, coordinate);
+    if (value != nullptr) read_field(*value, from.path(name), from.faults(), field, element, coordinate, names);
   }
 }
 
@@ -162,6 +162,11 @@ void write_fields(Json& to, std::span<const Field> fields, const void* element) 
         break;
       case Field::Type::formula:
         if (const auto& formula = field.of<Formula>(element); formula.is_given()) value = formula.text();
+        break;
+      case Field::Type::formulas:
+        for (const Formula& formula : formulas_of(field, element)) {
+          if (formula.is_given()) value.push_back(formula.text());
+        }
         break;
       case Field::Type::group:
         if (const void* there = field.in(element)) {

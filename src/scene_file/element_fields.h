@@ -13,10 +13,12 @@
 namespace gelenk {
 
 // Reads the fields of an element; fields that the file does not give keep their defaults.
-void read_fields(Fields& from, std::span<const Field> fields, void* element, const Coordinate& coordinate);
+// names: what expressions may name besides their variables.
+void read_fields(Fields& from, std::span<const Field> fields, void* element, const Coordinate& coordinate,
+                 const FormulaNames& names = {});
 // Reads the value of one field.
 void read_field(const Json& value, const std::string& path, Faults& faults, const Field& field, void* element,
-                const Coordinate& coordinate);
+                const Coordinate& coordinate, const FormulaNames& names = {});
 
 // Writes the fields of an element to a mapping, without optional ones that are not given.
 void write_fields(Json& to, std::span<const Field> fields, const void* element);

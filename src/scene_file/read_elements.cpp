@@ -130,7 +130,7 @@ void read_section(const Json& section, const Section& of, Reader& reader, std::v
                element.is = make_element<Any>(n);
                read_ports(fields, kinds[n], reader, element);
                const Coordinate coordinate = coordinate_of(reader.scene, element);
-               read_fields(fields, kinds[n].fields, data_of(*element.is), coordinate);
+               read_fields(fields, kinds[n].fields, data_of(*element.is), coordinate, reader.names);
                fields.done();
                if (reader.faults.count() == before) check_numbers(element, path, coordinate, reader.faults);
                out.push_back(std::move(element));

@@ -121,7 +121,8 @@ void read_group(const Json& value, const std::string& path, const JointForceKind
   for (const Field& field : kind.fields) names.emplace_back(field.name);
   Fields fields(value, path, reader.faults, "{" + text::list(names) + "}");
   kind.emplace(at);
-  if (fields.valid()) read_fields(fields, kind.fields, kind.find(at), coordinate_of(kind_of(*joint.is), 0));
+  if (fields.valid())
+    read_fields(fields, kind.fields, kind.find(at), coordinate_of(kind_of(*joint.is), 0), reader.names);
   fields.done();
   if (reader.faults.count() == before) check_forces(joint, path, kind, reader.faults);
   if (reader.faults.count() == before) return;

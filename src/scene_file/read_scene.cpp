@@ -5,6 +5,8 @@
 #include <utility>
 
 #include "check/warnings.h"
+#include "scene/formulas.h"
+#include "scene_file/element_fields.h"
 #include "scene_file/reader.h"
 #include "util/text.h"
 
@@ -60,6 +62,30 @@ void read_metadata(Fields& fields, Metadata& metadata) {
   }
 }
 
+// Uniform gravity, or a mapping with a field, of which the expressions are read after the names that they use.
+void read_gravity(Fields& fields, Scene& scene) {
+  const Json* value = fields.find("gravity");
+  if (value == nullptr || !value->is_object()) {
+    scene.gravity = fields.vector("gravity", "m/s2");
+    return;
+  }
+  Fields inner(*value, "gravity", fields.faults(), "a mapping with law, or mu and center");
+  scene.gravity = inner.vector("uniform", "m/s2");
+  scene.gravity_field.emplace();
+}
+
+void read_gravity_field(Fields& fields, Reader& reader) {
+  if (!reader.scene.gravity_field) return;
+  Fields inner(*fields.find("gravity"), "gravity", reader.faults, "a mapping with law, or mu and center");
+  inner.find("uniform");
+  GravityField& field = *reader.scene.gravity_field;
+  read_fields(inner, GravityField::fields(), &field, {}, reader.names);
+  inner.done();
+  const bool has_law = field.law.front().is_given();
+  if (has_law == field.is_central() && reader.faults.count() == 0)
+    reader.faults.add("gravity", has_law ? "law and mu" : "neither law nor mu", "either law, or mu and center");
+}
+
 std::vector<std::string> keys(const Json* section) {
   std::vector<std::string> names;
   if (section == nullptr || !section->is_object()) return names;
@@ -79,7 +105,11 @@ const Json* required_section(Fields& fields, const std::string& name, const std:
 void read_sections(Fields& fields, Scene& scene, SuspectNames& suspect_names) {
   const Json* bodies = required_section(fields, "bodies", "at least one body");
   const Json* joints = required_section(fields, "joints", "at least one joint");
-  Reader reader{scene, fields.faults(), {}, keys(joints), suspect_names};
+  Reader reader{scene, fields.faults(), {}, keys(joints), suspect_names, {}};
+  if (const Json* constants = fields.find("constants")) read_constants(*constants, reader);
+  if (const Json* inputs = fields.find("inputs")) read_inputs(*inputs, reader);
+  reader.names = formula_names(scene);
+  read_gravity_field(fields, reader);
   if (bodies != nullptr && bodies->is_object()) reader.bodies = {ground};
   for (std::string& name : keys(bodies)) reader.bodies.push_back(std::move(name));
   if (bodies != nullptr) read_bodies(*bodies, reader);
@@ -106,7 +136,7 @@ Scene scene_from_tree(const Json& tree, const std::string& file, Faults& faults)
     SuspectNames suspect_names;
     scene.name = read_name(fields, scene.name);
     read_metadata(fields, scene.metadata);
-    scene.gravity = fields.vector("gravity", "m/s2");
+    read_gravity(fields, scene);
     read_sections(fields, scene, suspect_names);
     fields.done();
     find_faults(scene, faults, suspect_names);

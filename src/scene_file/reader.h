@@ -21,11 +21,15 @@ struct Reader {
   std::vector<std::string> bodies;  // names, ground first; empty if the section could not be read
   std::vector<std::string> joints;
   SuspectNames& suspect_names;
+  FormulaNames names;  // of constants and inputs
 };
 
 // Reads and checks the whole tree. Throws SceneError with all errors, including those in `faults` before the call.
 Scene scene_from_tree(const Json& tree, const std::string& file, Faults& faults);
 
+// Reads {name: number, ...} and {name: {unit, start, text}, ...}, which expressions may name.
+void read_constants(const Json& section, Reader& reader);
+void read_inputs(const Json& section, Reader& reader);
 void read_bodies(const Json& section, Reader& reader);
 // Reads the shapes of the ground: {shapes: {...}}.
 void read_ground(const Json& section, Reader& reader);

@@ -213,7 +213,21 @@ std::string write_scene_json(const Scene& scene) {
   for (const MetadataKey& key : metadata_keys) {
     if (const std::string& text = scene.metadata.*key.text; !text.empty()) out[std::string(key.name)] = text;
   }
-  out["gravity"] = numbers_of(scene.gravity);
+  if (scene.gravity_field) {
+    Json& gravity = out["gravity"];
+    write_fields(gravity, GravityField::fields(), &*scene.gravity_field);
+    if (!scene.gravity_field->is_central()) gravity.erase("center");
+    if (!scene.gravity.isZero(0)) gravity["uniform"] = numbers_of(scene.gravity);
+  } else {
+    out["gravity"] = numbers_of(scene.gravity);
+  }
+  for (const FormulaNames::Constant& constant : scene.constants) out["constants"][constant.name] = constant.value;
+  for (const SceneInput& of : scene.inputs) {
+    Json& input = out["inputs"][of.name] = Json::object();
+    if (!of.unit.empty()) input["unit"] = of.unit;
+    if (of.start != 0) input["start"] = of.start;
+    if (!of.text.empty()) input["text"] = of.text;
+  }
   if (!scene.ground_shapes.empty()) out["ground"]["shapes"] = section(scene.ground_shapes, shape);
   out["bodies"] = section(scene.bodies, body);
   out["joints"] = section(scene.joints, joint);

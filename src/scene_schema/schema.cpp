@@ -212,6 +212,18 @@ Json solver() {
       {});
 }
 
+Json gravity() {
+  std::vector<std::string> required;
+  const GravityField none;
+  Json fields = properties(GravityField::fields(), &none, nullptr, required);
+  fields["uniform"] = list(3, "m/s2", "Uniform acceleration that is added; none if not given");
+  Json field = object(fields, required);
+  add_ways(field, GravityField::fields());
+  const Json uniform = list(3, "m/s2", "Gravitational acceleration in the world");
+  return {{"description", "Gravitational acceleration in the world, uniform or a field; none if not given"},
+          {"oneOf", {uniform, field}}};
+}
+
 Json settings() {
   Json out;
   out["assembly"] =
@@ -248,7 +260,15 @@ std::string scene_schema() {
                                      {"maxLength", max_metadata_size},
                                      {"description", std::string(key.meaning) + "; passed on by FMUs"}};
   }
-  fields["gravity"] = list(3, "m/s2", "Gravitational acceleration in the world; none if not given");
+  fields["constants"] = {{"description", "Numbers that expressions name, in SI units."},
+                         {"type", "object"},
+                         {"additionalProperties", {{"type", "number"}}}};
+  fields["inputs"] = section(object({{"unit", {{"type", "string"}, {"description", "Unit of SI, such as V or N.m"}}},
+                                     {"start", number("", "Start value; 0 if not given", Range::any)},
+                                     {"text", {{"type", "string"}, {"description", "Description"}}}},
+                                    {}),
+                             "Inputs that expressions name.", false);
+  fields["gravity"] = gravity();
   fields["bodies"] = section(body(), "Rigid bodies. The ground always exists.", true);
   fields["ground"] = object({{"shapes", reference("shapes")}}, {});
   fields["ground"]["description"] = "Shapes that do not move.";

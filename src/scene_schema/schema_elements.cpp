@@ -63,6 +63,12 @@ Json field_schema(const Field& field, const void* defaults, const Coordinate* co
     }
     case Field::Type::formula:
       return {{"type", {"string", "number"}}, {"description", text + (unit.empty() ? "" : " [" + unit + "]")}};
+    case Field::Type::formulas:
+      return {{"type", "array"},
+              {"items", {{"type", {"string", "number"}}}},
+              {"minItems", 3},
+              {"maxItems", 3},
+              {"description", text + (unit.empty() ? "" : " [" + unit + "]")}};
     case Field::Type::group:
       break;
   }

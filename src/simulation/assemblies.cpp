@@ -10,6 +10,7 @@
 #include "preparation/preparation.h"
 #include "preparation/report.h"
 #include "preparation/start.h"
+#include "scene/formulas.h"
 #include "simulation/simulation.h"
 
 namespace gelenk {
@@ -64,7 +65,7 @@ std::vector<AssemblyPart> list_assemblies(const Scene& scene, const std::vector<
   }
   const ReducedScene reduced = reduce_to_geometry(natural);
   const std::vector<Loads> loads = make_loads(natural, reduced);
-  const Inputs no_inputs(input_signals(scene).size());
+  const Inputs no_inputs(input_signals(scene).size(), reads_time(scene));
   std::vector<AssemblyPart> out;
   for (int i = 0; i < static_cast<int>(reduced.islands.size()); ++i) {
     const Mechanism& mechanism = reduced.islands[i];

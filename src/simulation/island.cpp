@@ -39,7 +39,7 @@ Island::Island(const Scene& scene, PreparedIsland prepared, Loads loads, Inputs&
       time_(time),
       y_(prepared_.start.q),
       vdot_(prepared_.mechanism.nv, 0.0),
-      inputs_of_scene_(u.count()) {
+      inputs_of_scene_(u.signals()) {
   y_.insert(y_.end(), prepared_.start.v.begin(), prepared_.start.v.end());
   events_.describe(event_texts(), scene.solver.max_events, equations_->modes().own_indicators());
   dynamics_->set_max_rank(prepared_.mobility.rank);
@@ -73,6 +73,14 @@ std::vector<std::array<std::string, 2>> Island::event_texts() const {
     const ElementPlace place{.name = {}, .frames = {}, .joints = {joint.name}, .coordinate = {}};
     for (const auto& texts : of.events)
       out.push_back({filled_in(texts[0], place, coordinate), filled_in(texts[1], place, coordinate)});
+  }
+  for (const BranchPlace& place : branch_places(loads_)) {
+    const auto i = static_cast<std::size_t>(place.index);
+    const std::string owner = place.index < 0  ? "gravity"
+                              : place.of_joint ? scene_.joints[i].name + ".law"
+                                               : scene_.forces[i].name;
+    const std::string text = owner + " changes its branch";
+    out.push_back({text, text});
   }
   std::vector<std::string> bodies, contacts;
   for (const Body& body : scene_.bodies) bodies.push_back(body.name);

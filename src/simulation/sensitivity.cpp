@@ -11,8 +11,14 @@ using Eigen::MatrixXd;
 
 Sensitivity::Sensitivity(const ReducedScene& reduced, const Islands& islands, const Outputs& readings,
                          const std::vector<Signal>& outputs, const std::vector<int>& states,
-                         const std::vector<Independent>& independent, const std::vector<double>& u)
-    : reduced_(reduced), islands_(islands), readings_(readings), signals_(outputs), states_(states), u_(u) {
+                         const std::vector<Independent>& independent, const std::vector<double>& u, std::size_t inputs)
+    : reduced_(reduced),
+      islands_(islands),
+      readings_(readings),
+      signals_(outputs),
+      states_(states),
+      u_(u),
+      inputs_(inputs) {
   for (std::size_t i = 0; i < islands.size(); ++i) {
     const Island& island = *islands[i];
     sensitivities_.push_back(std::make_unique<ConstrainedSensitivity>(island.prepared().mechanism, island.loads(),
@@ -98,7 +104,8 @@ void Sensitivity::add(int i, const MatrixXd& directions, DirectionalDerivative& 
     if (at.island != i) continue;
     (at.is_coordinate ? dq : dv).row(at.component) = at.sign * directions.row(static_cast<Index>(s));
   }
-  const MatrixXd du = directions.bottomRows(static_cast<Index>(u_.size()));
+  MatrixXd du = MatrixXd::Zero(static_cast<Index>(u_.size()), n);
+  du.topRows(static_cast<Index>(inputs_)) = directions.bottomRows(static_cast<Index>(inputs_));
   const MovedState moved = sensitivities_[i]->state_derivative(dq, dv, du);
   add_rates(i, moved, out);
   for (int k = 0; k < static_cast<int>(signals_.size()); ++k) {
@@ -181,14 +188,16 @@ std::vector<int> Sensitivity::columns_of(int island) const {
   for (std::size_t s = 0; s < states_.size(); ++s) {
     if (place_of(states_[s]).island == island) out.push_back(static_cast<int>(s));
   }
-  for (const int input : islands_[island]->loads().inputs) out.push_back(static_cast<int>(states_.size()) + input);
+  for (const int input : islands_[island]->loads().inputs) {
+    if (input < static_cast<int>(inputs_)) out.push_back(static_cast<int>(states_.size()) + input);
+  }
   return out;
 }
 
 Linearization Sensitivity::linearize(FrictionTreatment friction) {
   friction_ = friction;
   const auto nx = static_cast<Index>(states_.size());
-  const auto nu = static_cast<Index>(u_.size());
+  const auto nu = static_cast<Index>(inputs_);
   DirectionalDerivative all = zero_derivative(signals_.size(), states_.size(), nx + nu);
   Linearization out;
   for (int i = 0; i < static_cast<int>(islands_.size()); ++i) {

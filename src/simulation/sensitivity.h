@@ -38,10 +38,10 @@ struct Linearization {
 class Sensitivity {
  public:
   using Islands = std::vector<std::unique_ptr<Island>>;
-  // independent: by island. u: all inputs, read at each call.
+  // independent: by island. u: all inputs, and the clock if there is one, read at each call.
   Sensitivity(const ReducedScene& reduced, const Islands& islands, const Outputs& readings,
               const std::vector<Signal>& outputs, const std::vector<int>& states,
-              const std::vector<Independent>& independent, const std::vector<double>& u);
+              const std::vector<Independent>& independent, const std::vector<double>& u, std::size_t inputs);
 
   // All three throw NotDifferentiablePoint and SingularMass; faulty_island() is then the island concerned.
   Linearization linearize(FrictionTreatment friction);
@@ -84,6 +84,7 @@ class Sensitivity {
   const std::vector<Signal>& signals_;
   const std::vector<int>& states_;  // outputs
   const std::vector<double>& u_;
+  std::size_t inputs_;  // among u_, without the clock
   std::vector<std::unique_ptr<ConstrainedSensitivity>> sensitivities_;
   int current_island_ = 0;
   FrictionTreatment friction_ = FrictionTreatment::present;

@@ -45,11 +45,14 @@ void Simulation::Impl::make_islands() {
   for (std::vector<Loads>* of : {&loads, &other_loads}) load_assembler->fill(*of);
   sensitivity.reset();
   islands.clear();
-  island_of_input.assign(u.count(), -1);
+  islands_of_input.assign(u.signals(), {});
   size.rows = 0;
   for (std::size_t i = 0; i < prepared.islands.size(); ++i) {
     islands.push_back(std::make_unique<Island>(scene, prepared.islands[i], std::move(loads[i]), u, time));
-    for (const int input : islands[i]->loads().inputs) island_of_input[input] = static_cast<int>(i);
+    for (const int input : islands[i]->loads().inputs) {
+      std::vector<int>& of = islands_of_input[static_cast<std::size_t>(input)];
+      if (of.empty() || of.back() != static_cast<int>(i)) of.push_back(static_cast<int>(i));
+    }
     const PreparedIsland& of = islands[i]->prepared();
     size.rows += of.mechanism.rows;
     size.rank += of.mobility.rank;

@@ -80,9 +80,12 @@ double Simulation::Impl::advance_islands(double end, bool continues, bool logged
 // Motions that are known by values keep the value set last, also where it is not set again.
 void Simulation::Impl::renew_motions() {
   u.renew([this](int input, Inputs::Change change) {
-    if (const int island = island_of_input[input]; change != Inputs::Change::none && island >= 0)
-      islands[island]->inputs_changed(change == Inputs::Change::jump);
+    if (change != Inputs::Change::none) notify_of_input(input, change == Inputs::Change::jump);
   });
+}
+
+void Simulation::Impl::notify_of_input(int input, bool jumped) {
+  for (const int island : islands_of_input[static_cast<std::size_t>(input)]) islands[island]->inputs_changed(jumped);
 }
 
 void Simulation::Impl::advance(double end) {
@@ -194,10 +197,7 @@ void Simulation::set_input(int index, double value) {
     throw UsageError(s.inputs.at(index).name + ": found " + std::to_string(value) +
                      ", expected a finite number; the former value is kept");
   const Inputs::Change change = s.u.set(s.checked_input(index), value / s.input_size[index]);
-  if (change == Inputs::Change::none || !s.initialized) return;
-  if (const int island = s.island_of_input[index]; island >= 0) {
-    s.islands[island]->inputs_changed(change == Inputs::Change::jump);
-  }
+  if (change != Inputs::Change::none && s.initialized) s.notify_of_input(index, change == Inputs::Change::jump);
 }
 
 void Simulation::set_input_derivative(int index, int order, double value) {
@@ -206,8 +206,7 @@ void Simulation::set_input_derivative(int index, int order, double value) {
   Impl& s = *impl_;
   const int known = s.checked_input(index);
   s.u.set_derivative(known, order, value / s.input_size[known]);
-  if (!s.initialized) return;
-  if (const int island = s.island_of_input[known]; island >= 0) s.islands[island]->inputs_changed(false);
+  if (s.initialized) s.notify_of_input(known, false);
 }
 
 double Simulation::input(int index) const {

@@ -11,6 +11,7 @@
 
 #include "preparation/adjustment.h"
 #include "preparation/loads.h"
+#include "scene/formulas.h"
 #include "simulation/island.h"
 #include "simulation/sensitivity.h"
 #include "simulation/simulation.h"
@@ -35,7 +36,7 @@ struct Simulation::Impl {
         inputs(input_signals(scene)),
         outputs(output_signals(scene)),
         diagnostics(diagnostic_signals()),
-        u(inputs.size()),
+        u(inputs.size(), reads_time(scene)),
         size(size_of(reduced)),
         log(inputs_at_start(inputs, u)) {
     sizes_of(inputs, input_size);
@@ -66,7 +67,7 @@ struct Simulation::Impl {
   PreparedScene prepared;
   std::vector<MovedFrame> moved;  // frames of the scene whose pose differs from that in `given`
   std::vector<std::unique_ptr<Island>> islands;
-  std::vector<int> island_of_input;
+  std::vector<std::vector<int>> islands_of_input;  // on which it acts
   std::unique_ptr<Outputs> readings;
   std::optional<LoadAssembler> load_assembler;
   std::vector<Loads> other_loads;  // by island: workspace of tune()
@@ -100,6 +101,7 @@ struct Simulation::Impl {
   int checked_input(int index) const;  // throws std::out_of_range
   void check_inputs(double end) const;
   void renew_motions();
+  void notify_of_input(int input, bool jumped);
   void advance(double end);
   long evaluations() const;
   void serialize_replay(Archive& archive);

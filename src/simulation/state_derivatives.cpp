@@ -162,7 +162,7 @@ void StateDerivatives::prepare() {
   if (!s.initialized) throw UsageError("derivatives cannot be computed before initialize()");
   if (s.sensitivity) return;
   s.sensitivity = std::make_unique<Sensitivity>(s.prepared.reduced, s.islands, *s.readings, s.outputs, s.states,
-                                                s.independent_by_island, s.u.now());
+                                                s.independent_by_island, s.u.now(), s.u.count());
 }
 
 template <class Evaluate>
@@ -235,6 +235,7 @@ Eigen::MatrixX2d StateDerivatives::output_derivatives(const std::vector<double>&
     for (auto i = static_cast<int>(given.size()); i < static_cast<int>(u.count()); ++i) {
       rates.push_back(u.rate(i, order));
     }
+    if (u.has_clock()) rates.push_back(order == 1 ? 1 : 0);
     return rates;
   };
   const std::vector<double> first = known("udot", udot, 1);

@@ -57,6 +57,9 @@ def is_load(field: Kind) -> bool:
     return dimension(field["unit"]) in (FORCE, TORQUE) and not field["unit"].count("/")
 
 
+FORMULAS = ("formula", "formulas")
+
+
 def drawn(field: Kind, rng: np.random.Generator) -> Any:
     """Some number or list that the field allows; of a choice or a flag: its default."""
     signs = (1.0,) if field["range"] in ("positive", "not_negative") else (-1.0, 1.0)
@@ -75,8 +78,11 @@ def drawn(field: Kind, rng: np.random.Generator) -> Any:
     if field["type"] == "numbers":
         found = [number() for _ in range(max(3, field["size"]))]
         return sorted(abs(x) for x in found) if field["unit"] == "s" else found
-    if field["type"] == "formula":
-        return "0.9 - 1.3*phi - 0.2*phi^3 - 0.4*w - 0.1*w^3"
+    if field["type"] in FORMULAS:
+        # Both spellings of a coordinate are one variable; forces do not depend on the place in the world.
+        names = [name for name in field["variables"] if name not in ("s", "v", "x", "y", "z")]
+        text = "0.9" + "".join(f" - {number():.3f}*{name} - 0.2*{name}^3" for name in names)
+        return text if field["type"] == "formula" else [text, "0.3", f"-({text})"]
     return field["default"]
 
 
@@ -126,13 +132,18 @@ def words_and_flags(kind: Kind) -> Iterator[tuple[str, Numbers]]:
         yield "-".join(f"{name}={x:g}" for name, x in numbers.items()), numbers
 
 
+def is_formula(case: Case) -> bool:
+    """Whether the force is what the user writes, in SI units, with any power."""
+    return any(field["type"] in FORMULAS for field in case.kind["fields"])
+
+
 def general_cases(kind: Kind) -> Iterator[Case]:
     """With numbers without zeros and symmetries, that fit each other."""
     make = elements.Force if kind in KINDS["forces"] else elements.Along
     rng = np.random.default_rng(20261122)
     for label, words in words_and_flags(kind):
         for _ in range(100):
-            described = [f for f in kind["fields"] if is_number(f) or f["type"] == "formula"]
+            described = [f for f in kind["fields"] if is_number(f) or f["type"] in FORMULAS]
             numbers = {f["name"]: drawn(f, rng) for f in described} | words
             if make(kind["name"], numbers).is_sound:
                 break

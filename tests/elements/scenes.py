@@ -80,8 +80,9 @@ def given(fields: list[Kind], way: int, words: dict[str, Any], rng: np.random.Ge
             continue
         if field["type"] == "group":
             out[field["name"]] = given(field["fields"], 0, {}, rng)
-        elif field["type"] == "formula":
-            out[field["name"]] = "0.9"  # of any variables
+        elif field["type"] in laws.FORMULAS:
+            text = "0.9"  # of any variables
+            out[field["name"]] = text if field["type"] == "formula" else [text] * 3
         elif field["name"] in words:
             out[field["name"]] = words[field["name"]]
         elif field["type"] not in ("flag", "choice", "direction"):
@@ -100,7 +101,7 @@ def sound(section: str, kind: Kind, way: int, words: dict[str, Any]) -> dict[str
     ]
     for _ in range(100):
         fields = given(described, way, words, rng)
-        texts = {f["name"] for f in described if f["type"] == "formula"}
+        texts = {f["name"] for f in described if f["type"] in laws.FORMULAS}
         numbers = {
             name: value
             for name, value in fields.items()

@@ -79,15 +79,10 @@ def test_derivatives_are_those_of_the_effort(case: Case) -> None:
     assert smooth > len(STATES) / 2
 
 
-def is_formula(case: Case) -> bool:
-    """Whether the force is what the user writes, in SI units, with any power."""
-    return any(field["type"] == "formula" for field in case.kind["fields"])
-
-
 @every_case
 def test_energy_is_lost_to_dampers_alone(case: Case) -> None:
     """Without inputs effort v + dE/dt <= 0, and = 0 without dampers."""
-    if is_formula(case):
+    if laws.is_formula(case):
         pytest.skip("its power is the user's")
     undamped = case.without(*(f["name"] for f in case.fields if laws.is_damping(f)))
     for of in (case, undamped):
@@ -120,7 +115,7 @@ def test_each_number_has_an_effect(case: Case, name: str) -> None:
 @every_case
 def test_units_agree(case: Case, angle: bool) -> None:
     """In other units all is as before, to the bit: these are powers of two."""
-    if is_formula(case):
+    if laws.is_formula(case):
         pytest.skip("test_joint_laws.py has lengths from millimeters to kilometers")
     numbers = dict(case.numbers)
     for field in case.fields:

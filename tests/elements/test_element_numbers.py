@@ -15,7 +15,7 @@ from mechanisms import Scene
 import gelenk
 from gelenk import _core
 
-from . import scenes
+from . import laws, scenes
 from .laws import KINDS, Array, Kind
 from .scenes import JOINTS, Given, all_given
 
@@ -143,7 +143,7 @@ def others(value: Any, field: Kind) -> Iterator[Any]:
 
 def changed(x: Any, field: Kind) -> Any:
     """By a fourth; of times, which are in order, by less; exponents are 1 or 2."""
-    if field["type"] == "formula":
+    if field["type"] in laws.FORMULAS:
         return f"1.25*({x})"
     return x * (2 if field["name"] == "exponent" else 1.01 if field["unit"] == "s" else 1.25)
 

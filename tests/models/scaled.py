@@ -30,7 +30,7 @@ def size(unit: str, length: float, mass: float, angle: bool = True) -> float:
 def multiplied(value: Any, factor: float) -> Any:
     if isinstance(value, str):  # a formula without lengths and masses
         return f"({value})*{factor!r}"
-    return [factor * x for x in value] if isinstance(value, list) else factor * value
+    return [multiplied(x, factor) for x in value] if isinstance(value, list) else factor * value
 
 
 def turns(joint: dict[str, Any]) -> list[bool]:

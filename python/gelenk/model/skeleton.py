@@ -119,6 +119,14 @@ def loop_joints(data: Data) -> set[str]:
     return out
 
 
+def uniform_gravity(scene: Data) -> Sequence[float]:
+    """Return the gravitational acceleration [m/s2] of a scene's data that is the same everywhere."""
+    gravity = scene.get("gravity", (0.0, 0.0, 0.0))
+    if isinstance(gravity, Mapping):
+        gravity = gravity.get("uniform", (0.0, 0.0, 0.0))
+    return tuple(gravity)
+
+
 def upwards(gravity: Sequence[float]) -> Array:
     """Return the unit vector against gravity; z where there is none."""
     up = -np.array(gravity, float)

@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from gelenk.model.skeleton import uniform_gravity
 from gelenk.simulation.inputs import Constant, InputFunction, Table
 from gelenk.simulation.plant import Plant
 from gelenk.simulation.result import Result
@@ -84,7 +85,10 @@ def nothing_moves(plant: Plant, result: Result, signals: Mapping[str, InputFunct
     # What contacts hold is at rest exactly.
     if any(name.endswith(".mode") and result[name][0] != 0 for name in result.names):
         return ""
-    gravity = scene.to_dict().get("gravity", [0.0, 0.0, 0.0])
+    data = scene.to_dict()
+    if isinstance(data.get("gravity"), dict):
+        return "nothing moves: the field of gravity accelerates no joint at the start"
+    gravity = uniform_gravity(data)
     names = ", ".join(plant.inputs)
     inputs = f", and all inputs are 0 ({names})" if names else ""
     if not any(gravity):

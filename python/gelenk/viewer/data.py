@@ -19,6 +19,7 @@ from gelenk.model.skeleton import (
     placed,
     point,
     springs,
+    uniform_gravity,
     upwards,
     view_axes,
     wheel_axes,
@@ -56,7 +57,7 @@ def page_data(recording: Recording) -> dict[str, Any]:
     thick = min(size, LONGEST * _link_length(scene, size))
     shapes = shapes_of(scene, thick)
     rails = _add_rails(shapes, recording, thick)
-    gravity = scene.get("gravity", (0.0, 0.0, 0.0))
+    gravity = uniform_gravity(scene)
     axes, is_flat = view_axes(points.reshape(-1, 3), gravity)
     if is_flat:
         add_hatching(shapes[GROUND], scene, axes, LINK_RADIUS * thick, rails, _springs_on_ground(recording))

@@ -8,13 +8,16 @@
 //   is_local()         whether it depends on neither the positions nor the velocities of its ports; optional
 //   output(at, group)   value of an output, a number, at these ports, as act(); with outputs
 //   is_idle()          whether it has no effect with its present values; optional
+//   each_formula(element, visit)  its expressions (field/formula.h), if it has any; and
+//   with_variables(at, use)  calls use(formula, variables) for each of them
 //
-// u: its inputs. at[i] has the motion of port i, with vectors in the axes of a fixed frame common to all ports:
+// u: its inputs; all of the scene, if it has expressions. at[i] has the motion of port i, with vectors in the axes of a fixed frame common to all ports:
 //   p(), v()           position [m] and velocity [m/s] of its origin
 //   w()                angular velocity [rad/s]
 //   turned(x)          transforms a vector from the axes of the port to those of the common frame
 //   own(x)             transforms a vector from the axes of the common frame to those of the port
-//   from_world(x)      transforms a vector from the axes of the world to those of the common frame
+//   from_world(x)      transforms a vector from the axes of the world to those of the common frame; to_world(x): back
+//   world_position()   position [m] of its origin in the world
 //   push(f, n)         applies a force [N] at the origin of the port and optionally a torque [N m] to the body
 //   push_along(f, n)   the same with f and n in the axes of the port
 // Numbers are of type double, Dual or Series.
@@ -34,6 +37,7 @@ struct RecordingPort {
   Vector at{Vector::Zero()}, rate{Vector::Zero()}, angular_rate{Vector::Zero()};
   Matrix3<T> R{Matrix3<T>::Zero()};     // the port's axes, in those of the common frame
   Matrix3<T> R_0W{Matrix3<T>::Zero()};  // the world's
+  Eigen::Vector3d p_W0 = Eigen::Vector3d::Zero();  // m, position of the common frame in the world
   Vector f{Vector::Zero()}, n{Vector::Zero()};
 
   const Vector& p() const { return at; }
@@ -42,6 +46,8 @@ struct RecordingPort {
   Vector turned(const Vector& x) const { return R * x; }
   Vector own(const Vector& x) const { return R.transpose() * x; }
   Vector from_world(const Vector& x) const { return R_0W * x; }
+  Vector to_world(const Vector& x) const { return R_0W.transpose() * x; }
+  Vector world_position() const { return to_world(at) + p_W0.template cast<T>(); }
 
   void push(const Vector& force) { f += force; }
   void push(const Vector& force, const Vector& torque) {
@@ -62,6 +68,9 @@ struct PortJacobians {
   bool of_points = false;  // whether derivatives of n and with respect to a and w are zero
   bool damped = true;      // whether derivatives with respect to v and w may be nonzero
 };
+
+template <class F>
+concept HasFormulas = requires(F& f) { F::each_formula(f, [](const Formula&) {}); };
 
 // Elements with derivatives of their own, given their ports; for others dual numbers are used.
 template <class F, class At>

@@ -4,8 +4,10 @@
 
 #include <variant>
 
+#include "element/forces/body_force.h"
 #include "element/forces/bushing.h"
 #include "element/forces/drag.h"
+#include "element/forces/line_force.h"
 #include "element/forces/moment.h"
 #include "element/forces/spring_damper.h"
 #include "element/forces/tire.h"
@@ -13,7 +15,7 @@
 
 namespace gelenk {
 
-struct AnyForce : std::variant<SpringDamper, Wrench, Bushing, Drag, Moment, Tire> {
+struct AnyForce : std::variant<SpringDamper, Wrench, Bushing, Drag, Moment, Tire, LineForce, BodyForce> {
   using variant::variant;
 };
 

@@ -61,6 +61,13 @@ concept TakesLoads = Sticks<F> && requires(const F& f, const double* u) { f.stic
 template <class F>
 concept BoundsSpeed = Blocks<F> && requires { F::bounds_speed; };
 
+// A force that an expression gives, of which the inputs are the signals that it names (field/formula.h):
+//   formula()             the expression
+//   decide(q, v, u, g)    what decides on its branches
+//   reads_speed()         whether it depends on v
+template <class F>
+concept HasFormula = requires(const F& f) { f.formula(); };
+
 // The error of bounds that leave no room to the coordinate; otherwise empty.
 inline std::optional<ElementFault> fault_of_bounds(double lower, double upper, const Coordinate& at) {
   if (!(lower >= upper)) return {};

@@ -2,11 +2,11 @@
 #pragma once
 
 #include "element/joint_forces/coordinate_force.h"
-#include "util/text.h"
 
 namespace gelenk {
 
-// A force along a joint coordinate as an expression of the coordinate and its speed, such as a cubic spring.
+// A force along a joint coordinate as an expression of the coordinate, its speed, the time and inputs, such as a cubic
+// spring.
 struct JointLaw {
   static constexpr std::string_view group = "law";
   static constexpr std::string_view summary = "a force along the coordinate as an expression of it and of its speed";
@@ -20,25 +20,31 @@ struct JointLaw {
     static constexpr Field all[] = {
         field<&JointLaw::force>({.name = "effort",
                                  .unit = "{f}",
-                                 .text = "smooth expression of {coordinate} and {speed} for the {torque} along it",
+                                 .text = "expression of {coordinate}, {speed}, t and inputs for the {torque} along it",
                                  .required = true,
                                  .settable = false,
-                                 .variables = variables})};
+                                 .variables = variables,
+                                 .reads_signals = true})};
     return all;
   }
 
-  std::optional<ElementFault> fault(const Coordinate&) const {
-    if (!force.is_given() || !force.has_kinks()) return {};
-    return {{"effort", text::quoted(force.text()) + ", which has kinks (abs, sign, min, max, clip, smoothstep, if)",
-             "a smooth expression: kinks are not located yet"}};
+  bool is_idle() const { return !force.is_given(); }
+  // Of expressions: the signals that this one names, and what decides on its branches.
+  const Formula& formula() const { return force; }
+  Formula& formula() { return force; }
+  bool reads_speed() const { return force.names_variable(1) || force.names_variable(3); }
+  template <class T>
+  void decide(const T& q, const T& v, const T* signals, T* arguments) const {
+    const T at[] = {q, v, q, v};
+    force.decide(at, signals, arguments);
   }
 
-  bool is_idle() const { return !force.is_given(); }
+  // signals: those that it names, in their order.
   template <class T>
-  T effort(const T& q, const T& v, const T*) const {
+  T effort(const T& q, const T& v, const T* signals) const {
     if (!force.is_given()) return T(0);
     const T at[] = {q, v, q, v};
-    return force.value(at);
+    return force.value(at, signals);
   }
 };
 

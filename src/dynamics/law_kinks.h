@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Kinks and jumps of laws that are given as expressions: where abs, min, if and the like change their branch. In a step
+// each law stays on the branches on which it was at the start, on which it is smooth.
+#pragma once
+
+namespace gelenk {
+
+class LawKinks {
+ public:
+  virtual ~LawKinks() = default;
+
+  virtual int count() const = 0;
+  // Whether rates of the indicators depend on accelerations.
+  virtual bool need_accelerations() const = 0;
+  // What decides on each branch at the current state, with the inputs of SwitchingForces::inputs(), and its rate; NaN
+  // if that is unknown. vdot: the accelerations, or null.
+  virtual void indicators(const double* vdot, double* g, double* gdot) = 0;
+  // Holds the branches on which laws are where these indicators are positive; null: those of the state.
+  virtual void hold(const bool* positive) = 0;
+  // Whether the state is on other branches than the held ones, by more than rounding.
+  virtual bool are_passed() = 0;
+};
+
+}  // namespace gelenk
