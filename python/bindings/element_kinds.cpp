@@ -18,8 +18,8 @@ namespace gelenk {
 namespace {
 
 const char* field_type(Field::Type type) {
-  static constexpr const char* names[] = {"number", "vector", "direction", "numbers",
-                                          "flag", "choice", "formula", "formulas", "group"};
+  static constexpr const char* names[] = {"number", "vector",  "direction", "numbers", "flag",
+                                          "choice", "formula", "formulas",  "group"};
   return names[static_cast<int>(type)];
 }
 const char* range_name(Range range) {

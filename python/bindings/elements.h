@@ -15,7 +15,8 @@
 namespace gelenk {
 
 // Values by name of the field, in groups as "sine.phase". Flags are 0 or 1, choices the index of the word.
-using ElementNumbers = std::map<std::string, std::variant<double, std::vector<double>, std::string, std::vector<std::string>>>;
+using ElementNumbers =
+    std::map<std::string, std::variant<double, std::vector<double>, std::string, std::vector<std::string>>>;
 
 // For each section of the scene, a list of its kinds.
 nanobind::dict shown_kinds();

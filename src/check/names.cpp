@@ -93,8 +93,9 @@ std::vector<std::string> suffixes(const Scene& scene, const Element<Any>& elemen
 
 // Names that expressions give a meaning of their own: of variables, operators and functions.
 bool is_taken(const std::string& name) {
-  constexpr std::string_view words[] = {"t",  "phi", "w",   "s",  "v",      "pi",     "x",       "y",      "z",
-                                        "if", "and", "or",  "not", "gravity", "length", "rate", "ground"};
+  constexpr std::string_view words[] = {"t",   "phi",     "w",      "s",    "v",      "pi",   "x",     "y",      "z",
+                                        "vx",  "vy",      "vz",     "wx",   "wy",     "wz",   "if",    "or",     "and",
+                                        "not", "gravity", "length", "rate", "ground", "time", "error", "warning"};
   return std::ranges::find(words, name) != std::end(words) || expression::Library::has(name);
 }
 
@@ -106,9 +107,8 @@ void check_own_names(const Scene& scene, Faults& faults) {
   };
   add_elements("bodies", scene.bodies);
   add_elements("joints", scene.joints);
-  each_section(scene, [&](const Section& section, const auto& elements) {
-    add_elements(std::string(section.name), elements);
-  });
+  each_section(
+      scene, [&](const Section& section, const auto& elements) { add_elements(std::string(section.name), elements); });
   const auto check = [&](const std::string& section, const std::string& name) {
     const std::string path = section + "." + text::printable(name);
     if (is_taken(name)) {

@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What depends on the kinds of forces on links: their derivatives, and the kernels for dual numbers and series.
-#include <span>
-#include <vector>
-
 #include "derivatives/recursive_loads_impl.h"
 #include "kinematics/force_kernels_by_kind.h"
 #include "kinematics/force_ports.h"
@@ -33,12 +30,7 @@ PortJacobians RecursiveJacobians<A>::port_jacobians(const PlacedForce<F>& force,
     const Motion U = body_[force.at.back().link].V - body_[link_a].V;
     const auto dual = detail::constant_ports(ports, loads_);
     const Eigen::Vector3d v = detail::velocity(U, ports.back().p());
-    if constexpr (HasFormulas<F>) {
-      return detail::derivatives_by_duals(force.element, dual, u_.data(), detail::angular(U), v);
-    } else {
-      const auto input = detail::constants(force.element, u + force.first_input());
-      return detail::derivatives_by_duals(force.element, dual, input.data(), detail::angular(U), v);
-    }
+    return detail::derivatives_by_duals(force.element, dual, u_.data() + force.first_input(), detail::angular(U), v);
   }
 }
 
@@ -58,35 +50,20 @@ void RecursiveJacobians<A>::set_forces(const LinearizationPoint& at) {
 
 template <class A>
 template <class F>
-void RecursiveJacobians<A>::force_input_derivatives(const PlacedForce<F>& force, const LinkPair& of, const double* u,
-                                                    Jacobians& out) {
-  if constexpr (HasFormulas<F>) {
-    for (const int input : force.inputs()) {
-      u_[input].derivatives()[0] = 1;
-      add_input_derivatives(force, of, u_.data(), std::span(&input, 1), out);
-      u_[input].derivatives()[0] = 0;
-    }
-  } else {
-    const std::vector<int> inputs = force.inputs();
-    if (inputs.empty()) return;
-    auto own = detail::constants(force.element, u + force.first_input());
-    for (std::size_t i = 0; i < inputs.size(); ++i) own[i].derivatives()[static_cast<int>(i)] = 1;
-    add_input_derivatives(force, of, own.data(), inputs, out);
-  }
-}
-
-// own: the inputs, of which the derivatives are those along these ones.
-template <class A>
-template <class F>
-void RecursiveJacobians<A>::add_input_derivatives(const PlacedForce<F>& force, const LinkPair& of, const Dual* own,
-                                                  std::span<const int> inputs, Jacobians& out) const {
+void RecursiveJacobians<A>::force_input_derivatives(const PlacedForce<F>& force, const LinkPair& of, Jacobians& out) {
   const auto ports = ports_at(force);
-  auto dual = detail::constant_ports(ports, loads_);
-  force.element.act(dual.data(), own);
-  for (int i = 0; i < static_cast<int>(inputs.size()); ++i) {
-    const Force by_input = detail::force_at<A>(ports.back().p(), detail::derivatives_along(dual.back().f, i),
-                                               detail::derivatives_along(dual.back().n, i));
-    add_input_derivative(by_input, of, inputs[static_cast<std::size_t>(i)], out);
+  for (const int input : force.inputs()) {
+    auto dual = detail::constant_ports(ports, loads_);
+    for (std::size_t k = 0; k < ports.size(); ++k) {
+      dual[k].rate = ports[k].v().template cast<Dual>();
+      dual[k].angular_rate = ports[k].w().template cast<Dual>();
+    }
+    u_[input].derivatives()[0] = 1;
+    force.element.act(dual.data(), u_.data() + force.first_input());
+    u_[input].derivatives()[0] = 0;
+    const Force by_input = detail::force_at<A>(ports.back().p(), detail::derivatives_along(dual.back().f, 0),
+                                               detail::derivatives_along(dual.back().n, 0));
+    add_input_derivative(by_input, of, input, out);
   }
 }
 
@@ -97,7 +74,7 @@ void RecursiveJacobians<A>::forces_jacobians(const LinearizationPoint& at, Jacob
     for (const auto& force : list) {
       const LinkPair& of = forces_[n++];
       force_jacobians(port_jacobians(force, at.u), force.at.back(), of, tangent);
-      if (out.of_inputs) force_input_derivatives(force, of, at.u, out);
+      if (out.of_inputs) force_input_derivatives(force, of, out);
     }
   });
 }

@@ -13,7 +13,6 @@
 // S vdot + Sdot v with respect to the displacement, and of Sdot v with respect to the velocity.
 #pragma once
 
-#include <span>
 #include <vector>
 
 #include "derivatives/coriolis.h"
@@ -93,10 +92,7 @@ class RecursiveJacobians {
   void load_jacobians(const LinearizationPoint& at, Jacobians& tangent, Jacobians& out);
   void force_jacobians(const PortJacobians& K, const Attachment& last, const LinkPair& of, Jacobians& tangent) const;
   template <class F>
-  void force_input_derivatives(const PlacedForce<F>& force, const LinkPair& of, const double* u, Jacobians& out);
-  template <class F>
-  void add_input_derivatives(const PlacedForce<F>& force, const LinkPair& of, const Dual* own,
-                             std::span<const int> inputs, Jacobians& out) const;
+  void force_input_derivatives(const PlacedForce<F>& force, const LinkPair& of, Jacobians& out);
   void add_input_derivative(const Force& F, const LinkPair& of, int input, Jacobians& out) const;
   void cut_load_jacobians(int c, const LinearizationPoint& at, Jacobians& tangent, Jacobians& out);
   void cut_input_derivatives(int c, const LinearizationPoint& at, Jacobians& out);
@@ -130,7 +126,6 @@ class RecursiveJacobians {
       ranges_to_ground_;  // by link: the velocities from the ground to it, its own included
   std::vector<LinkPair> cuts_, cut_loads_, forces_;
   std::vector<Dual> u_;
-  bool has_formulas_ = false;  // of forces between bodies
   bool has_quaternions_ = false;
   Jacobians tangent_;  // if so: derivatives with respect to displacements (nv) instead of q (nq)
   LocalRows local_;

@@ -77,7 +77,6 @@ RecursiveJacobians<A>::RecursiveJacobians(const Model<A>& model, const Workspace
     return link_pair(from_a, from_b);
   };
   for (const auto [a, b] : links_of(*loads.forces)) forces_.push_back(between(a, b));
-  each_formula(std::as_const(*loads.forces), [this](const Formula&, int) { has_formulas_ = true; });
 }
 
 template <class A>

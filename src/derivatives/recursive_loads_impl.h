@@ -161,7 +161,7 @@ void RecursiveJacobians<A>::add_link_pair_terms(const LinkPair& of, const Motion
 
 template <class A>
 void RecursiveJacobians<A>::set_loads(const LinearizationPoint& at, int inputs) {
-  bool loaded = has_formulas_;
+  bool loaded = !forces_.empty();
   for (const JointLoads& on : loads_.cuts) loaded = loaded || !on.empty();
   if (loaded) u_.assign(at.u, at.u + inputs);
   set_forces(at);

@@ -10,6 +10,7 @@
 #include "derivatives/recursive.h"
 #include "dynamics/joint_modes.h"
 #include "dynamics/last_solution.h"
+#include "dynamics/law_kinks_of.h"
 #include "dynamics/mass_factor.h"
 #include "dynamics/mass_weighted_jacobian.h"
 #include "dynamics/with_kinematics.h"
@@ -62,6 +63,7 @@ class DynamicsOf final : public WithKinematics<A, AllOfDynamics> {
         M_(model_, ws_, loads.added_inertia, [this](int k) { throw_singular(mechanism_, k); }),
         Y_(M_, ws_.J, model_.nv),
         modes_({model_, loads_, ws_, q_, v_, cut_reference_}, M_, Y_),
+        kinks_({model_, loads_, ws_, q_, v_, cut_reference_}, modes_.laws()),
         max_rank_(model_.rows),
         w_(model_.nv),
         extrapolated_(model_.nv),
@@ -70,7 +72,7 @@ class DynamicsOf final : public WithKinematics<A, AllOfDynamics> {
         biased_gamma_(model_.rows),
         unlocked_(model_.nv),
         holding_(modes_.locks()),
-        last_(loads.inputs, model_.nv, modes_.count(), modes_.kinks().count()) {
+        last_(loads.inputs, model_.nv, modes_.count(), kinks_.count()) {
     if (!modes_.loads().empty()) zero_rows_.resize(static_cast<std::size_t>(model_.rows));
   }
 
@@ -226,6 +228,7 @@ class DynamicsOf final : public WithKinematics<A, AllOfDynamics> {
   StateReadings& readings() override { return *this; }
   const StateReadings& readings() const override { return *this; }
   SwitchingForces& switching_forces() override { return modes_; }
+  LawKinks& kinks() override { return kinks_; }
   int rank() const override { return Y_.rank(); }
   double pivot_ratio() const override { return Y_.rank() < max_rank_ ? 0 : Y_.pivot_ratio(); }
   void set_max_rank(int rank) override {
@@ -324,7 +327,7 @@ class DynamicsOf final : public WithKinematics<A, AllOfDynamics> {
   }
   LastSolution::Conditions conditions(const double* u) const {
     const std::size_t modes = modes_.held() == nullptr ? 0 : static_cast<std::size_t>(modes_.count());
-    return {modes_.locked().generation(), velocities_, Y_.solutions(), u, {modes_.held(), modes}, modes_.kinks().held()};
+    return {modes_.locked().generation(), velocities_, Y_.solutions(), u, {modes_.held(), modes}, kinks_.held()};
   }
 
   void link_loads(const double* u) {
@@ -358,6 +361,7 @@ class DynamicsOf final : public WithKinematics<A, AllOfDynamics> {
   MassFactor<A> M_;
   MassWeightedJacobian<A> Y_;
   mutable JointModes<A> modes_;
+  LawKinksOf<A> kinks_;
   int max_rank_;
   bool regularized_ = false;  // the last solve() had an extrapolated vdot
   std::vector<double> w_, extrapolated_, zero_, tau_, biased_gamma_, zero_rows_;

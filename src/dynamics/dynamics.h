@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "derivatives/jacobians.h"
+#include "dynamics/law_kinks.h"
 #include "dynamics/switching_forces.h"
 #include "kinematics/kinematics.h"
 #include "kinematics/readings.h"
@@ -88,6 +89,7 @@ class Dynamics : public Kinematics {
   virtual StateReadings& readings() = 0;
   virtual const StateReadings& readings() const = 0;
   virtual SwitchingForces& switching_forces() = 0;
+  virtual LawKinks& kinks() = 0;  // of laws that are given as expressions
 
   virtual long evaluations() const = 0;  // calls of solve and assemble
 };

@@ -12,7 +12,6 @@
 #include "dynamics/contact_rows_of.h"
 #include "dynamics/force_size.h"
 #include "dynamics/joint_laws.h"
-#include "dynamics/law_kinks_of.h"
 #include "dynamics/loaded_friction.h"
 #include "dynamics/locked_coordinates.h"
 #include "dynamics/switching_forces.h"
@@ -35,7 +34,6 @@ class JointModes final : public SwitchingForces {
         contact_rows_(state.model, state.ws, M, Y, locks_),
         holding_(laws_.signs()),
         loaded_(state.model, state.loads, state.ws, laws_.count()),
-        kinks_(state, laws_),
         force_size_(state.model, state.loads, state.v, M),
         work_(static_cast<std::size_t>(state.model.nv)) {}
 
@@ -56,7 +54,7 @@ class JointModes final : public SwitchingForces {
   void set_inputs(const double* u) { laws_.set_inputs(u); }
   ContactRowsOf<A>& contact_rows() override { return contact_rows_; }
   LoadedFriction<A>& loads() override { return loaded_; }
-  LawKinksOf<A>& kinks() override { return kinks_; }
+  const JointLaws<A>& laws() const { return laws_; }
   // Adds the friction in motion that depends on loads to the generalized forces f. free(vdot, lambda): the solution of
   // the equations of motion with f alone; unit(f, lambda, holding): with the generalized forces f, overwritten by vdot,
   // alone.
@@ -113,14 +111,6 @@ class JointModes final : public SwitchingForces {
       g += 2;
       gdot += 2;
     });
-  }
-  bool needs_accelerations() const override {
-    bool needs = false;
-    laws_.each([&](const auto& force, const double* q, const double*) {
-      if constexpr (requires { force.element.needs_acceleration(0.0); })
-        needs = needs || force.element.needs_acceleration(force.sign * q[force.q]);
-    });
-    return needs;
   }
   void hold(const int* sides) override { held_ = sides; }
 
@@ -220,6 +210,14 @@ class JointModes final : public SwitchingForces {
   }
 
   // These are called by users of SwitchingForces alone.
+  bool needs_accelerations() const override {
+    bool needs = false;
+    laws_.each([&](const auto& force, const double* q, const double*) {
+      if constexpr (requires { force.element.needs_acceleration(0.0); })
+        needs = needs || force.element.needs_acceleration(force.sign * q[force.q]);
+    });
+    return needs;
+  }
   DirectedLimit sticking_limit(int lock) const override {
     return sum_of_friction(
         lock, [&](int i, const auto& law, double q, const double* u) { return loaded_.at_rest(i, law, q, u); });
@@ -296,7 +294,6 @@ class JointModes final : public SwitchingForces {
   ContactRowsOf<A> contact_rows_;
   HoldingForces holding_;
   LoadedFriction<A> loaded_;
-  LawKinksOf<A> kinks_;
   std::vector<typename LoadedFriction<A>::Slipping> slipping_;
   ForceSize<A> force_size_;  // of the last solve()
   std::vector<double> work_, difference_, lambda_;

@@ -14,11 +14,11 @@ class LastSolution {
  public:
   // All that accelerations depend on, besides the numbers of loads.
   struct Conditions {
-    long factors;               // changes with the position, and with all else that the factors depend on
-    long velocities;            // changes with them, and with gravity
-    long multipliers;           // changes when those of the solution are overwritten
-    const double* u;            // all inputs of the scene
-    std::span<const int> held;  // the held modes of forces; empty: they follow from the state
+    long factors;                    // changes with the position, and with all else that the factors depend on
+    long velocities;                 // changes with them, and with gravity
+    long multipliers;                // changes when those of the solution are overwritten
+    const double* u;                 // all inputs of the scene
+    std::span<const int> held;       // the held modes of forces; empty: they follow from the state
     std::span<const bool> branches;  // the held branches of laws; empty as above
   };
 

@@ -3,6 +3,8 @@
 // each law stays on the branches on which it was at the start, on which it is smooth.
 #pragma once
 
+#include <span>
+
 namespace gelenk {
 
 class LawKinks {
@@ -17,6 +19,7 @@ class LawKinks {
   virtual void indicators(const double* vdot, double* g, double* gdot) = 0;
   // Holds the branches on which laws are where these indicators are positive; null: those of the state.
   virtual void hold(const bool* positive) = 0;
+  virtual std::span<const bool> held() const = 0;  // empty: those of the state
   // Whether the state is on other branches than the held ones, by more than rounding.
   virtual bool are_passed() = 0;
 };

@@ -31,9 +31,9 @@ class LawKinksOf final : public LawKinks {
       look(formula);
       between_bodies_ = between_bodies_ || formula.branches() > 0;
     });
-    rounding_.resize(static_cast<std::size_t>(count_));
-    values_.resize(rounding_.size());
-    arguments_.resize(rounding_.size());
+    courses_.resize(static_cast<std::size_t>(count_));
+    values_.resize(courses_.size());
+    arguments_.resize(courses_.size());
   }
 
   int count() const override { return count_; }
@@ -56,15 +56,17 @@ class LawKinksOf final : public LawKinks {
     });
     for (int i = 0; i < count_; ++i) {
       const Dual& of = arguments_[static_cast<std::size_t>(i)];
-      const Dual::Directions& d = of.derivatives();
-      const double size = d.segment<At::inputs - At::position>(At::position).abs().sum();
-      rounding_[static_cast<std::size_t>(i)] = state_rounding * size;
-      gdot[i] = rate_of(of);
-      g[i] = settled(i, of.value(), gdot[i]);
+      Course& at = courses_[static_cast<std::size_t>(i)];
+      if (held_ == nullptr) at.begin(of.derivatives());
+      gdot[i] = rate_of(of) / at.size;
+      g[i] = settled(i, of.value() / at.size, gdot[i]);
+      if (held_ == nullptr) at.begins_on_kink = std::abs(of.value()) <= state_rounding * at.size;
     }
   }
 
-  std::span<const bool> held() const { return {held_, held_ == nullptr ? 0 : static_cast<std::size_t>(count_)}; }
+  std::span<const bool> held() const override {
+    return {held_, held_ == nullptr ? 0 : static_cast<std::size_t>(count_)};
+  }
   void hold(const bool* positive) override { state_.loads.branches->first = held_ = positive; }
 
   bool are_passed() override {
@@ -79,7 +81,8 @@ class LawKinksOf final : public LawKinks {
     });
     for (int i = 0; i < count_; ++i) {
       const double value = values_[static_cast<std::size_t>(i)];
-      if ((value > 0) != held_[i] && std::abs(value) > rounding_[static_cast<std::size_t>(i)]) return true;
+      const double rounding = state_rounding * courses_[static_cast<std::size_t>(i)].size;
+      if ((value > 0) != held_[i] && std::abs(value) > rounding) return true;
     }
     return false;
   }
@@ -88,12 +91,27 @@ class LawKinksOf final : public LawKinks {
   // Part of the natural units of a coordinate and its speed that is rounding of the state.
   static constexpr double state_rounding = 1e-13;
 
-  // Within rounding of zero, as of the speed of what has come to rest, a law that is held stays on its branch; at the
-  // start of a step the rate decides.
+  // Rates above this, in the same unit per second, are no rounding.
+  static constexpr double least_rate = 1e-9;
+
+  // What decides on a branch in the course of a step.
+  struct Course {
+    double size = 1;              // its change by one natural unit of coordinates and speeds, a second and inputs of 1
+    bool begins_on_kink = false;  // the step begins there, within rounding
+
+    void begin(const Dual::Directions& derivatives) {
+      const double sum = derivatives.abs().sum();
+      size = sum > 0 && std::isfinite(sum) ? sum : 1;
+    }
+  };
+
+  // Within rounding of zero, as of the speed of what has come to rest, the value has no sign: a law that is held stays
+  // on its branch, and one that is not is on that of zero. What moves passes the kink.
   double settled(int i, double g, double gdot) const {
-    if (std::abs(g) > rounding_[static_cast<std::size_t>(i)]) return g;
-    if (held_ == nullptr) return std::isnan(gdot) ? g : 0;
-    const double least = std::numeric_limits<double>::min();
+    constexpr double least = std::numeric_limits<double>::min();
+    if (std::abs(g) > state_rounding || std::abs(gdot) > least_rate) return g;
+    if (held_ == nullptr) return std::isnan(gdot) && g != 0 ? g : -least;
+    if (!courses_[static_cast<std::size_t>(i)].begins_on_kink) return g;
     return held_[i] ? std::max(g, least) : std::min(g, -least);
   }
 
@@ -111,9 +129,9 @@ class LawKinksOf final : public LawKinks {
   bool between_bodies_ = false;  // some are of forces between bodies
   bool depends_on_speed_ = false;
   const bool* held_ = nullptr;
-  std::vector<double> rounding_;  // by indicator, at the last indicators()
-  std::vector<double> values_;    // by indicator: workspace
-  std::vector<Dual> arguments_;   // by indicator: workspace
+  std::vector<Course> courses_;  // by indicator
+  std::vector<double> values_;   // by indicator: workspace
+  std::vector<Dual> arguments_;  // by indicator: workspace
 };
 
 }  // namespace gelenk

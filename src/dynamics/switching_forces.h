@@ -10,7 +10,6 @@
 
 #include "dynamics/contact_rows.h"
 #include "dynamics/holding_forces.h"
-#include "dynamics/law_kinks.h"
 #include "dynamics/load_dependence.h"
 #include "kinematics/force_modes.h"
 
@@ -80,8 +79,6 @@ class SwitchingForces {
   virtual DirectedLimit sliding_limit(int lock, double speed) const = 0;
   // Friction that depends on loads: its limits are those at the last solve().
   virtual LoadDependence& loads() = 0;
-  // Laws that are given as expressions with branches.
-  virtual LawKinks& kinks() = 0;
   // Contacts between shapes, which act by impulses.
   virtual ContactRows& contact_rows() = 0;
   // How far the coordinate is beyond its upper (side 1) or lower limit (side -1) at the current position, and how close

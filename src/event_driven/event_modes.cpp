@@ -14,7 +14,7 @@ namespace gelenk {
 EventModes::EventModes(const Context& context)
     : dynamics_(context.dynamics),
       forces_(context.dynamics.switching_forces()),
-      kinks_(forces_.kinks()),
+      kinks_(dynamics_.kinks()),
       equations_(context.equations),
       nq_(context.mechanism.nq),
       nv_(context.mechanism.nv),

@@ -33,9 +33,9 @@ class EventModes final : public EventSource {
   explicit EventModes(const Context& context);
   ~EventModes() override;
 
-  // Two indicators for each force with modes, then one for each branch of a law. A stop or limit: for its upper and its lower bound, positive while it is
-  // in contact. Friction: of motion in the positive and in the negative direction, positive during it. There follow
-  // those of the signs of loads of friction, and those of contacts.
+  // Two indicators for each force with modes, then one for each branch of a law. A stop or limit: for its upper and its
+  // lower bound, positive while it is in contact. Friction: of motion in the positive and in the negative direction,
+  // positive during it. There follow those of the signs of loads of friction, and those of contacts.
   int indicators() const override { return smooth_indicators() + contact_indicators(); }
   int own_indicators() const { return switching_indicators() + kinks_.count(); }
   void indicator_values(double t, const double* y, double* g, double* gdot) override;

@@ -84,7 +84,7 @@ int LockModes::touched_side(int lock) const {
 const double* LockModes::accelerations(double t, const double* y) {
   dynamics_.set_position(y);
   dynamics_.set_velocity(y + nq_);
-  const bool needs_all = (!owns_all_ && forces_.needs_accelerations()) || forces_.kinks().need_accelerations();
+  const bool needs_all = (!owns_all_ && forces_.needs_accelerations()) || dynamics_.kinks().need_accelerations();
   const bool may_stop = any_friction_ && (equations_.bring_inputs(t) || any_can_stick(forces_));
   if (!any_at_rest_ && !needs_all && !may_stop) return nullptr;
   find_holding_forces(t, y);

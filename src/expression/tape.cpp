@@ -90,4 +90,65 @@ Tape::Tape(const Graph& graph, const std::vector<Term>& terms) {
   slots_ = slots.count();
 }
 
+template <class T>
+void Tape::evaluate(const T* variables, T* out, const bool* held, T* arguments) const {
+  // Zeros in the unused rest of a large array would take longer than a short law.
+  if (slots_ <= few_slots) return run<T, few_slots>(variables, out, held, arguments);
+  run<T, max_slots>(variables, out, held, arguments);
+}
+
+template <class T, int size>
+void Tape::run(const T* variables, T* out, const bool* held, T* arguments) const {
+  std::array<T, size> x;
+  for (const auto& [slot, index] : variables_) x[static_cast<std::size_t>(slot)] = variables[index];
+  for (const auto& [slot, value] : constants_) x[static_cast<std::size_t>(slot)] = T(value);
+  const auto at = [&](const Instruction& i, int k) -> const T& {
+    return x[static_cast<std::size_t>(i.of[static_cast<std::size_t>(k)])];
+  };
+  for (const Instruction& i : instructions_) {
+    T& to = x[static_cast<std::size_t>(i.to)];
+    switch (i.operation) {
+      case Operation::add:
+        to = at(i, 0) + at(i, 1);
+        break;
+      case Operation::subtract:
+        to = at(i, 0) - at(i, 1);
+        break;
+      case Operation::multiply:
+        to = at(i, 0) * at(i, 1);
+        break;
+      case Operation::divide:
+        to = at(i, 0) / at(i, 1);
+        break;
+      case Operation::negate:
+        to = -at(i, 0);
+        break;
+      case Operation::integer_power:
+        to = integer_power(at(i, 0), i.index);
+        break;
+      case Operation::power:
+        to = power(at(i, 0), at(i, 1));
+        break;
+      case Operation::atan2: {
+        using std::atan2;
+        to = atan2(at(i, 0), at(i, 1));
+        break;
+      }
+      case Operation::choose: {
+        if (arguments != nullptr) arguments[i.index] = at(i, 0);
+        const bool first = held != nullptr ? held[i.index] : at(i, 0) > T(0);
+        to = first ? at(i, 1) : at(i, 2);
+        break;
+      }
+      default:
+        to = applied(i.operation, at(i, 0));
+    }
+  }
+  for (std::size_t k = 0; k < outputs_.size(); ++k) out[k] = x[static_cast<std::size_t>(outputs_[k])];
+}
+
+template void Tape::evaluate(const double*, double*, const bool*, double*) const;
+template void Tape::evaluate(const Dual*, Dual*, const bool*, Dual*) const;
+template void Tape::evaluate(const Series*, Series*, const bool*, Series*) const;
+
 }  // namespace gelenk::expression

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <memory>
 #include <span>
 #include <string>
@@ -78,12 +79,14 @@ class Formula {
   // The value, in the unit system of the scene, as are the variables and the signals that it names. T: double, Dual or
   // Series.
   template <class T>
-  T value(const T* variables, const T* signals = nullptr) const {
+  [[gnu::noinline]] T value(const T* variables, const T* signals = nullptr) const {
     T at[max_variables + max_signals];
     load(variables, signals, at);
     T out;
     const bool* held = branches_ == nullptr || branches_->first == nullptr ? nullptr : branches_->first + first_branch_;
     tape_->evaluate(at, &out, held);
+    // Beyond its kink a branch may be undefined, such as that of max(0, -s)^1.5; the step ends at the kink anyway.
+    if (held != nullptr && !std::isfinite(value_of(out))) tape_->evaluate(at, &out);
     return out * T(1 / size_);
   }
   // The same from all signals.
@@ -106,7 +109,7 @@ class Formula {
   // The same, on the branches of the state, with what decides on each of them: the first one is taken where that is
   // positive.
   template <class T>
-  T decide(const T* variables, const T* signals, T* arguments) const {
+  [[gnu::noinline]] T decide(const T* variables, const T* signals, T* arguments) const {
     T at[max_variables + max_signals];
     load(variables, signals, at);
     T out;

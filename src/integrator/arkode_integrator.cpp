@@ -179,8 +179,10 @@ Step ArkodeIntegrator::make_step(double end) {
   reconsider_stepper();
   if (memory_ != before) begin(end);
   const long attempts_before = attempts();
-  const int flag = ARKodeEvolve(memory_, end, y_.get(), &t_, ARK_ONE_STEP);
+  double reached = t_;  // where a stage fails that is not finite, the time of this stage, with the state at the start
+  const int flag = ARKodeEvolve(memory_, end, y_.get(), &reached, ARK_ONE_STEP);
   if (flag >= 0) {
+    t_ = reached;
     Stepper& stepper = steppers_[in_use()];
     stepper.growth = attempts() - attempts_before > 1 ? 1 : stepper.used ? max_growth : max_first_growth;
     stepper.used = true;

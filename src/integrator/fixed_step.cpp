@@ -11,6 +11,9 @@ namespace {
 // Relative motions slower than this have no direction of their own [natural units of speed]: larger than with adaptive
 // steps, since errors are not controlled.
 constexpr double no_direction = 1e-6;
+// So many successive steps within this part of a step of the grid lead nowhere; a series of impacts ends earlier.
+constexpr int most_stuck = 2000;
+constexpr double resolved_fraction = 1e-9;
 
 }  // namespace
 
@@ -65,12 +68,20 @@ void FixedStep::take_step(double t, double h, double end) {
 
 // One step of the grid, divided at events.
 void FixedStep::step_by_events(double end) {
+  int stuck = 0;
   while (t_ < end) {
+    const double before = t_;
     const Step step = locator_.step(*this, end);
     if (step == Step::refused) throw RefusedMotion(at_time(t_) + system_.modes().refusal());
     if (step != Step::made) throw IntegrationError(error_);
     system_.accepted(t_, y_.data());
     ++steps_;
+    stuck = t_ - before > resolved_fraction * step_ ? 0 : stuck + 1;
+    if (stuck > most_stuck) {
+      throw IntegrationError(at_time(t_) +
+                             "friction, limits or laws change their modes again and again: no motion agrees "
+                             "with all of them, as where a law jumps to drive back what friction holds");
+    }
   }
 }
 

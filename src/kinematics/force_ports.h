@@ -27,7 +27,7 @@ struct PortAt {
   const Attachment* at = nullptr;
   const Loads* loads = nullptr;
   const typename A::Pose* X = nullptr;
-  const typename A::Motion* V = nullptr;  // about the common reference point
+  const typename A::Motion* V = nullptr;             // about the common reference point
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();  // of the root, from the same point
   Eigen::Vector3d f = Eigen::Vector3d::Zero(), n = Eigen::Vector3d::Zero();
 
@@ -105,7 +105,8 @@ inline Eigen::Vector3d derivatives_along(const Vector3<Dual>& x, int direction) 
 }
 
 // Derivatives of a force with respect to the motion of its last port, the others being at rest: a force depends on the
-// relative motion of its ports only. input: its inputs. w, v: angular velocity and velocity of the last port relative to the others.
+// relative motion of its ports only. input: its inputs. w, v: angular velocity and velocity of the last port relative
+// to the others.
 template <class E, class Ports>
 PortJacobians derivatives_by_duals(const E& element, const Ports& ports, const Dual* input, const Eigen::Vector3d& w,
                                    const Eigen::Vector3d& v) {

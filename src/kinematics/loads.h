@@ -18,12 +18,12 @@ struct Loads {
   Eigen::Vector3d p_W0 = Eigen::Vector3d::Zero();      // m, position of the root in the world
   Stored<PlacedForces> forces;
   JointLoads tree;
-  std::vector<JointLoads> cuts;       // by cut
-  std::vector<double> added_inertia;  // kg m2 (kg), by velocity: of motors
-  std::vector<ContactLaw> contacts;   // by contact of the scene
-  std::vector<int> inputs;            // indices of the scene's inputs that act on this island, and of the clock
+  std::vector<JointLoads> cuts;            // by cut
+  std::vector<double> added_inertia;       // kg m2 (kg), by velocity: of motors
+  std::vector<ContactLaw> contacts;        // by contact of the scene
+  std::vector<int> inputs;                 // indices of the scene's inputs that act on this island, and of the clock
   std::shared_ptr<HeldBranches> branches;  // of its expressions
-  bool only_along_tree = false;       // no force acts on links or along cuts
+  bool only_along_tree = false;            // no force acts on links or along cuts
   // J: the part of gravity's potential energy that the kernels omit, between the origins of the world and the root
   // and, in planar mechanisms, along the normal.
   double potential_offset = 0;

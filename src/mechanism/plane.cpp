@@ -49,7 +49,9 @@ bool fits(const Edge& edge, const Eigen::Vector3d& n_F) {
 std::string loaded_guide(const Scene& scene, const Graph& graph, const MotionPlane& plane) {
   constexpr double in_plane = 1e-11;  // of gravity
   const bool has_loops = graph.edges.size() >= graph.groups.size();
-  if (has_loops && !scene.gravity_field && std::abs(plane.normals[0].dot(scene.gravity)) <= in_plane * scene.gravity.norm()) return {};
+  if (has_loops && !scene.gravity_field &&
+      std::abs(plane.normals[0].dot(scene.gravity)) <= in_plane * scene.gravity.norm())
+    return {};
   for (const Edge& edge : graph.edges) {
     const Joint& joint = scene.joints[edge.scene_joint];
     if (std::ranges::any_of(joint.along, is_loaded_guide, &Stored<JointForces>::value)) return joint.name;

@@ -65,7 +65,9 @@ void read_metadata(Fields& fields, Metadata& metadata) {
 // Uniform gravity, or a mapping with a field, of which the expressions are read after the names that they use.
 void read_gravity(Fields& fields, Scene& scene) {
   const Json* value = fields.find("gravity");
-  if (value == nullptr || !value->is_object()) {
+  constexpr const char* keys[] = {"law", "mu", "center", "uniform"};
+  const auto has = [&](const char* key) { return value->contains(key); };
+  if (value == nullptr || !value->is_object() || (!value->empty() && std::ranges::none_of(keys, has))) {
     scene.gravity = fields.vector("gravity", "m/s2");
     return;
   }
@@ -82,6 +84,8 @@ void read_gravity_field(Fields& fields, Reader& reader) {
   read_fields(inner, GravityField::fields(), &field, {}, reader.names);
   inner.done();
   const bool has_law = field.law.front().is_given();
+  if (has_law && fields.find("gravity")->contains("center"))
+    reader.faults.add("gravity.center", "a center of a law", "mu and center, or a law alone");
   if (has_law == field.is_central() && reader.faults.count() == 0)
     reader.faults.add("gravity", has_law ? "law and mu" : "neither law nor mu", "either law, or mu and center");
 }

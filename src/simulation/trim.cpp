@@ -119,8 +119,7 @@ Trim Simulation::Impl::trim(const EquilibriumRequest& request) {
   for (std::size_t i = 0; i < islands.size(); ++i) {
     for (const auto& [input, size] : request.solve_for) {
       const std::vector<int>& on = islands_of_input[static_cast<std::size_t>(input)];
-      if (!on.empty() && on.front() == static_cast<int>(i))
-        u.set(input, found[i].u[static_cast<std::size_t>(input)]);
+      if (!on.empty() && on.front() == static_cast<int>(i)) u.set(input, found[i].u[static_cast<std::size_t>(input)]);
     }
     prepared.islands[i].start.q = std::move(found[i].q);
     prepared.islands[i].start.v = std::move(found[i].v);

@@ -36,7 +36,6 @@ class OneCoordinate final : public SwitchingForces {
   gelenk::DirectedLimit sticking_limit(int) const override { return of.sticking_limit; }
   gelenk::DirectedLimit sliding_limit(int, double) const override { never(); }
   gelenk::LoadDependence& loads() override { never(); }
-  gelenk::LawKinks& kinks() override { never(); }
   gelenk::ContactRows& contact_rows() override { never(); }
   gelenk::HoldingForces& holding_forces() override { never(); }
   bool is_redundant() const override { never(); }

@@ -11,7 +11,8 @@
 //   each_formula(element, visit)  its expressions (field/formula.h), if it has any; and
 //   with_variables(at, use)  calls use(formula, variables) for each of them
 //
-// u: its inputs; all of the scene, if it has expressions. at[i] has the motion of port i, with vectors in the axes of a fixed frame common to all ports:
+// u: its inputs; all of the scene, if it has expressions. at[i] has the motion of port i, with vectors in the axes of a
+// fixed frame common to all ports:
 //   p(), v()           position [m] and velocity [m/s] of its origin
 //   w()                angular velocity [rad/s]
 //   turned(x)          transforms a vector from the axes of the port to those of the common frame
@@ -35,8 +36,8 @@ template <class T>
 struct RecordingPort {
   using Vector = Vector3<T>;
   Vector at{Vector::Zero()}, rate{Vector::Zero()}, angular_rate{Vector::Zero()};
-  Matrix3<T> R{Matrix3<T>::Zero()};     // the port's axes, in those of the common frame
-  Matrix3<T> R_0W{Matrix3<T>::Zero()};  // the world's
+  Matrix3<T> R{Matrix3<T>::Zero()};                // the port's axes, in those of the common frame
+  Matrix3<T> R_0W{Matrix3<T>::Zero()};             // the world's
   Eigen::Vector3d p_W0 = Eigen::Vector3d::Zero();  // m, position of the common frame in the world
   Vector f{Vector::Zero()}, n{Vector::Zero()};
 

@@ -31,10 +31,8 @@ struct GravityField {
                                   .optional = true,
                                   .settable = false,
                                   .alternative = 2}),
-        field<&GravityField::center>({.name = "center",
-                                      .unit = "m",
-                                      .text = "center of attraction in the world, for mu",
-                                      .settable = false})};
+        field<&GravityField::center>(
+            {.name = "center", .unit = "m", .text = "center of attraction in the world, for mu", .settable = false})};
     return all;
   }
   bool is_central() const { return std::isfinite(mu); }

@@ -183,6 +183,30 @@ def test_forces_read_inputs_and_time() -> None:
     np.testing.assert_allclose(np.asarray(model.B), np.array([[0.0], [1.5]]), rtol=1e-13)
 
 
+@pytest.mark.parametrize("planar", [True, False])
+def test_linear_model_of_inputs_that_multiply_velocities(planar: bool) -> None:
+    """B by differences of the accelerations, for a damper and a drag whose coefficients are inputs."""
+    forces = {
+        "L": {"type": "line_force", **ENDS, "tension": "c*rate"},
+        "D": {"type": "body_force", **AT, "force": ["-d*vx", "-d*vy", "0"], "torque": [0, 0, "-d*wz"]},
+    }
+    source = pair(forces, planar)
+    source["inputs"] = {"c": {"start": 0.7}, "d": {"start": 0.4}}
+    names = [signal.name for signal in gelenk.Simulation(source).outputs]
+    accelerations = [name for name in names if name.split(".")[1].startswith(("a", "wd"))]
+    with pytest.warns(gelenk.OperatingPointWarning):
+        model = gelenk.linearize(source, inputs=["c", "d"], outputs=accelerations)
+    for k, name in enumerate(("c", "d")):
+        ends = []
+        for change in (-1e-3, 1e-3):
+            simulation = gelenk.Simulation(source)
+            simulation.initialize(0.0, 1e-8)
+            simulation.set_input(name, source["inputs"][name]["start"] + change)
+            ends.append(np.array([simulation.output(a) for a in accelerations]))
+        difference = (ends[1] - ends[0]) / 2e-3
+        np.testing.assert_allclose(np.asarray(model.D)[:, k], difference, rtol=0, atol=1e-9)
+
+
 def test_two_mechanisms_share_an_input() -> None:
     """A jump of it restarts both, also those that nothing else connects."""
     two = scene(

@@ -118,7 +118,8 @@ def test_field_of_gravity_is_written_and_read_again() -> None:
         ({"mu": -1.0}, r"gravity\.mu"),
         ({"law": ["x", "y"]}, r"gravity\.law: .*a list of 3"),
         ({"law": ["x", "y", "r"]}, r"gravity\.law\[3\]: .*column 1: found 'r'"),
-        ({"lar": [0, 0, 0]}, r"gravity\.lar"),
+        ({"lar": [0, 0, 0]}, r"gravity: found a mapping"),
+        ({"law": [0, 0, 0], "center": [1, 0, 0]}, r"gravity\.center: found a center of a law"),
     ],
 )
 def test_mistakes(gravity: Any, message: str) -> None:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from mechanisms import body, frame, joint, rod, scene
+from scipy.integrate import solve_ivp
 
 import gelenk
 
@@ -242,3 +243,105 @@ def test_constants_are_parameters(tmp_path: Any) -> None:
         np.asarray(through_fmu["A.phi"]), np.asarray(expected["A.phi"]), rtol=0, atol=1e-12
     )
     assert plant.to_dict()["constants"] == {"k": 30.0, "d": 1.5, "limit": 6.0}
+
+
+# Hertz' contact and the like are not defined beyond their kinks.
+UNDEFINED = {
+    "hertz": ("1e4*max(0, -s)^1.5", {"s": 0.1}, -9.81),
+    "hertz by if": ("if(s < 0, 1e4*(-s)^1.5, 0)", {"s": 0.1}, -9.81),
+    "orifice": ("-5*s - 0.3*sqrt(abs(v))*sign(v)", {"s": 0.1}, 0.0),
+    "logarithm": ("-20*s - if(s > 0.01, log(s), 0)*0.1", {"s": 0.1}, 0.0),
+}
+
+
+@pytest.mark.parametrize("name", UNDEFINED)
+@pytest.mark.parametrize("integrator", [*ADAPTIVE, "rk4"])
+def test_branches_that_are_undefined_beyond_their_kink(integrator: str, name: str) -> None:
+    """As by SciPy, which may pass the kinks, at 1e-12."""
+    if (name, integrator) == ("orifice", "dirk"):
+        pytest.skip("refuses the start at rest, where the derivative is infinite")
+    effort, start, gravity = UNDEFINED[name]
+    force = {
+        "hertz": lambda s, _: 1e4 * max(0.0, -s) ** 1.5,
+        "hertz by if": lambda s, _: 1e4 * max(0.0, -s) ** 1.5,
+        "orifice": lambda s, v: -5 * s - 0.3 * math.copysign(math.sqrt(abs(v)), v),
+        "logarithm": lambda s, _: -20 * s - (math.log(s) if s > 0.01 else 0.0) * 0.1,
+    }[name]
+    exact = solve_ivp(
+        lambda _, y: [y[1], force(y[0], y[1]) + gravity], (0, 1), [start["s"], 0.0],
+        rtol=1e-12, atol=1e-13, max_step=1e-3,
+    )  # fmt: skip
+    law = slide(effort, start, gravity, solver={"integrator": integrator, "step": 2e-4})
+    found = final(law, [0.1 * k for k in range(1, 11)], 1e-8)[-1]
+    np.testing.assert_allclose(found, exact.y[:, -1], rtol=0, atol=2e-5)
+
+
+@pytest.mark.parametrize("integrator", ["auto", "rk4", "cvode"])
+@pytest.mark.parametrize("condition", ["1e-14*s > 0", "1e9*s > 0", "s^5 > 0"])
+def test_unit_of_a_condition_does_not_matter(condition: str, integrator: str) -> None:
+    law = slide(
+        f"-if({condition}, 100*s, 400*s)", {"s": 0.5}, solver={"integrator": integrator, "step": 1e-3}
+    )
+    times = [0.1 * k for k in range(1, 21)]
+    exact = np.array([bilinear(t, 0.5, 100.0, 400.0) for t in times])
+    # The zero of s^5 is flat: within rounding, 1e-13 of the values at the start of the step, it is 1e-3 wide.
+    assert np.abs(final(law, times, 1e-9) - exact).max() < (1e-5 if "^" in condition else 2e-6)
+
+
+@pytest.mark.parametrize("integrator", ["generalized-alpha", "hht", "newmark", "rk4", "auto", "ida"])
+@pytest.mark.parametrize("at", [0.3, 0.503, 0.5004])
+def test_jump_at_the_end_of_a_step_restarts_the_method(at: float, integrator: str) -> None:
+    """2 N until then: v = 2 t, and one event."""
+    law = slide(f"if(t < {at}, 2, 0)", {"s": 0.0}, solver={"integrator": integrator, "step": 1e-3})
+    simulation = gelenk.Simulation(law)
+    simulation.initialize(0.0, 1e-8)
+    for k in range(1, 11):
+        simulation.step_to(0.1 * k)
+    assert simulation.output("S.v") == pytest.approx(2 * at, abs=1e-9)
+    assert simulation.diagnostic("solver.events") == 1
+
+
+@pytest.mark.parametrize("integrator", ["auto", "rk4", "ida", "generalized-alpha"])
+@pytest.mark.parametrize(
+    ("effort", "acceleration"),
+    [("if(s < 0, -1, 5)", 5), ("if(s >= 0, 2, -2)", 2), ("if(s <= 0, -1, 5)", -1), ("if(s > 0, 2, -2)", -2)],
+)
+def test_rest_on_a_jump_begins_as_the_formula_says(effort: str, acceleration: float, integrator: str) -> None:
+    law = slide(effort, {"s": 0.0}, solver={"integrator": integrator, "step": 1e-3})
+    assert final(law, [0.1], 1e-8)[0][1] == pytest.approx(0.1 * acceleration, abs=1e-9)
+
+
+@pytest.mark.parametrize("integrator", ["auto", "rk4", "ida"])
+def test_rest_on_a_limit_at_a_jump(integrator: str) -> None:
+    """Pressed on its limit at 0.3 m, which it cannot pass, the law is that of s = 0.3 m: no force."""
+    law = slide(
+        "if(s > 0.3, 5, 0)", {"s": 0.3}, 9.81, joint={"limit": {"upper": 0.3}},
+        solver={"integrator": integrator, "step": 1e-3},
+    )  # fmt: skip
+    simulation = gelenk.Simulation(law)
+    simulation.initialize(0.0, 1e-8)
+    simulation.step_to(1.0)
+    assert simulation.output("S.limit.f") == pytest.approx(-9.81, abs=1e-9)
+
+
+@pytest.mark.parametrize("integrator", ["rk4", "euler", "generalized-alpha"])
+def test_friction_against_a_law_that_drives_back_is_refused(integrator: str) -> None:
+    """At rest 8 N exceed the friction of 5 N, and in motion the law is zero: no motion agrees with both."""
+    law = slide(
+        "if(v <= 0, 8, 0)", {"s": 0.0, "v": 1.0}, joint={"friction": {"coulomb": 5.0}},
+        solver={"integrator": integrator, "step": 1e-3, "max_events": 1000},
+    )  # fmt: skip
+    simulation = gelenk.Simulation(law)
+    simulation.initialize(0.0, 1e-8)
+    with pytest.raises(gelenk.StepError):
+        simulation.step_to(0.3)
+
+
+def test_location_takes_no_more_than_that_of_a_stop() -> None:
+    """A jump at 0.7003 m: some tens of evaluations, as for a stop there."""
+    simulation = gelenk.Simulation(slide("if(s > 0.7003, 3, 0)", {"s": 0.0, "v": 1.0}))
+    simulation.initialize(0.0, 1e-8)
+    simulation.step_to(0.69)
+    before = simulation.diagnostic("solver.evaluations")
+    simulation.step_to(0.71)
+    assert simulation.diagnostic("solver.evaluations") - before < 100
