@@ -47,7 +47,7 @@ class Formula {
   Formula() = default;  // not given
   // reads_signals: whether it may also name the time t and the signals. Throws expression::SyntaxError, also for a text
   // that is too long to be evaluated.
-  Formula(std::string text, std::span<const FormulaVariable> variables, const FormulaNames& names = {},
+  Formula(std::string text, std::span<const FormulaVariable> variables, const FormulaNames& known = {},
           bool reads_signals = false);
 
   // Reads the text again with other constants; keeps the sizes.

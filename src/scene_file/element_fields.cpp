@@ -76,6 +76,15 @@ void read_formula(const Json& value, const std::string& path, Faults& faults, co
   }
 }
 
+// Of those that are given; null if none is.
+Json texts_of(std::span<const Formula> formulas) {
+  Json out;
+  for (const Formula& formula : formulas) {
+    if (formula.is_given()) out.push_back(formula.text());
+  }
+  return out;
+}
+
 }  // namespace
 
 void read_field(const Json& value, const std::string& path, Faults& faults, const Field& field, void* element,
@@ -164,9 +173,7 @@ void write_fields(Json& to, std::span<const Field> fields, const void* element) 
         if (const auto& formula = field.of<Formula>(element); formula.is_given()) value = formula.text();
         break;
       case Field::Type::formulas:
-        for (const Formula& formula : formulas_of(field, element)) {
-          if (formula.is_given()) value.push_back(formula.text());
-        }
+        value = texts_of(formulas_of(field, element));
         break;
       case Field::Type::group:
         if (const void* there = field.in(element)) {

@@ -182,6 +182,26 @@ Json element(const ElementPlace& element, const ElementKind& kind, const void* d
   return out;
 }
 
+Json gravity(const Scene& scene) {
+  if (!scene.gravity_field) return numbers_of(scene.gravity);
+  Json out;
+  write_fields(out, GravityField::fields(), &*scene.gravity_field);
+  if (!scene.gravity_field->is_central()) out.erase("center");
+  if (!scene.gravity.isZero(0)) out["uniform"] = numbers_of(scene.gravity);
+  return out;
+}
+
+// What expressions name.
+void add_names(Json& out, const Scene& scene) {
+  for (const FormulaNames::Constant& constant : scene.constants) out["constants"][constant.name] = constant.value;
+  for (const SceneInput& of : scene.inputs) {
+    Json& input = out["inputs"][of.name] = Json::object();
+    if (!of.unit.empty()) input["unit"] = of.unit;
+    if (of.start != 0) input["start"] = of.start;
+    if (!of.text.empty()) input["text"] = of.text;
+  }
+}
+
 // Formats JSON with one line per entry of a section: short, but suitable for reading and diffing.
 std::string formatted(const Json& tree) {
   std::string out = "{";
@@ -213,21 +233,8 @@ std::string write_scene_json(const Scene& scene) {
   for (const MetadataKey& key : metadata_keys) {
     if (const std::string& text = scene.metadata.*key.text; !text.empty()) out[std::string(key.name)] = text;
   }
-  if (scene.gravity_field) {
-    Json& gravity = out["gravity"];
-    write_fields(gravity, GravityField::fields(), &*scene.gravity_field);
-    if (!scene.gravity_field->is_central()) gravity.erase("center");
-    if (!scene.gravity.isZero(0)) gravity["uniform"] = numbers_of(scene.gravity);
-  } else {
-    out["gravity"] = numbers_of(scene.gravity);
-  }
-  for (const FormulaNames::Constant& constant : scene.constants) out["constants"][constant.name] = constant.value;
-  for (const SceneInput& of : scene.inputs) {
-    Json& input = out["inputs"][of.name] = Json::object();
-    if (!of.unit.empty()) input["unit"] = of.unit;
-    if (of.start != 0) input["start"] = of.start;
-    if (!of.text.empty()) input["text"] = of.text;
-  }
+  out["gravity"] = gravity(scene);
+  add_names(out, scene);
   if (!scene.ground_shapes.empty()) out["ground"]["shapes"] = section(scene.ground_shapes, shape);
   out["bodies"] = section(scene.bodies, body);
   out["joints"] = section(scene.joints, joint);
