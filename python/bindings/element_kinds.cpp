@@ -56,7 +56,7 @@ nb::object value_in(const Field& field, const void* element) {
     case Field::Type::choice:
       return nb::cast(field.of<Choice>(element).index);
     case Field::Type::formula:
-      return nb::cast(field.of<Formula>(element).text());
+      return nb::cast(std::string(field.of<Formula>(element).text()));
     case Field::Type::formulas:
       return nb::cast(std::vector<std::string>());
     case Field::Type::group:

@@ -91,12 +91,33 @@ std::vector<std::string> suffixes(const Scene& scene, const Element<Any>& elemen
   return out;
 }
 
-// Names that expressions give a meaning of their own: of variables, operators and functions.
+void add_variables(std::set<std::string_view>& out, std::span<const Field> fields) {
+  for (const Field& field : fields) {
+    if (field.type == Field::Type::group) add_variables(out, field.inner());
+    for (const FormulaVariable& variable : field.variables) out.insert(variable.name);
+  }
+}
+
+// The variables of all elements.
+std::set<std::string_view> all_variables() {
+  std::set<std::string_view> out = {time_signal};
+  add_variables(out, GravityField::fields());
+  for (const JointForceKind& kind : joint_force_kinds()) add_variables(out, kind.fields);
+  const Scene nothing;
+  each_section(nothing, [&]<class Any>(const Section&, const std::vector<Element<Any>>&) {
+    for (const ElementKind& kind : element_kinds<Any>()) add_variables(out, kind.fields);
+  });
+  return out;
+}
+
+// Names that have a meaning of their own: in expressions, as those of variables, operators and functions; in scenes;
+// and of columns in tables of results.
 bool is_taken(const std::string& name) {
-  constexpr std::string_view words[] = {"t",   "phi",     "w",      "s",    "v",      "pi",   "x",     "y",      "z",
-                                        "vx",  "vy",      "vz",     "wx",   "wy",     "wz",   "if",    "or",     "and",
-                                        "not", "gravity", "length", "rate", "ground", "time", "error", "warning"};
-  return std::ranges::find(words, name) != std::end(words) || expression::Library::has(name);
+  constexpr std::string_view words[] = {"pi",     "if",      "or",   "and",   "not",
+                                        "ground", "gravity", "time", "error", "warning"};
+  static const std::set<std::string_view> variables = all_variables();
+  return std::ranges::find(words, name) != std::end(words) || variables.contains(name) ||
+         expression::Library::has(name);
 }
 
 // The names of constants and inputs, which expressions use.

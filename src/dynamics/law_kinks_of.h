@@ -57,20 +57,20 @@ class LawKinksOf final : public LawKinks {
     for (int i = 0; i < count_; ++i) {
       const Dual& of = arguments_[static_cast<std::size_t>(i)];
       Course& at = courses_[static_cast<std::size_t>(i)];
-      if (held_ == nullptr) at.begin(of.derivatives());
+      if (held_branches() == nullptr) at.begin(of.derivatives());
       gdot[i] = rate_of(of) / at.size;
       g[i] = settled(i, of.value() / at.size, gdot[i]);
-      if (held_ == nullptr) at.begins_on_kink = std::abs(of.value()) <= state_rounding * at.size;
+      if (held_branches() == nullptr) at.begins_on_kink = std::abs(of.value()) <= state_rounding * at.size;
     }
   }
 
   std::span<const bool> held() const override {
-    return {held_, held_ == nullptr ? 0 : static_cast<std::size_t>(count_)};
+    return {held_branches(), held_branches() == nullptr ? 0 : static_cast<std::size_t>(count_)};
   }
-  void hold(const bool* positive) override { state_.loads.branches->first = held_ = positive; }
+  void hold(const bool* positive) override { state_.loads.branches->first = positive; }
 
   bool are_passed() override {
-    if (held_ == nullptr || count_ == 0) return false;
+    if (held_branches() == nullptr || count_ == 0) return false;
     if (between_bodies_) kernels::force_branches(state_.loads, laws_.all_inputs(), state_.ws, values_.data());
     laws_.each_branching([&](const auto& force, int, const double* q, const double* v) {
       std::array<double, Formula::max_signals> signals;
@@ -82,7 +82,7 @@ class LawKinksOf final : public LawKinks {
     for (int i = 0; i < count_; ++i) {
       const double value = values_[static_cast<std::size_t>(i)];
       const double rounding = state_rounding * courses_[static_cast<std::size_t>(i)].size;
-      if ((value > 0) != held_[i] && std::abs(value) > rounding) return true;
+      if ((value > 0) != held_branches()[i] && std::abs(value) > rounding) return true;
     }
     return false;
   }
@@ -110,10 +110,12 @@ class LawKinksOf final : public LawKinks {
   double settled(int i, double g, double gdot) const {
     constexpr double least = std::numeric_limits<double>::min();
     if (std::abs(g) > state_rounding || std::abs(gdot) > least_rate) return g;
-    if (held_ == nullptr) return std::isnan(gdot) && g != 0 ? g : -least;
+    if (held_branches() == nullptr) return std::isnan(gdot) && g != 0 ? g : -least;
     if (!courses_[static_cast<std::size_t>(i)].begins_on_kink) return g;
-    return held_[i] ? std::max(g, least) : std::min(g, -least);
+    return held_branches()[i] ? std::max(g, least) : std::min(g, -least);
   }
+
+  const bool* held_branches() const { return state_.loads.branches->first; }
 
   // The rate of what decides on a branch; NaN if it depends on accelerations that are not known, or on inputs.
   static double rate_of(const Dual& of) {
@@ -128,7 +130,6 @@ class LawKinksOf final : public LawKinks {
   int count_ = 0;
   bool between_bodies_ = false;  // some are of forces between bodies
   bool depends_on_speed_ = false;
-  const bool* held_ = nullptr;
   std::vector<Course> courses_;  // by indicator
   std::vector<double> values_;   // by indicator: workspace
   std::vector<Dual> arguments_;  // by indicator: workspace

@@ -53,12 +53,12 @@ class Formula {
   // Reads the text again with other constants; keeps the sizes.
   void renew(std::span<const FormulaVariable> variables, const FormulaNames& names, bool reads_signals);
 
-  bool is_given() const { return graph_ != nullptr; }
-  const std::string& text() const { return text_; }
+  bool is_given() const { return parsed_ != nullptr; }
+  std::string_view text() const { return is_given() ? std::string_view(parsed_->text) : std::string_view(); }
   // Whether there are points where a derivative or the value jumps.
-  bool has_kinks() const { return graph_->has_choices(term_); }
-  const expression::Graph& graph() const { return *graph_; }
-  expression::Term term() const { return term_; }
+  bool has_kinks() const { return graph().has_choices(term()); }
+  const expression::Graph& graph() const { return parsed_->graph; }
+  expression::Term term() const { return parsed_->term; }
 
   // The SI values of one unit of the result and of the k-th variable, in the unit system of the scene.
   double size() const { return size_; }
@@ -66,14 +66,23 @@ class Formula {
   void set_sizes(double of_result, std::span<const double> of_variables);
 
   // Whether it names the k-th variable.
-  bool names_variable(int k) const { return graph_->depends_on(term_, k); }
-  // The signals that it names; for each, after bind(): its index among all signals.
-  std::span<const std::string> signal_names() const { return signal_names_; }
-  std::span<const int> signals() const { return {signals_, signal_names_.size()}; }
-  // sizes: SI values of their units. branches: must outlive the formula; first_branch: of this formula.
-  void bind(std::span<const int> signals, std::span<const double> sizes, const HeldBranches* branches,
-            int first_branch);
-  int branches() const { return tape_ == nullptr ? 0 : tape_->choices(); }
+  bool names_variable(int k) const { return graph().depends_on(term(), k); }
+  // The signals that it names; for each, after bind_signal(): its index among all signals.
+  std::span<const std::string> signal_names() const {
+    return is_given() ? std::span<const std::string>(parsed_->signals) : std::span<const std::string>();
+  }
+  std::span<const int> signals() const { return {signals_, signal_names().size()}; }
+  // Of the k-th signal that it names. size: SI value of its unit.
+  void bind_signal(std::size_t k, int index, double size) {
+    signals_[k] = index;
+    signal_sizes_[k] = size;
+  }
+  // branches: must outlive the formula; first_branch: of this formula.
+  void bind_branches(const HeldBranches* branches, int first_branch) {
+    branches_ = branches;
+    first_branch_ = first_branch;
+  }
+  int branches() const { return is_given() ? parsed_->tape.choices() : 0; }
   int first_branch() const { return first_branch_; }
 
   // The value, in the unit system of the scene, as are the variables and the signals that it names. T: double, Dual or
@@ -84,26 +93,28 @@ class Formula {
     load(variables, signals, at);
     T out;
     const bool* held = branches_ == nullptr || branches_->first == nullptr ? nullptr : branches_->first + first_branch_;
-    tape_->evaluate(at, &out, held);
+    parsed_->tape.evaluate(at, &out, held);
     // Beyond its kink a branch may be undefined, such as that of max(0, -s)^1.5; the step ends at the kink anyway.
-    if (held != nullptr && !std::isfinite(value_of(out))) tape_->evaluate(at, &out);
+    if (held != nullptr && !std::isfinite(value_of(out))) parsed_->tape.evaluate(at, &out);
     return out * T(1 / size_);
   }
   // The same from all signals.
   template <class T>
   T value_among(const T* variables, const T* all) const {
     std::array<T, max_signals> named;
-    for (std::size_t k = 0; k < signal_names_.size(); ++k) named[k] = all[signals_[k]];
+    take_signals(all, named.data());
     return value(variables, named.data());
   }
-  // The signals that it names, from all; with derivatives in these directions with respect to the time and the others.
-  void take_signals(const double* all, double* named) const {
-    for (std::size_t k = 0; k < signal_names_.size(); ++k) named[k] = all[signals_[k]];
+  // The signals that it names, from all; or with derivatives in these directions with respect to the time and the
+  // others.
+  template <class T>
+  void take_signals(const T* all, T* named) const {
+    for (std::size_t k = 0; k < parsed_->signals.size(); ++k) named[k] = all[signals_[k]];
   }
   void take_signals(const double* all, int of_time, int of_inputs, Dual* named) const {
-    for (std::size_t k = 0; k < signal_names_.size(); ++k) {
+    for (std::size_t k = 0; k < parsed_->signals.size(); ++k) {
       named[k] = Dual(all[signals_[k]]);
-      named[k].derivatives()[signal_names_[k] == time_signal ? of_time : of_inputs] = 1;
+      named[k].derivatives()[k == parsed_->clock ? of_time : of_inputs] = 1;
     }
   }
   // The same, on the branches of the state, with what decides on each of them: the first one is taken where that is
@@ -113,25 +124,32 @@ class Formula {
     T at[max_variables + max_signals];
     load(variables, signals, at);
     T out;
-    tape_->evaluate(at, &out, nullptr, arguments);
+    parsed_->tape.evaluate(at, &out, nullptr, arguments);
     return out * T(1 / size_);
   }
 
  private:
+  // What a text says, immutable and shared by copies, which allocate nothing.
+  struct Parsed {
+    std::string text;
+    expression::Graph graph;
+    expression::Term term = -1;
+    expression::Tape tape;             // of the term
+    std::size_t count = 0;             // number of variables
+    std::vector<std::string> signals;  // that it names
+    std::size_t clock = max_signals;   // which of them is the time
+  };
+
   template <class T>
   void load(const T* variables, const T* signals, T* at) const {
-    for (std::size_t k = 0; k < count_; ++k) at[k] = T(sizes_[k]) * variables[k];
-    for (std::size_t k = 0; k < signal_names_.size(); ++k) at[count_ + k] = T(signal_sizes_[k]) * signals[k];
+    const std::size_t count = parsed_->count;
+    for (std::size_t k = 0; k < count; ++k) at[k] = T(sizes_[k]) * variables[k];
+    for (std::size_t k = 0; k < parsed_->signals.size(); ++k) at[count + k] = T(signal_sizes_[k]) * signals[k];
   }
 
-  std::string text_;
-  std::shared_ptr<const expression::Graph> graph_;  // shared by copies; immutable
-  expression::Term term_ = -1;
-  std::shared_ptr<const expression::Tape> tape_;  // of the term
-  std::size_t count_ = 0;                         // number of variables
+  std::shared_ptr<const Parsed> parsed_;
   double size_ = 1;
   double sizes_[max_variables] = {1, 1, 1, 1, 1, 1, 1, 1, 1};
-  std::vector<std::string> signal_names_;
   int signals_[max_signals] = {};
   double signal_sizes_[max_signals] = {};
   const HeldBranches* branches_ = nullptr;

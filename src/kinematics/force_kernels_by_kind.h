@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <type_traits>
 
 #include "kinematics/force_ports.h"
 #include "kinematics/load_kernels.h"
@@ -57,42 +58,30 @@ gelenk::detail::DualPort branching_port(const Port& port, const Loads& loads) {
   return out;
 }
 
-// arguments: by branch.
-template <class A>
-void force_branches(const Loads& loads, const double* u, const Workspace<A>& ws, Dual* arguments) {
-  each_list(loads.forces->lists, [&](const auto& list) {
-    using F = std::decay_t<decltype(list.front().element)>;
-    if constexpr (HasFormulas<F>) {
-      for (const auto& force : list) {
-        const auto ports = ports_of<A>(force, loads, ws);
-        std::array<gelenk::detail::DualPort, PlacedForce<F>::ports> moving;
-        for (std::size_t k = 0; k < ports.size(); ++k) moving[k] = branching_port(ports[k], loads);
-        force.element.template with_variables<Dual>(moving.data(), [&](const Formula& formula, const Dual* variables) {
-          if (formula.branches() == 0) return;
-          std::array<Dual, Formula::max_signals> signals;
-          formula.take_signals(u, BranchDirections::along_motion, BranchDirections::inputs, signals.data());
-          formula.decide(variables, signals.data(), arguments + formula.first_branch());
-        });
-      }
+template <class A, class T>
+void force_branches(const Loads& loads, const double* u, const Workspace<A>& ws, T* arguments) {
+  const auto decide = [&](const Formula& formula, const T* variables) {
+    if (formula.branches() == 0) return;
+    std::array<T, Formula::max_signals> signals;
+    if constexpr (std::is_same_v<T, Dual>) {
+      formula.take_signals(u, BranchDirections::along_motion, BranchDirections::inputs, signals.data());
+    } else {
+      formula.take_signals(u, signals.data());
     }
-  });
-}
-
-// The same for values alone.
-template <class A>
-void force_branches(const Loads& loads, const double* u, const Workspace<A>& ws, double* arguments) {
+    formula.decide(variables, signals.data(), arguments + formula.first_branch());
+  };
   each_list(loads.forces->lists, [&](const auto& list) {
     using F = std::decay_t<decltype(list.front().element)>;
     if constexpr (HasFormulas<F>) {
       for (const auto& force : list) {
         const auto ports = ports_of<A>(force, loads, ws);
-        force.element.template with_variables<double>(
-            ports.data(), [&](const Formula& formula, const double* variables) {
-              if (formula.branches() == 0) return;
-              std::array<double, Formula::max_signals> signals;
-              formula.take_signals(u, signals.data());
-              formula.decide(variables, signals.data(), arguments + formula.first_branch());
-            });
+        if constexpr (std::is_same_v<T, Dual>) {
+          std::array<gelenk::detail::DualPort, PlacedForce<F>::ports> moving;
+          for (std::size_t k = 0; k < ports.size(); ++k) moving[k] = branching_port(ports[k], loads);
+          force.element.template with_variables<T>(moving.data(), decide);
+        } else {
+          force.element.template with_variables<T>(ports.data(), decide);
+        }
       }
     }
   });

@@ -22,6 +22,21 @@ struct PortPlace {
   const Eigen::Vector3d& p() const { return at; }
 };
 
+// Forces: PlacedForces, or const.
+template <class Forces, class Visit>
+void each_of_lists(Forces& forces, const Visit& visit) {
+  each_list(forces.lists, [&](auto& list) {
+    using F = std::decay_t<decltype(list.front().element)>;
+    if constexpr (HasFormulas<F>) {
+      for (auto& force : list) {
+        F::each_formula(force.element, [&](auto& formula) {
+          if (formula.is_given()) visit(formula, force.force);
+        });
+      }
+    }
+  });
+}
+
 }  // namespace
 
 template class Stored<PlacedForces>;
@@ -45,30 +60,10 @@ void add_gravity(PlacedForces& forces, const GravityField& field, double mass, c
   std::get<std::vector<PlacedForce<GravityForce>>>(forces.lists).push_back(placed);
 }
 
-void each_formula(PlacedForces& forces, const VisitFormula& visit) {
-  each_list(forces.lists, [&](auto& list) {
-    using F = std::decay_t<decltype(list.front().element)>;
-    if constexpr (HasFormulas<F>) {
-      for (auto& force : list) {
-        F::each_formula(force.element, [&](Formula& formula) {
-          if (formula.is_given()) visit(formula, force.force);
-        });
-      }
-    }
-  });
-}
+void each_formula(PlacedForces& forces, const VisitFormula& visit) { each_of_lists(forces, visit); }
 
 void each_formula(const PlacedForces& forces, const std::function<void(const Formula&, int force)>& visit) {
-  each_list(forces.lists, [&](const auto& list) {
-    using F = std::decay_t<decltype(list.front().element)>;
-    if constexpr (HasFormulas<F>) {
-      for (const auto& force : list) {
-        F::each_formula(force.element, [&](const Formula& formula) {
-          if (formula.is_given()) visit(formula, force.force);
-        });
-      }
-    }
-  });
+  each_of_lists(forces, visit);
 }
 
 bool is_empty(const PlacedForces& forces) { return all_empty(forces.lists); }

@@ -37,11 +37,10 @@ struct BranchDirections {
   static constexpr int along_motion = 0, position = 1, velocity = 4, inputs = 7;
 };
 // What decides on the branches of the expressions of forces between bodies. arguments: by branch of all expressions of
-// the island. u: inputs of the scene, at least those that are named. After velocities.
-template <class A>
-void force_branches(const Loads& loads, const double* u, const Workspace<A>& ws, Dual* arguments);
-template <class A>
-void force_branches(const Loads& loads, const double* u, const Workspace<A>& ws, double* arguments);
+// the island; T: double, or Dual with these derivatives. u: inputs of the scene, at least those that are named. After
+// velocities.
+template <class A, class T>
+void force_branches(const Loads& loads, const double* u, const Workspace<A>& ws, T* arguments);
 
 // Adds motors, springs and stops of cut joints as pairs of wrenches to ws.F_ext, and stores them in ws.F_cut.
 // reference: coordinates of the cut joints with full revolutions. sides: see JointLoads::add, cut by cut. After

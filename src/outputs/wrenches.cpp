@@ -36,24 +36,21 @@ Pose3 BodyWrenches::X_WB(int body, const Readings<double>& dynamics) const {
   return body < 0 ? Pose3() : pose_in_world(reduced_, reduced_.bodies[static_cast<std::size_t>(body)], dynamics);
 }
 
-// input: index of its first one.
+// inputs: of the whole scene (first_inputs); force: index in the scene.
 template <class F>
-void BodyWrenches::act(const F& element, RecordingPort<double>* at, int input) const {
+void BodyWrenches::act(const F& element, RecordingPort<double>* at, const std::vector<std::vector<int>>& inputs,
+                       std::size_t force) const {
   if constexpr (HasFormulas<F>) {
     F bound = element;
-    const int first = first_scene_input(scene_);
-    F::each_formula(bound, [&](Formula& formula) {
-      formula.bind(signal_indices(scene_, formula, first, static_cast<int>(u_.size()) - 1),
-                   signal_sizes(scene_, formula), nullptr, 0);
-    });
+    F::each_formula(bound, [&](Formula& formula) { bind_signals(formula, scene_, inputs.back().front()); });
     bound.act(at, u_.data());
   } else {
-    element.act(at, u_.data() + input);
+    element.act(at, u_.data() + inputs[sections::forces][force]);
   }
 }
 
 void BodyWrenches::add_forces(int island, const Readings<double>* dynamics) {
-  const std::vector<int> inputs = first_inputs(scene_)[sections::forces];
+  const std::vector<std::vector<int>> inputs = first_inputs(scene_);
   for (std::size_t i = 0; i < scene_.forces.size(); ++i) {
     const Force& force = scene_.forces[i];
     const PortPlaces places(scene_, reduced_, force, false);
@@ -61,7 +58,7 @@ void BodyWrenches::add_forces(int island, const Readings<double>* dynamics) {
     const SeenPorts<double> seen(places, reduced_, dynamics);
     std::array<RecordingPort<double>, max_force_ports> at;
     for (std::size_t k = 0; k < force.frames.size(); ++k) at[k] = seen.port(static_cast<int>(k));
-    std::visit([&](const auto& element) { act(element, at.data(), inputs[i]); }, *force.is);
+    std::visit([&](const auto& element) { act(element, at.data(), inputs, i); }, *force.is);
     const Eigen::Matrix3d R_W0 = seen.X_W0().R;
     for (std::size_t k = 0; k < force.frames.size(); ++k) {
       const BodyFrame& on = force.frames[k];

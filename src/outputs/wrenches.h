@@ -43,7 +43,8 @@ class BodyWrenches {
   int body_of(const BodyFrame& frame) const;
   Pose3 X_WB(int body, const Readings<double>& dynamics) const;
   template <class F>
-  void act(const F& element, RecordingPort<double>* at, int input) const;
+  void act(const F& element, RecordingPort<double>* at, const std::vector<std::vector<int>>& inputs,
+           std::size_t force) const;
   void add_forces(int island, const Readings<double>* dynamics);
   void add_along_joints(const Reading& reading, const Mechanism& mechanism, const Loads& loads);
   // effort [N m, N]: along a coordinate of a joint of the scene; motor: that exerts it, or -1: an element of the joint,

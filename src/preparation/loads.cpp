@@ -39,7 +39,7 @@ struct LoadCollector {
   const Scene& scene;
   const ReducedScene& reduced;
   const std::unordered_map<std::string_view, int>&body_number, &joint_number;
-  int scene_input, clock;  // indices of the first input of no element, and of the time
+  int first_scene_input;  // of no element
   std::vector<Loads>& out;
   std::vector<int> branches{};  // by island: of its expressions so far
 
@@ -171,10 +171,10 @@ struct LoadCollector {
   void bind(Formula& formula, int island) {
     Loads& loads = out[static_cast<std::size_t>(island)];
     int& first = branches[static_cast<std::size_t>(island)];
-    const std::vector<int> signals = signal_indices(scene, formula, scene_input, clock);
-    formula.bind(signals, signal_sizes(scene, formula), loads.branches.get(), first);
+    bind_signals(formula, scene, first_scene_input);
+    formula.bind_branches(loads.branches.get(), first);
     first += formula.branches();
-    for (const int signal : signals) {
+    for (const int signal : formula.signals()) {
       if (std::ranges::find(loads.inputs, signal) == loads.inputs.end()) loads.inputs.push_back(signal);
     }
   }
@@ -215,19 +215,18 @@ struct LoadCollector {
 }  // namespace
 
 LoadAssembler::LoadAssembler(const Scene& scene, const ReducedScene& reduced)
-    : scene_(scene), reduced_(reduced), inputs_(first_inputs(scene)), scene_input_(first_scene_input(scene)) {
+    : scene_(scene), reduced_(reduced), inputs_(first_inputs(scene)) {
   for (std::size_t b = 0; b < scene.bodies.size(); ++b) body_number_[scene.bodies[b].name] = static_cast<int>(b);
   for (std::size_t j = 0; j < scene.joints.size(); ++j) joint_number_[scene.joints[j].name] = static_cast<int>(j);
 }
 
 void LoadAssembler::fill(std::vector<Loads>& loads) const {
-  const int clock = scene_input_ + static_cast<int>(scene_.inputs.size());
-  LoadCollector collector{scene_, reduced_, body_number_, joint_number_, scene_input_, clock, loads};
+  LoadCollector collector{scene_, reduced_, body_number_, joint_number_, inputs_.back().front(), loads};
   collector.prepare();
   for (std::size_t m = 0; m < scene_.motors.size(); ++m)
     collector.motor(static_cast<int>(m), inputs_[sections::motors][m]);
   for (int j = 0; j < static_cast<int>(scene_.joints.size()); ++j)
-    collector.joint(j, inputs_.back()[static_cast<std::size_t>(j)]);
+    collector.joint(j, inputs_[sections::joints][static_cast<std::size_t>(j)]);
   for (std::size_t f = 0; f < scene_.forces.size(); ++f) {
     collector.force(static_cast<int>(f), inputs_[sections::forces][f]);
   }

@@ -26,7 +26,6 @@ class LoadAssembler {
   const ReducedScene& reduced_;
   std::unordered_map<std::string_view, int> body_number_, joint_number_;
   std::vector<std::vector<int>> inputs_;
-  int scene_input_;  // index of the first input of no element
 };
 
 // Potential energy [J] of immobile bodies, springs and stops; gravity's is zero at the world's origin.

@@ -20,12 +20,14 @@ void each_of(std::span<const Field> fields, void* element, const Coordinate& coo
   }
 }
 
-// The same for all expressions, with the place of their element, which is that of a joint for forces along it.
+// The same for all expressions, with place(), that of their element, which is that of a joint for forces along it.
 template <class Visit>
 void each_formula(Scene& scene, Visit visit) {
   for (Joint& joint : scene.joints) {
     const JointKind& kind = *find_joint_kind(joint.type);
-    const ElementPlace place{.name = joint.name, .frames = {}, .joints = {joint.name}, .coordinate = {}};
+    const auto place = [&] {
+      return ElementPlace{.name = joint.name, .frames = {}, .joints = {joint.name}, .coordinate = {}};
+    };
     for (std::size_t i = 0; i < joint.along.size(); ++i) {
       for (const JointForceKind& force : joint_force_kinds()) {
         each_of(force.fields, force.find(*joint.along[i]), coordinate_of(kind, static_cast<int>(i)),
@@ -34,26 +36,25 @@ void each_formula(Scene& scene, Visit visit) {
     }
   }
   if (scene.gravity_field) {
-    ElementPlace everywhere{.name = "gravity", .frames = {}, .joints = {}, .coordinate = {}};
-    for (const Body& body : scene.bodies) everywhere.frames.push_back({.body = body.name, .X_BF = {}});
+    const auto everywhere = [&] {
+      ElementPlace place{.name = "gravity", .frames = {}, .joints = {}, .coordinate = {}};
+      for (const Body& body : scene.bodies) place.frames.push_back({.body = body.name, .X_BF = {}});
+      return place;
+    };
     each_of(GravityField::fields(), &*scene.gravity_field, {},
             [&](Formula& formula, const Field& field, const Coordinate& at) { visit(formula, field, at, everywhere); });
   }
   each_section(scene, [&](const Section&, auto& elements) {
     for (auto& element : elements) {
+      const auto place = [&]() -> const ElementPlace& { return element; };
       each_of(kind_of(*element.is).fields, data_of(*element.is), coordinate_of(scene, element),
-              [&](Formula& formula, const Field& field, const Coordinate& at) { visit(formula, field, at, element); });
+              [&](Formula& formula, const Field& field, const Coordinate& at) { visit(formula, field, at, place); });
     }
   });
 }
 
 bool names(const Formula& formula, std::string_view signal) {
   return std::ranges::find(formula.signal_names(), signal) != formula.signal_names().end();
-}
-
-const SceneInput* input_named(const Scene& scene, const std::string& name) {
-  const auto found = std::ranges::find(scene.inputs, name, &SceneInput::name);
-  return found == scene.inputs.end() ? nullptr : &*found;
 }
 
 }  // namespace
@@ -66,35 +67,25 @@ FormulaNames formula_names(const Scene& scene) {
 
 void renew_formulas(Scene& scene) {
   const FormulaNames names = formula_names(scene);
-  each_formula(scene, [&](Formula& formula, const Field& field, const Coordinate& coordinate, const ElementPlace&) {
+  each_formula(scene, [&](Formula& formula, const Field& field, const Coordinate& coordinate, const auto&) {
     formula.renew(variables_of(field, coordinate), names, field.reads_signals);
   });
 }
 
-std::vector<double> signal_sizes(const Scene& scene, const Formula& formula) {
-  std::vector<double> out;
-  for (const std::string& name : formula.signal_names()) {
-    const SceneInput* input = input_named(scene, name);
-    out.push_back(input == nullptr ? 1 : scene.units.size_of(input->unit));
+void bind_signals(Formula& formula, const Scene& scene, int first_input) {
+  for (std::size_t k = 0; k < formula.signal_names().size(); ++k) {
+    const auto input = std::ranges::find(scene.inputs, formula.signal_names()[k], &SceneInput::name);
+    const int index = first_input + static_cast<int>(input - scene.inputs.begin());
+    formula.bind_signal(k, index, input == scene.inputs.end() ? 1 : scene.units.size_of(input->unit));
   }
-  return out;
-}
-
-std::vector<int> signal_indices(const Scene& scene, const Formula& formula, int first, int clock) {
-  std::vector<int> out;
-  for (const std::string& name : formula.signal_names()) {
-    const SceneInput* input = input_named(scene, name);
-    out.push_back(input == nullptr ? clock : first + static_cast<int>(input - scene.inputs.data()));
-  }
-  return out;
 }
 
 std::vector<ElementPlace> readers_of(const Scene& scene, std::string_view signal) {
   std::vector<ElementPlace> out;
   // NOLINTNEXTLINE(*-const-cast): only read
   each_formula(const_cast<Scene&>(scene),
-               [&](const Formula& formula, const Field&, const Coordinate&, const ElementPlace& place) {
-                 if (names(formula, signal)) out.push_back(place);
+               [&](const Formula& formula, const Field&, const Coordinate&, const auto& place) {
+                 if (names(formula, signal)) out.push_back(place());
                });
   return out;
 }

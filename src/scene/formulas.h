@@ -15,12 +15,9 @@ FormulaNames formula_names(const Scene& scene);
 // Reads the expressions again after constants have changed.
 void renew_formulas(Scene& scene);
 
-// SI values of the units of the signals that a formula names, in the unit system of the scene.
-std::vector<double> signal_sizes(const Scene& scene, const Formula& formula);
-
-// The index of each signal that a formula names among those of a simulation: `first` is that of the scene's first
-// input of no element, and `clock` that of the time.
-std::vector<int> signal_indices(const Scene& scene, const Formula& formula, int first, int clock);
+// Binds the signals that a formula names to their indices in a simulation, where the first input of no element has the
+// index first_input, and the time follows the last one.
+void bind_signals(Formula& formula, const Scene& scene, int first_input);
 
 // The elements of which expressions name this signal, in the order of the file; forces along a joint as this joint.
 std::vector<ElementPlace> readers_of(const Scene& scene, std::string_view signal);

@@ -183,7 +183,8 @@ inline constexpr Section sensors_section = {"sensors", "Outputs in addition to t
 // Indices of the sections in the order of each_section().
 namespace sections {
 inline constexpr int motors = 0, forces = 1, constraints = 2, contacts = 3, sensors = 4;
-}
+inline constexpr int joints = 5;  // after them
+}  // namespace sections
 
 // Calls visit(section, elements) for each section of elements.
 template <class S, class Visit>

@@ -142,10 +142,6 @@ std::vector<Signal> input_signals(const Scene& scene) {
   return signals;
 }
 
-int first_scene_input(const Scene& scene) {
-  return static_cast<int>(input_signals(scene).size() - scene.inputs.size());
-}
-
 std::vector<std::vector<int>> first_inputs(const Scene& scene) {
   std::vector<std::vector<int>> out;
   int input = 0;
@@ -156,11 +152,12 @@ std::vector<std::vector<int>> first_inputs(const Scene& scene) {
       input += input_count(*element.is);
     }
   });
-  std::vector<int>& of_joints = out.emplace_back();
+  out.emplace_back();
   for (const Joint& joint : scene.joints) {
-    of_joints.push_back(input);
+    out[sections::joints].push_back(input);
     for (const Stored<JointForces>& forces : joint.along) input += inputs_along_count(*forces);
   }
+  out.push_back({input});
   return out;
 }
 

@@ -34,9 +34,8 @@ struct Signal {
 // Returns the inputs in the order of the sections and the file, then those of joints (clutches, brakes) and of no
 // element.
 std::vector<Signal> input_signals(const Scene& scene);
-// The index of the first input of no element.
-int first_scene_input(const Scene& scene);
-// Returns, for each section and element and last for the joints, the index of the first input.
+// Returns, for each section and element, then for the joints, the index of the first input; last, alone, that of the
+// first input of no element.
 std::vector<std::vector<int>> first_inputs(const Scene& scene);
 
 // Returns the outputs: joints in file order (coordinates, velocities, accelerations, friction and limits), then

@@ -80,7 +80,7 @@ void read_formula(const Json& value, const std::string& path, Faults& faults, co
 Json texts_of(std::span<const Formula> formulas) {
   Json out;
   for (const Formula& formula : formulas) {
-    if (formula.is_given()) out.push_back(formula.text());
+    if (formula.is_given()) out.push_back(std::string(formula.text()));
   }
   return out;
 }
@@ -170,7 +170,7 @@ void write_fields(Json& to, std::span<const Field> fields, const void* element) 
         }
         break;
       case Field::Type::formula:
-        if (const auto& formula = field.of<Formula>(element); formula.is_given()) value = formula.text();
+        if (const auto& formula = field.of<Formula>(element); formula.is_given()) value = std::string(formula.text());
         break;
       case Field::Type::formulas:
         value = texts_of(formulas_of(field, element));

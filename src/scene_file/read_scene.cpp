@@ -62,31 +62,24 @@ void read_metadata(Fields& fields, Metadata& metadata) {
   }
 }
 
-// Uniform gravity, or a mapping with a field, of which the expressions are read after the names that they use.
-void read_gravity(Fields& fields, Scene& scene) {
-  const Json* value = fields.find("gravity");
-  constexpr const char* keys[] = {"law", "mu", "center", "uniform"};
-  const auto has = [&](const char* key) { return value->contains(key); };
-  if (value == nullptr || !value->is_object() || (!value->empty() && std::ranges::none_of(keys, has))) {
-    scene.gravity = fields.vector("gravity", "m/s2");
+// Uniform gravity, or a mapping with a field.
+void read_gravity(const Json& value, Fields& fields, Reader& reader) {
+  constexpr const char* known[] = {"law", "mu", "center", "uniform"};
+  const auto has = [&](const char* key) { return value.contains(key); };
+  if (!value.is_object() || (!value.empty() && std::ranges::none_of(known, has))) {
+    reader.scene.gravity = fields.vector("gravity", "m/s2");
     return;
   }
-  Fields inner(*value, "gravity", fields.faults(), "a mapping with law, or mu and center");
-  scene.gravity = inner.vector("uniform", "m/s2");
-  scene.gravity_field.emplace();
-}
-
-void read_gravity_field(Fields& fields, Reader& reader) {
-  if (!reader.scene.gravity_field) return;
-  Fields inner(*fields.find("gravity"), "gravity", reader.faults, "a mapping with law, or mu and center");
-  inner.find("uniform");
-  GravityField& field = *reader.scene.gravity_field;
+  const std::size_t before = reader.faults.count();
+  Fields inner(value, "gravity", reader.faults, "a mapping with law, or mu and center");
+  reader.scene.gravity = inner.vector("uniform", "m/s2");
+  GravityField& field = reader.scene.gravity_field.emplace();
   read_fields(inner, GravityField::fields(), &field, {}, reader.names);
   inner.done();
   const bool has_law = field.law.front().is_given();
-  if (has_law && fields.find("gravity")->contains("center"))
+  if (has_law && has("center"))
     reader.faults.add("gravity.center", "a center of a law", "mu and center, or a law alone");
-  if (has_law == field.is_central() && reader.faults.count() == 0)
+  if (has_law == field.is_central() && reader.faults.count() == before)
     reader.faults.add("gravity", has_law ? "law and mu" : "neither law nor mu", "either law, or mu and center");
 }
 
@@ -107,13 +100,14 @@ const Json* required_section(Fields& fields, const std::string& name, const std:
 }
 
 void read_sections(Fields& fields, Scene& scene, SuspectNames& suspect_names) {
+  const Json* gravity = fields.find("gravity");
   const Json* bodies = required_section(fields, "bodies", "at least one body");
   const Json* joints = required_section(fields, "joints", "at least one joint");
   Reader reader{scene, fields.faults(), {}, keys(joints), suspect_names, {}};
   if (const Json* constants = fields.find("constants")) read_constants(*constants, reader);
   if (const Json* inputs = fields.find("inputs")) read_inputs(*inputs, reader);
   reader.names = formula_names(scene);
-  read_gravity_field(fields, reader);
+  if (gravity != nullptr) read_gravity(*gravity, fields, reader);
   if (bodies != nullptr && bodies->is_object()) reader.bodies = {ground};
   for (std::string& name : keys(bodies)) reader.bodies.push_back(std::move(name));
   if (bodies != nullptr) read_bodies(*bodies, reader);
@@ -140,7 +134,6 @@ Scene scene_from_tree(const Json& tree, const std::string& file, Faults& faults)
     SuspectNames suspect_names;
     scene.name = read_name(fields, scene.name);
     read_metadata(fields, scene.metadata);
-    read_gravity(fields, scene);
     read_sections(fields, scene, suspect_names);
     fields.done();
     find_faults(scene, faults, suspect_names);

@@ -47,8 +47,7 @@ EquilibriumRequest Simulation::Impl::part_of(const EquilibriumRequest& request, 
       throw UsageError("the equilibrium cannot be solved for the input " +
                        inputs[static_cast<std::size_t>(input)].name +
                        ", which acts on several mechanisms that are not connected");
-    if (!on.empty() && on.front() == island)
-      out.solve_for.push_back({input, size / input_size[static_cast<std::size_t>(input)]});
+    if (on == std::vector{island}) out.solve_for.push_back({input, size / input_size[static_cast<std::size_t>(input)]});
   }
   for (const int output : request.accelerations) {
     if (readings->island(output) == island) out.accelerations.push_back(output);
@@ -118,8 +117,8 @@ Trim Simulation::Impl::trim(const EquilibriumRequest& request) {
   if (out.end != Equilibrium::End::found) return out;
   for (std::size_t i = 0; i < islands.size(); ++i) {
     for (const auto& [input, size] : request.solve_for) {
-      const std::vector<int>& on = islands_of_input[static_cast<std::size_t>(input)];
-      if (!on.empty() && on.front() == static_cast<int>(i)) u.set(input, found[i].u[static_cast<std::size_t>(input)]);
+      if (islands_of_input[static_cast<std::size_t>(input)] == std::vector{static_cast<int>(i)})
+        u.set(input, found[i].u[static_cast<std::size_t>(input)]);
     }
     prepared.islands[i].start.q = std::move(found[i].q);
     prepared.islands[i].start.v = std::move(found[i].v);

@@ -79,6 +79,13 @@ concept HasPortJacobians = requires(const F& f, const At* at, const double* u) {
 
 inline constexpr std::size_t max_force_ports = 2;
 
+// Whether two ports are so near to each other that the direction between them is not defined.
+template <class At>
+bool coincide(const At* at) {
+  constexpr double min_distance = 1e-9;  // m; below it, rounding errors of 1e-15 m leave fewer than six digits
+  return (at[1].p() - at[0].p()).norm() <= min_distance;
+}
+
 template <class F>
 concept ForceElement = requires {
   { F::kind } -> std::convertible_to<std::string_view>;

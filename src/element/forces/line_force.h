@@ -55,8 +55,7 @@ struct LineForce {
 
   template <class At>
   bool undefined(const At* at) const {
-    constexpr double min_distance = 1e-9;  // m; below it, rounding errors of 1e-15 m leave fewer than six digits
-    return (at[1].p() - at[0].p()).norm() <= min_distance;
+    return coincide(at);
   }
 };
 

@@ -58,8 +58,7 @@ struct SpringDamper {
 
   template <class At>
   bool undefined(const At* at) const {
-    constexpr double min_distance = 1e-9;  // m; below it, rounding errors of 1e-15 m leave fewer than six digits
-    return !is_linear() && !is_idle() && (at[1].p() - at[0].p()).norm() <= min_distance;
+    return !is_linear() && !is_idle() && coincide(at);
   }
 
   // With e the direction, u the velocity of the second end relative to the body of the first and w the angular velocity
