@@ -137,7 +137,7 @@ void export_fmu(const Scene& scene, const std::vector<Runtime>& runtimes, const 
   catalog.declare_states(StateDerivatives(simulation).independent());
 
   const FmuFacts facts{model_identifier(carried.name), fingerprint(json),
-                       simulation.size().degrees_of_freedom + simulation.size().free_coordinates};
+                       simulation.size().states()};
   const Picture picture = draw(simulation);
   Zip zip(compress);
   zip.add("modelDescription.xml",

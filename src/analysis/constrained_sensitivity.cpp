@@ -65,6 +65,7 @@ ConstrainedSensitivity::ConstrainedSensitivity(const Mechanism& mechanism, const
       u_(inputs),
       vdot_(mechanism.nv),
       lambda_(mechanism.rows),
+      rates_(loads.states()),
       x_in_time_(mechanism.nv) {
   for (int k = 0; k < mechanism.nv; ++k) {
     if (std::ranges::find(independent.coordinates, k) == independent.coordinates.end()) {
@@ -99,6 +100,7 @@ void ConstrainedSensitivity::set_point(const double* q, const double* v, const d
   d.factorize();
   d.set_velocity(v);
   d.solve(u, vdot_.data());
+  d.readings().state_rates(u, rates_.data());
   holding_ = d.switching_forces().holding_forces().values();
   if (!is_empty(*loads_.forces)) {
     d.readings().set_root_poses();
@@ -237,7 +239,9 @@ MovedState ConstrainedSensitivity::state_derivative(const MatrixXd& dq, const Ma
   const Index nv = mechanism_.nv;
   const Index n = dq.cols();
   MovedState out;
-  out.y.resize(nq + 2 * nv, n);
+  const Index states = rates_.size();
+  out.y.resize(nq + 2 * nv + states, n);
+  out.y.bottomRows(states) = du.bottomRows(states);
   auto q = out.y.topRows(nq);
   auto v = out.y.middleRows(nq, nv);
   q = complete_dq(dq, du);
@@ -257,10 +261,14 @@ MovedState ConstrainedSensitivity::state_derivative(const MatrixXd& dq, const Ma
   if (mechanism_.rows > 0) {
     c.noalias() = jacobians_.c * out.y.topRows(nq + nv);
   }
+  if (states > 0) {
+    out.state_rates = jacobians_.rates * out.y.topRows(nq + nv);
+    out.state_rates.noalias() += jacobians_.rates_u.leftCols(inputs_) * du;
+  }
   add_product(jacobians_.r, out.y, nq + nv, r);
   add_product(jacobians_.r_u, du, inputs_, r);
   dynamics_->solve_linear_columns(r.data(), c.data(), static_cast<int>(n));
-  out.y.bottomRows(nv) = -r;
+  out.y.middleRows(nq + nv, nv) = -r;
   if (nq == nv) return out;
   out.qdot.setZero(nq, n);
   add_product(jacobians_.qdot_q, q, nq, out.qdot);

@@ -57,19 +57,20 @@ struct CarriedState {
   std::unique_ptr<ResidualEvaluator<T>> equations;
 };
 
-// Sensitivities of a state, by columns: (dq, dv, dvdot) stacked; with quaternions also the change of qdot.
+// Sensitivities of a state, by columns: (dq, dv, dvdot, those of element states) stacked; with quaternions also the
+// change of qdot; and of the rates of the element states.
 struct MovedState {
-  Eigen::MatrixXd y, qdot;
+  Eigen::MatrixXd y, qdot, state_rates;
 };
 
 // Uses its own workspace, so it does not affect a run. Allocates.
 class ConstrainedSensitivity {
  public:
-  // mobility, independent: of this mechanism. inputs: number of inputs of the scene.
+  // mobility, independent: of this mechanism. inputs: number of signals (kinematics/loads.h) without coordinates.
   ConstrainedSensitivity(const Mechanism& mechanism, const Loads& loads, const MobilityAnalysis& mobility,
                          const Independent& independent, int inputs);
 
-  // Sets the point of differentiation: q, v, all inputs u, coordinates of cut joints with full turns counted, and the
+  // Sets the point of differentiation: q, v, these signals u, coordinates of cut joints with full turns counted, and the
   // target of each coordinate row with its time derivatives.
   // Throws SingularMass, and NotDifferentiablePoint if the constraint Jacobian has lost rank or the ends of a spring
   // meet.
@@ -82,6 +83,7 @@ class ConstrainedSensitivity {
   // The present point: (q, v, vdot) stacked, and qdot.
   Eigen::VectorXd point() const;
   Eigen::VectorXd qdot() const;
+  const Eigen::VectorXd& state_rates() const { return rates_; }  // of the element states
 
   // Derivatives along up to dual_directions directions, the columns of dq (nq), dv (nv) and du (inputs). Only the
   // components of independent coordinates and velocities are used; of a quaternion only the part that rotates, as if it
@@ -131,7 +133,7 @@ class ConstrainedSensitivity {
   std::vector<int> sides_;       // held modes
   std::vector<double> holding_;  // forces, by lock
   std::vector<Series> holding_in_time_;
-  Eigen::VectorXd q_, v_, u_, vdot_, lambda_;
+  Eigen::VectorXd q_, v_, u_, vdot_, lambda_, rates_;
   std::vector<double> cut_q_;
   Eigen::MatrixXd J_;
   Stages stages_;

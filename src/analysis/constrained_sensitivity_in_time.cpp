@@ -12,7 +12,10 @@ using Eigen::VectorXd;
 CarriedState<Series>& ConstrainedSensitivity::time_derivatives(const double* udot, const double* uddot) {
   begin(series_state_);
   ResidualEvaluator<Series>& e = *series_state_.equations;
-  for (int i = 0; i < inputs_; ++i) series_state_.u[i] = Series({u_[i], udot[i], uddot[i] / 2});
+  const int given = inputs_ - loads_.states();
+  for (int i = 0; i < given; ++i) series_state_.u[i] = Series({u_[i], udot[i], uddot[i] / 2});
+  std::vector<Series> rates(rates_.begin(), rates_.end());
+  for (int i = given; i < inputs_; ++i) series_state_.u[i] = Series(u_[i]);
   expand_targets(udot, uddot);
   if (redundant_) set_values(x_, x_in_time_);
   holding_in_time_.assign(holding_.begin(), holding_.end());
@@ -24,7 +27,9 @@ CarriedState<Series>& ConstrainedSensitivity::time_derivatives(const double* udo
     e.set_velocity(series_state_.v.data());
     for (int i = 0; i < mechanism_.nq; ++i) series_state_.q[i][k] = e.qdot()[i][k - 1] / k;
     e.set_position(series_state_.q.data());
+    for (std::size_t i = 0; i < rates.size(); ++i) series_state_.u[given + i][k] = rates[i][k - 1] / k;
     expand_acceleration(k);
+    e.state_rates(series_state_.u.data(), rates.data());
   }
   if (dynamics_->switching_forces().is_redundant()) {
     for (std::vector<Series>* of : {&series_state_.lambda, &holding_in_time_}) {

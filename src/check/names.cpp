@@ -120,7 +120,7 @@ bool is_taken(const std::string& name) {
          expression::Library::has(name);
 }
 
-// The names of constants and inputs, which expressions use.
+// The names of constants, inputs and states, which expressions use.
 void check_own_names(const Scene& scene, Faults& faults) {
   std::map<std::string, std::string> seen;
   const auto add_elements = [&](const std::string& section, const auto& elements) {
@@ -141,6 +141,7 @@ void check_own_names(const Scene& scene, Faults& faults) {
   };
   for (const FormulaNames::Constant& constant : scene.constants) check("constants", constant.name);
   for (const SceneInput& input : scene.inputs) check("inputs", input.name);
+  for (const ElementState& state : scene.states) check("states", state.name);
 }
 
 }  // namespace
@@ -150,6 +151,7 @@ void check_names(const Scene& scene, Faults& faults) {
   check_section(scene.joints, "joints", faults);
   check_section(scene.constants, "constants", faults);
   check_section(scene.inputs, "inputs", faults);
+  check_section(scene.states, "states", faults);
   check_own_names(scene, faults);
   each_section(scene, [&](const Section& section, const auto& elements) {
     check_section(elements, std::string(section.name), faults);

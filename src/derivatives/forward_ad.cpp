@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "kinematics/loads.h"
 #include "mechanism/mechanism.h"
 
 namespace gelenk {
@@ -24,7 +25,8 @@ Differentiator::Differentiator(const Mechanism& mechanism, const Loads& loads, i
       u_(inputs),
       vdot_(mechanism.nv),
       lambda_(mechanism.rows),
-      targets_(3 * mechanism.coordinate_rows.size()) {}
+      targets_(3 * mechanism.coordinate_rows.size()),
+      rates_(loads.rates.size()) {}
 
 // Evaluates the residuals for the directions seeded in q, v, u.
 void Differentiator::run(const LinearizationPoint& at) {
@@ -33,6 +35,7 @@ void Differentiator::run(const LinearizationPoint& at) {
   residuals_->set_position(q_.data());
   residuals_->set_velocity(v_.data());
   residuals_->set_acceleration(u_.data(), vdot_.data(), lambda_.data());
+  residuals_->state_rates(u_.data(), rates_.data());
 }
 
 // Differentiates with respect to all of `in`, dual_directions numbers at a time. store(c, k) saves direction k of the
@@ -52,7 +55,8 @@ void Differentiator::sweep(const LinearizationPoint& at, std::vector<Dual>& in, 
 
 void Differentiator::operator()(const LinearizationPoint& at, Jacobians& out) {
   const auto nq = static_cast<int>(q_.size());
-  out.clear(nq, static_cast<int>(v_.size()), static_cast<int>(lambda_.size()), static_cast<int>(u_.size()));
+  out.clear(nq, static_cast<int>(v_.size()), static_cast<int>(lambda_.size()), static_cast<int>(u_.size()),
+            static_cast<int>(rates_.size()));
   copy(at.q, q_);
   copy(at.v, v_);
   copy(at.u, u_);
@@ -64,6 +68,7 @@ void Differentiator::operator()(const LinearizationPoint& at, Jacobians& out) {
     store_column(e.force_residual(), k, out.r, c);
     store_column(e.acceleration_residual(), k, out.c, c);
     store_column(e.qdot(), k, out.qdot_q, c);
+    store_column(rates_, k, out.rates, c);
     if (!out.of_rows) return;
     store_column(e.Phi(), k, out.Phi_q, c);
     store_column(e.row_rates(), k, out.rate_q, c);
@@ -72,8 +77,13 @@ void Differentiator::operator()(const LinearizationPoint& at, Jacobians& out) {
     store_column(e.force_residual(), k, out.r, nq + c);
     store_column(e.acceleration_residual(), k, out.c, nq + c);
     store_column(e.qdot(), k, out.qdot_v, c);
+    store_column(rates_, k, out.rates, nq + c);
   });
-  if (out.of_inputs) sweep(at, u_, [&](int c, int k) { store_column(e.force_residual(), k, out.r_u, c); });
+  if (!out.of_inputs && rates_.empty()) return;
+  sweep(at, u_, [&](int c, int k) {
+    store_column(e.force_residual(), k, out.r_u, c);
+    store_column(rates_, k, out.rates_u, c);
+  });
 }
 
 }  // namespace gelenk

@@ -30,6 +30,7 @@ class Differentiator {
 
   std::unique_ptr<ResidualEvaluator<Dual>> residuals_;
   std::vector<Dual> q_, v_, u_, vdot_, lambda_, targets_;
+  std::vector<Dual> rates_;  // of the element states
 };
 
 }  // namespace gelenk

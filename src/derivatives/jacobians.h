@@ -20,7 +20,9 @@ struct Jacobians {
   bool of_rows = true, of_inputs = false;
 
   RowMatrix r, c;                  // nv x (nq + nv), rows x (nq + nv): with respect to q, then to v
-  RowMatrix r_u;                   // nv x inputs of the scene
+  RowMatrix r_u;                   // nv x signals, or more; also set if there are element states
+  // Of the rates of the element states: states x (nq + nv), with respect to q, then to v, and states x signals.
+  RowMatrix rates, rates_u;
   RowMatrix Phi_q, rate_q;         // rows x nq: of Phi and of J v; the derivative of J v in v is J
   Eigen::MatrixXd qdot_q, qdot_v;  // nq x nq, nq x nv
 
@@ -29,15 +31,15 @@ struct Jacobians {
   auto c_q() { return c.leftCols(qdot_q.rows()); }
   auto c_v() { return c.rightCols(r.rows()); }
 
-  // Resizes all matrices and sets them to zero.
-  void clear(int nq, int nv, int rows, int inputs);
+  // Resizes all matrices and sets them to zero; those of element states have `states` rows.
+  void clear(int nq, int nv, int rows, int inputs, int states = 0);
 };
 
 // The point at which Jacobians are taken.
 struct LinearizationPoint {
   const double* q;
   const double* v;
-  const double* u;  // all inputs of the scene
+  const double* u;  // all signals (kinematics/loads.h)
   const double* vdot;
   const double* lambda;
   const double* cut_reference;     // angles of cut joints, full revolutions included

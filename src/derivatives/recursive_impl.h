@@ -92,7 +92,7 @@ typename RecursiveJacobians<A>::LinkPair RecursiveJacobians<A>::link_pair(std::v
 
 template <class A>
 void RecursiveJacobians<A>::operator()(const LinearizationPoint& at, int inputs, Jacobians& out) {
-  out.clear(model_.nq, model_.nv, model_.rows, inputs);
+  out.clear(model_.nq, model_.nv, model_.rows, inputs, loads_.states());
   if (has_quaternions_) {
     tangent_.of_rows = out.of_rows;
     tangent_.clear(model_.nv, model_.nv, model_.rows, 0);

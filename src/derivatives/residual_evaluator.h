@@ -25,7 +25,7 @@ class ResidualEvaluator : public Readings<T> {
   // --- to be called in this order; each uses the results of the earlier ones, and any may be called again ---
   virtual void set_position(const T* q) = 0;
   virtual void set_velocity(const T* v) = 0;
-  // u: all inputs of the scene.
+  // u: the inputs of the scene and its clock, and the element states.
   virtual void set_acceleration(const T* u, const T* vdot, const T* lambda) = 0;
 
   // Sets the coordinates of cut joints with full revolutions; cut_nq numbers.

@@ -8,6 +8,7 @@
 #include "derivatives/forward_ad.h"
 #include "derivatives/held_branches.h"
 #include "derivatives/recursive.h"
+#include "derivatives/signal_derivatives.h"
 #include "dynamics/joint_modes.h"
 #include "dynamics/last_solution.h"
 #include "dynamics/law_kinks_of.h"
@@ -126,7 +127,8 @@ class DynamicsOf final : public WithKinematics<A, AllOfDynamics> {
   long solution() const override { return last_.number(); }
   void loads_changed() override { last_.drop(); }
 
-  void solve(const double* u, double* vdot, const double* extrapolated) override {
+  void solve(const double* given, double* vdot, const double* extrapolated) override {
+    const double* const u = this->with_coordinates(given);
     const bool may_repeat = extrapolated == nullptr && depends_on_conditions_alone();
     if (may_repeat && last_.is_for(conditions(u))) {
       ++evaluations_;
@@ -159,7 +161,8 @@ class DynamicsOf final : public WithKinematics<A, AllOfDynamics> {
 
   void set_constraint_bias(const double* bias) override { constraint_bias_ = bias; }
 
-  void assemble(const double* u, double* M, double* f) override {
+  void assemble(const double* given, double* M, double* f) override {
+    const double* const u = this->with_coordinates(given);
     factors_.drop();
     M_.matrix(M);
     if (model_.rows > 0) fill_jacobian();
@@ -175,16 +178,23 @@ class DynamicsOf final : public WithKinematics<A, AllOfDynamics> {
     kernels::accelerations(model_, vdot, ws_);
   }
 
-  void differentiate(const double* u, int inputs, const double* vdot, Jacobians& out, const double* lambda,
+  void differentiate(const double* given, int inputs, const double* vdot, Jacobians& out, const double* lambda,
                      bool by_duals) override {
+    const double* const u = this->with_coordinates(given);
     if (model_.rows > 0 && lambda == nullptr) Y_.multipliers(ws_.lambda.data());
     if (lambda == nullptr) lambda = ws_.lambda.data();
     const LinearizationPoint at{q_.data(),       v_.data(),        u, vdot, lambda, cut_reference_.data(),
                                 targets_.data(), modes_.held(true)};
     const bool has_loads = !modes_.loads().empty();
-    if (!by_duals && !has_loads) {
+    if (!by_duals && !has_loads && !names_cut_coordinates(loads_)) {
       if (!recursive_) recursive_ = std::make_unique<RecursiveJacobians<A>>(model_, ws_, loads_);
-      (*recursive_)(at, inputs, out);
+      const bool of_inputs = out.of_inputs;
+      const int coordinates = static_cast<int>(loads_.coordinates.size());
+      out.of_inputs = of_inputs || loads_.states() > 0 || coordinates > 0;
+      (*recursive_)(at, coordinates > 0 ? loads_.first_coordinate() + coordinates : inputs, out);
+      differentiate_states(loads_, u, out);
+      fold_coordinates(loads_, out);
+      out.of_inputs = of_inputs;
     } else {
       if (!forward_ad_) forward_ad_ = std::make_unique<Differentiator>(mechanism_, loads_, inputs);
       forward_ad_->hold(has_loads ? modes_.held() : nullptr);
@@ -251,6 +261,7 @@ class DynamicsOf final : public WithKinematics<A, AllOfDynamics> {
     last_.drop();
   }
 
+  const double* all_signals(const double* u) override { return this->with_coordinates(u); }
   void set_multipliers(const double* lambda) override {
     std::copy(lambda, lambda + model_.rows, ws_.lambda.begin());
     kernels::constraint_wrenches(model_, ws_);

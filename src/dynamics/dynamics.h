@@ -4,7 +4,8 @@
 //   M(q) vdot + h(q, v) + J(q)^T lambda = tau(q, v, u)      Phi(q, t) = 0,   J v = b(t),   J vdot = gamma(q, v, t)
 //
 // One object per instance and thread. No function allocates memory unless its comment says so. Arrays: q (nq), v, vdot,
-// tau (nv), lambda and constraint equations (rows), u (all inputs of the scene), in the mechanism's signs and order.
+// tau (nv), lambda and constraint equations (rows), u (the inputs of the scene and its clock, and the element states), in
+// the mechanism's signs and order.
 #pragma once
 
 #include <memory>
@@ -35,6 +36,8 @@ class StateReadings : public Readings<double> {
   // The acceleration of a link without generalized accelerations, in its frame, with the upward one in place of
   // gravity; after set_velocity.
   virtual Spatial::Motion link_bias_acceleration(int link) const = 0;
+  // u, followed by the coordinates that expressions name (kinematics/loads.h); after set_velocity.
+  virtual const double* all_signals(const double* u) = 0;
   // Makes tree_reaction() and cut_reaction() return the wrenches of these multipliers alone, at rest without loads.
   virtual void set_multipliers(const double* lambda) = 0;
 };

@@ -56,6 +56,7 @@ class JointLaws {
     for (const int input : input_numbers_) inputs_[static_cast<std::size_t>(input)] = u[input];
   }
   std::span<double> inputs() { return inputs_; }
+  std::span<const double> inputs() const { return inputs_; }
   const double* all_inputs() const { return inputs_.data(); }
   template <class Force>
   const double* inputs_of(const Force& force) const {
@@ -205,12 +206,14 @@ class JointLaws {
     };
     look(state_.loads.tree);
     for (const JointLoads& on : state_.loads.cuts) look(on);
-    each_formula(std::as_const(*state_.loads.forces), [&](const Formula& formula, int) {
+    const auto add_all = [&](const Formula& formula) {
       for (const int input : formula.signals()) {
         input_numbers_.push_back(input);
         end = std::max(end, input + 1);
       }
-    });
+    };
+    each_formula(std::as_const(*state_.loads.forces), [&](const Formula& formula, int) { add_all(formula); });
+    for (const Formula& rate : state_.loads.rates) add_all(rate);
     inputs_.resize(static_cast<std::size_t>(end) + 1);
   }
 

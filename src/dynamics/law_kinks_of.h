@@ -12,6 +12,7 @@
 
 #include "dynamics/joint_laws.h"
 #include "dynamics/law_kinks.h"
+#include "kinematics/named_coordinates.h"
 #include "math/dual.h"
 
 namespace gelenk {
@@ -31,6 +32,14 @@ class LawKinksOf final : public LawKinks {
       look(formula);
       between_bodies_ = between_bodies_ || formula.branches() > 0;
     });
+    for (const Formula& rate : state_.loads.rates) look(rate);
+    if (count_ > 0 && (state_.loads.states() > 0 || !state_.loads.coordinates.empty())) {
+      const auto signals = static_cast<std::size_t>(state_.loads.first_coordinate()) + state_.loads.coordinates.size();
+      signals_.resize(signals);
+      rates_.resize(signals, NAN);
+      const auto is_rate = [](const NamedCoordinate& of) { return of.is_rate; };
+      depends_on_speed_ = depends_on_speed_ || std::ranges::any_of(state_.loads.coordinates, is_rate);
+    }
     courses_.resize(static_cast<std::size_t>(count_));
     values_.resize(courses_.size());
     arguments_.resize(courses_.size());
@@ -41,7 +50,15 @@ class LawKinksOf final : public LawKinks {
 
   void indicators(const double* vdot, double* g, double* gdot) override {
     using At = kernels::BranchDirections;
-    if (between_bodies_) kernels::force_branches(state_.loads, laws_.all_inputs(), state_.ws, arguments_.data());
+    const double* const all = signals();
+    find_rates(vdot);
+    const double* const rates = rates_.empty() ? nullptr : rates_.data();
+    if (between_bodies_) kernels::force_branches(state_.loads, all, rates, state_.ws, arguments_.data());
+    for (const Formula& rate : state_.loads.rates) {
+      std::array<Dual, Formula::max_signals> signals;
+      rate.take_signals(all, rates, At::of_signals, signals.data());
+      rate.decide<Dual>(nullptr, signals.data(), arguments_.data() + rate.first_branch());
+    }
     laws_.each_branching([&](const auto& force, int cut, const double* q, const double* v) {
       Dual at(force.sign * q[force.q]);
       Dual speed(force.sign * v[force.v]);
@@ -51,7 +68,7 @@ class LawKinksOf final : public LawKinks {
       speed.derivatives()[vdot == nullptr ? At::velocity : At::position + 1] = 1;  // whether its rate is unknown
       std::array<Dual, Formula::max_signals> signals;
       const Formula& formula = force.element.formula();
-      formula.take_signals(laws_.all_inputs(), At::along_motion, At::inputs, signals.data());
+      formula.take_signals(all, rates, At::of_signals, signals.data());
       force.element.decide(at, speed, signals.data(), arguments_.data() + formula.first_branch());
     });
     for (int i = 0; i < count_; ++i) {
@@ -71,11 +88,17 @@ class LawKinksOf final : public LawKinks {
 
   bool are_passed() override {
     if (held_branches() == nullptr || count_ == 0) return false;
-    if (between_bodies_) kernels::force_branches(state_.loads, laws_.all_inputs(), state_.ws, values_.data());
+    const double* const all = signals();
+    if (between_bodies_) kernels::force_branches(state_.loads, all, nullptr, state_.ws, values_.data());
+    for (const Formula& rate : state_.loads.rates) {
+      std::array<double, Formula::max_signals> signals;
+      rate.take_signals(all, signals.data());
+      rate.decide<double>(nullptr, signals.data(), values_.data() + rate.first_branch());
+    }
     laws_.each_branching([&](const auto& force, int, const double* q, const double* v) {
       std::array<double, Formula::max_signals> signals;
       const Formula& formula = force.element.formula();
-      formula.take_signals(laws_.all_inputs(), signals.data());
+      formula.take_signals(all, signals.data());
       double* const out = values_.data() + formula.first_branch();
       force.element.decide(force.sign * q[force.q], force.sign * v[force.v], signals.data(), out);
     });
@@ -88,6 +111,28 @@ class LawKinksOf final : public LawKinks {
   }
 
  private:
+  // All signals; coordinates that are named are those of the present state.
+  const double* signals() {
+    if (signals_.empty()) return laws_.all_inputs();
+    const std::span<const double> kept = laws_.inputs();
+    std::copy_n(kept.begin(), std::min(kept.size(), signals_.size()), signals_.begin());
+    kernels::named_coordinates(state_.model, state_.loads, state_.ws, state_.q.data(), state_.v.data(),
+                               state_.cut_reference.data(), signals_.data() + state_.loads.first_coordinate());
+    return signals_.data();
+  }
+
+  // The rates of the signals that have one, after signals(). vdot: the accelerations, or null.
+  void find_rates(const double* vdot) {
+    if (rates_.empty()) return;
+    double* out = rates_.data() + state_.loads.first_state;
+    for (const Formula& rate : state_.loads.rates) *out++ = rate.value_among<double>(nullptr, signals_.data());
+    for (const NamedCoordinate& of : state_.loads.coordinates) {
+      const bool in_tree = of.cut < 0;
+      const double* const rates = of.is_rate ? vdot : state_.v.data();
+      *out++ = !of.moves ? 0 : in_tree && rates != nullptr ? of.sign * rates[of.v] : NAN;
+    }
+  }
+
   // Part of the natural units of a coordinate and its speed that is rounding of the state.
   static constexpr double state_rounding = 1e-13;
 
@@ -133,6 +178,8 @@ class LawKinksOf final : public LawKinks {
   std::vector<Course> courses_;  // by indicator
   std::vector<double> values_;   // by indicator: workspace
   std::vector<Dual> arguments_;  // by indicator: workspace
+  // If there are element states, or coordinates that expressions name: all signals, and their rates or NaN.
+  std::vector<double> signals_, rates_;
 };
 
 }  // namespace gelenk

@@ -47,7 +47,7 @@ void EventModes::indicator_values(double t, const double* y, double* g, double* 
   dynamics_.set_velocity(y + nq_);
   locks_.indicators(vdot, g, gdot);
   if (kinks_.count() > 0) {
-    equations_.bring_inputs(t);
+    equations_.bring_inputs(t, y);
     kinks_.indicators(vdot, g + switching_indicators(), gdot + switching_indicators());
   }
   forces_.loads().indicators(g + own_indicators());

@@ -34,7 +34,7 @@ void JointDecisions::begin(double t, const double* y) {
   problem_.locks.clear();
   problem_.unstoppable = {};
   if (modes_.empty()) return;
-  modes_.equations_.bring_inputs(t);  // on which limits depend
+  modes_.equations_.bring_inputs(t, y);  // on which limits depend
   const double* v = y + modes_.nq_;
   before_ = next_ = modes_.state();
   for (int i = 0; i < modes_.count(); ++i) {

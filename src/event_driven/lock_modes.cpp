@@ -85,7 +85,7 @@ const double* LockModes::accelerations(double t, const double* y) {
   dynamics_.set_position(y);
   dynamics_.set_velocity(y + nq_);
   const bool needs_all = (!owns_all_ && forces_.needs_accelerations()) || dynamics_.kinks().need_accelerations();
-  const bool may_stop = any_friction_ && (equations_.bring_inputs(t) || any_can_stick(forces_));
+  const bool may_stop = any_friction_ && (equations_.bring_inputs(t, y) || any_can_stick(forces_));
   if (!any_at_rest_ && !needs_all && !may_stop) return nullptr;
   find_holding_forces(t, y);
   if (needs_all) dynamics_.set_acceleration(vdot_.data());  // of cut joints, too

@@ -10,8 +10,9 @@ class ModeEquations {
   virtual void accelerations_at(double t, const double* y, double* vdot) = 0;
   // Called when a remembered mode has changed.
   virtual void mode_changed() = 0;
-  // Brings the inputs of `dynamics` to t; returns whether they change from there on.
-  virtual bool bring_inputs(double t) = 0;
+  // Brings the inputs of `dynamics` to t, and the element states to those in y; returns whether they change from there
+  // on.
+  virtual bool bring_inputs(double t, const double* y) = 0;
 
  protected:
   ~ModeEquations() = default;

@@ -21,7 +21,7 @@ namespace gelenk::expression {
 
 struct Names {
   std::function<std::optional<Term>(std::string_view)> find;  // the term with a name
-  std::vector<std::string> known;                             // for suggestions
+  std::function<std::vector<std::string>()> known;            // all of them, for suggestions
 };
 
 inline constexpr std::size_t max_length = 10'000;  // of a text, in bytes

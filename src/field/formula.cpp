@@ -9,6 +9,23 @@
 #include "expression/parse.h"
 
 namespace gelenk {
+namespace {
+
+std::vector<std::string> all_names(std::span<const FormulaVariable> variables, const FormulaNames& known,
+                                   bool reads_signals) {
+  std::vector<std::string> out;
+  for (const FormulaVariable& variable : variables) {
+    if (!variable.name.empty()) out.emplace_back(variable.name);
+  }
+  for (const FormulaNames::Constant& constant : known.constants) out.push_back(constant.name);
+  if (!reads_signals) return out;
+  out.insert(out.end(), known.signals.begin(), known.signals.end());
+  out.emplace_back(time_signal);
+  if (known.coordinates != nullptr) out.insert(out.end(), known.coordinates->begin(), known.coordinates->end());
+  return out;
+}
+
+}  // namespace
 
 Formula::Formula(std::string text, std::span<const FormulaVariable> variables, const FormulaNames& known,
                  bool reads_signals) {
@@ -17,23 +34,19 @@ Formula::Formula(std::string text, std::span<const FormulaVariable> variables, c
   parsed->count = variables.size();
   expression::Graph& graph = parsed->graph;
   std::vector<std::string>& named = parsed->signals;
+  const auto is_signal = [&](std::string_view name) {
+    if (!reads_signals) return false;
+    if (name == time_signal || std::ranges::find(known.signals, name) != known.signals.end()) return true;
+    return known.coordinates != nullptr && known.coordinates->contains(std::string(name));
+  };
   expression::Names names;
-  for (const FormulaVariable& variable : variables) {
-    if (!variable.name.empty()) names.known.emplace_back(variable.name);
-  }
-  for (const FormulaNames::Constant& constant : known.constants) names.known.push_back(constant.name);
-  std::vector<std::string> signals;
-  if (reads_signals) {
-    signals = known.signals;
-    signals.emplace_back(time_signal);
-    names.known.insert(names.known.end(), signals.begin(), signals.end());
-  }
+  names.known = [&] { return all_names(variables, known, reads_signals); };
   names.find = [&](std::string_view name) -> std::optional<expression::Term> {
     const auto found = std::ranges::find(variables, name, &FormulaVariable::name);
     if (found != variables.end()) return graph.variable(static_cast<int>(found - variables.begin()));
     const auto constant = std::ranges::find(known.constants, name, &FormulaNames::Constant::name);
     if (constant != known.constants.end()) return graph.constant(constant->value);
-    if (std::ranges::find(signals, name) == signals.end()) return std::nullopt;
+    if (!is_signal(name)) return std::nullopt;
     const auto signal = std::ranges::find(named, name);
     const auto k = static_cast<std::size_t>(signal - named.begin());
     if (signal == named.end()) named.emplace_back(name);
@@ -43,7 +56,7 @@ Formula::Formula(std::string text, std::span<const FormulaVariable> variables, c
   parsed->term = expression::parse(graph, parsed->text, names);
   if (named.size() > max_signals) {
     throw expression::SyntaxError(0, parsed->text.size(),
-                                  "found " + std::to_string(named.size()) + " inputs and t, expected at most " +
+                                  "found " + std::to_string(named.size()) + " inputs, states and coordinates, expected at most " +
                                       std::to_string(max_signals) + " in one expression");
   }
   try {

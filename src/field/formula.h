@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <unordered_set>
 #include <vector>
 
 #include "expression/error.h"
@@ -29,7 +30,9 @@ struct FormulaNames {
     double value = 0;
   };
   std::vector<Constant> constants;
-  std::vector<std::string> signals;  // inputs of the scene
+  std::vector<std::string> signals;  // inputs of the scene and states of elements
+  // Coordinates of joints and their rates, such as "A.phi", in any order; null: none.
+  std::shared_ptr<const std::unordered_set<std::string>> coordinates;
 };
 inline constexpr std::string_view time_signal = "t";
 
@@ -45,8 +48,8 @@ class Formula {
   static constexpr std::size_t max_signals = dual_directions - 2;
 
   Formula() = default;  // not given
-  // reads_signals: whether it may also name the time t and the signals. Throws expression::SyntaxError, also for a text
-  // that is too long to be evaluated.
+  // reads_signals: whether it may also name the time t, the signals and the coordinates. Throws
+  // expression::SyntaxError, also for a text that is too long to be evaluated.
   Formula(std::string text, std::span<const FormulaVariable> variables, const FormulaNames& known = {},
           bool reads_signals = false);
 
@@ -105,16 +108,26 @@ class Formula {
     take_signals(all, named.data());
     return value(variables, named.data());
   }
-  // The signals that it names, from all; or with derivatives in these directions with respect to the time and the
-  // others.
+  // The signals that it names, from all.
   template <class T>
   void take_signals(const T* all, T* named) const {
     for (std::size_t k = 0; k < parsed_->signals.size(); ++k) named[k] = all[signals_[k]];
   }
-  void take_signals(const double* all, int of_time, int of_inputs, Dual* named) const {
+  // The same with derivatives: along the motion by their rates, of which those that are not known are NaN; with respect
+  // to signals of known rate, and to the others. rates: of all but the time; null: none is known.
+  struct SignalDirections {
+    int along_motion, known, unknown;
+  };
+  void take_signals(const double* all, const double* rates, const SignalDirections& along, Dual* named) const {
     for (std::size_t k = 0; k < parsed_->signals.size(); ++k) {
       named[k] = Dual(all[signals_[k]]);
-      named[k].derivatives()[k == parsed_->clock ? of_time : of_inputs] = 1;
+      const double rate = k == parsed_->clock ? 1 : rates == nullptr ? NAN : rates[signals_[k]];
+      if (std::isnan(rate)) {
+        named[k].derivatives()[along.unknown] = 1;
+        continue;
+      }
+      named[k].derivatives()[along.along_motion] = rate;
+      if (k != parsed_->clock) named[k].derivatives()[along.known] = 1;
     }
   }
   // The same, on the branches of the state, with what decides on each of them: the first one is taken where that is

@@ -1,18 +1,44 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "formulation/drives.h"
 
+#include <algorithm>
+
 namespace gelenk {
 
-Drives::Drives(const Mechanism& mechanism, Dynamics& dynamics, Inputs& inputs)
-    : dynamics_(dynamics), inputs_(inputs), targets_(mechanism), rows_(mechanism.coordinate_rows.size()) {}
+Drives::Drives(const Mechanism& mechanism, Dynamics& dynamics, Inputs& inputs, int states)
+    : dynamics_(dynamics),
+      inputs_(inputs),
+      targets_(mechanism),
+      rows_(mechanism.coordinate_rows.size()),
+      states_(states),
+      first_(mechanism.nq + mechanism.nv),
+      signals_(states == 0 ? 0 : static_cast<std::size_t>(count())),
+      others_(signals_) {}
 
 void Drives::go_to(double t) {
   inputs_.go_to(t);
+  if (states_ > 0) std::ranges::copy(inputs_.now(), signals_.begin());
   if (!targets_.none()) dynamics_.set_targets(targets_.at(t, inputs_));
 }
 
-void Drives::go_to_outputs(double t) {
+void Drives::go_to(double t, const double* y) {
+  go_to(t);
+  if (states_ > 0) std::copy_n(y + first_, states_, signals_.end() - states_);
+}
+
+const std::vector<double>& Drives::u(const Inputs& others) {
+  if (states_ == 0) return others.now();
+  others_ = signals_;
+  std::ranges::copy(others.now(), others_.begin());
+  return others_;
+}
+
+void Drives::go_to_outputs(double t, const double* y) {
   inputs_.go_to(t);
+  if (states_ > 0) {
+    std::ranges::copy(inputs_.now(), signals_.begin());
+    std::copy_n(y + first_, states_, signals_.end() - states_);
+  }
   if (targets_.none()) return;
   dynamics_.set_targets(is_at_end_of_step_ ? targets_.at(t, inputs_) : targets_.as_read(t, inputs_));
 }

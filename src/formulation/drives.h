@@ -12,13 +12,16 @@ namespace gelenk {
 
 class Drives {
  public:
-  Drives(const Mechanism& mechanism, Dynamics& dynamics, Inputs& inputs);
+  // states: number of element states, which follow (q, v) in y.
+  Drives(const Mechanism& mechanism, Dynamics& dynamics, Inputs& inputs, int states);
 
   // Evaluates the inputs and the time-dependent targets at t [s].
   void go_to(double t);
+  // The same, and sets the element states to those in y = (q, v, states).
+  void go_to(double t, const double* y);
   // The same for outputs at the present time of the run: derivatives are those of the motion that has led there
   // (Inputs::rate).
-  void go_to_outputs(double t);
+  void go_to_outputs(double t, const double* y);
   // During its lifetime outputs show motions as the step that ends there does, before the inputs have been brought to
   // its end.
   class AtEndOfStep {
@@ -32,9 +35,11 @@ class Drives {
     Drives& drives_;
   };
 
-  // Inputs at the time evaluated last.
-  const std::vector<double>& u() const { return inputs_.now(); }
-  int count() const { return static_cast<int>(inputs_.signals()); }
+  // Inputs and clock at the time evaluated last, and the element states set last.
+  const std::vector<double>& u() const { return states_ == 0 ? inputs_.now() : signals_; }
+  int count() const { return static_cast<int>(inputs_.signals()) + states_; }
+  // The same with other inputs.
+  const std::vector<double>& u(const Inputs& others);
   const Inputs& inputs() const { return inputs_; }
 
   // Target of a coordinate row and its derivatives at t, the present time of the run (Targets::derivatives).
@@ -47,6 +52,8 @@ class Drives {
   Inputs& inputs_;
   Targets targets_;
   std::size_t rows_;
+  int states_, first_;  // number of element states, and the index of the first one in y
+  std::vector<double> signals_, others_;  // empty if there are no element states
   bool is_at_end_of_step_ = false;
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The equations that an integrator solves. With y = (q, v) they are an ODE on a manifold, ydot = f(t, y); for some
-// formulations also a DAE, F(t, x, xdot) = 0, whose unknowns x are y followed by multipliers.
+// The equations that an integrator solves. With y = (q, v, z), z the states of elements, they are
+// an ODE on a manifold, ydot = f(t, y); for some formulations also a DAE, F(t, x, xdot) = 0, whose unknowns x are y
+// followed by multipliers.
 #pragma once
 
 #include <string>
@@ -63,6 +64,7 @@ class Equations {
 
   virtual int size() const = 0;
   virtual int coordinates() const = 0;  // nq: number of coordinates in y
+  virtual int velocities() const = 0;   // nv; what follows in y are element states
 
   // ydot = f(t, y), size() numbers each. Returns false if not finite; a smaller step may help.
   virtual bool rhs(double t, const double* y, double* ydot) = 0;

@@ -7,6 +7,7 @@
 
 #include "event_driven/contact_modes.h"
 #include "event_driven/mode_changes.h"
+#include "kinematics/loads.h"
 
 namespace gelenk {
 namespace {
@@ -42,8 +43,9 @@ bool all_finite(const double* x, int n) {
 
 Formulation::Formulation(const FormulationContext& context)
     : mechanism_(context.mechanism),
+      states_(context.loads.states()),
       dynamics_(context.dynamics),
-      drives_(mechanism_, dynamics_, context.inputs),
+      drives_(mechanism_, dynamics_, context.inputs, states_),
       events_(context.events),
       projector_(mechanism_, dynamics_),
       modes_({mechanism_, dynamics_, context.loads, *this, events_, locates_contacts(context)}),
@@ -85,7 +87,7 @@ std::string Formulation::obstacle(const double* y) {
 
 bool Formulation::rhs(double t, const double* y, double* ydot) {
   if (!all_finite(y, size())) return false;
-  drives_.go_to(t);
+  drives_.go_to(t, y);
   return evaluate(t, y, ydot);
 }
 
@@ -101,11 +103,12 @@ bool Formulation::evaluate(double t, const double* y, double* ydot) {
   if (!takes_differences_) modes_.watch_forces(t);
   if (mechanism_.rows > 0 && factorizes_constraints()) singularity_monitor_.observe(t, dynamics_.pivot_ratio());
   dynamics_.qdot_from_v(y, v, ydot);
+  if (states_ > 0) state_rates(ydot + motion_size());
   return all_finite(ydot, size());
 }
 
 bool Formulation::project_onto_constraints(double t, double* y, bool keeps_limits) {
-  drives_.go_to(t);
+  drives_.go_to(t, y);
   dynamics_.normalize(y);
   dynamics_.set_position(y);
   if (keeps_limits) limits_.begin(y + mechanism_.nq);
@@ -198,7 +201,9 @@ bool Formulation::jacobian(double t, const double* y, double* J) {
     return jacobian_by_differences(t, y, out);
   differentiate(ydot_.data() + nq, out);
   out.topLeftCorner(nq, nq) = jacobians_.qdot_q;
-  out.topRightCorner(nq, mechanism_.nv) = jacobians_.qdot_v;
+  out.block(0, nq, nq, mechanism_.nv) = jacobians_.qdot_v;
+  out.topRightCorner(nq, states_).setZero();
+  state_jacobian(out.bottomRows(states_));
   return out.allFinite();
 }
 
@@ -226,7 +231,7 @@ bool Formulation::jacobian_by_differences(double t, const double* y, Eigen::Map<
   }
   is_finite = rhs(t, y, rates.data()) && is_finite;
   takes_differences_ = false;
-  contact_equations.end_differences(out.bottomRows(mechanism_.nv));
+  contact_equations.end_differences(out.middleRows(mechanism_.nq, mechanism_.nv));
   return is_finite && out.allFinite();
 }
 
@@ -237,8 +242,13 @@ void Formulation::differentiate(const double* vdot, Eigen::Map<Eigen::MatrixXd>&
 
 // With r = 0 and c = 0 along the solution, [M J^T; J 0] d(vdot, lambda) = -(dr, dc). Overwrites jacobians_.r.
 void Formulation::acceleration_jacobian(Eigen::Map<Eigen::MatrixXd>& out) {
-  dynamics_.solve_linear_columns(jacobians_.r.data(), jacobians_.c.data(), size());
-  out.bottomRows(mechanism_.nv) = -jacobians_.r;
+  dynamics_.solve_linear_columns(jacobians_.r.data(), jacobians_.c.data(), motion_size());
+  out.block(mechanism_.nq, 0, mechanism_.nv, motion_size()) = -jacobians_.r;
+  if (states_ == 0) return;
+  by_states_ = force_by_states();
+  no_rows_.setZero(mechanism_.rows, states_);
+  dynamics_.solve_linear_columns(by_states_.data(), no_rows_.data(), states_);
+  out.block(mechanism_.nq, motion_size(), mechanism_.nv, states_) = -by_states_;
 }
 
 bool Formulation::project(double, double* y) {
@@ -255,15 +265,15 @@ void Formulation::accepted(double t, const double* y) {
 }
 
 void Formulation::accelerations_at(double t, const double* y, double* vdot) {
-  reads_outputs_ ? drives_.go_to_outputs(t) : drives_.go_to(t);
+  reads_outputs_ ? drives_.go_to_outputs(t, y) : drives_.go_to(t, y);
   solve_at(t, y, vdot);
 }
 
-bool Formulation::bring_inputs(double t) {
-  drives_.go_to(t);
+bool Formulation::bring_inputs(double t, const double* y) {
+  drives_.go_to(t, y);
   const std::span<double> inputs = dynamics_.switching_forces().inputs();
   std::copy_n(drives_.u().begin(), std::min(drives_.u().size(), inputs.size()), inputs.begin());
-  return drives_.inputs().moving();
+  return drives_.inputs().moving() || states_ > 0;
 }
 
 // Does not use the factors of the projector: reading outputs must not change the run.
@@ -278,14 +288,14 @@ void Formulation::solve_at(double t, const double* y, double* vdot) {
 
 void Formulation::output_accelerations(double t, const double* y, double* vdot) {
   if (contacts_.are_used()) {
-    drives_.go_to_outputs(t);
+    drives_.go_to_outputs(t, y);
     const ImpulseSteps::AppliedForces forces(contacts_.steps(), y);
     solve_at(t, y, vdot);
     return modes_.outputs().record(contacts_.steps().lock_forces());
   }
   if (contacts_.located() != nullptr) return output_touched_accelerations(t, y, vdot);
   const ModePreview preview(modes_, t, y);
-  drives_.go_to_outputs(t);
+  drives_.go_to_outputs(t, y);
   solve_at(t, y, vdot);
   modes_.outputs().record();
   if (!dynamics_.switching_forces().is_redundant()) return;
@@ -297,7 +307,7 @@ void Formulation::output_accelerations(double t, const double* y, double* vdot) 
 void Formulation::output_touched_accelerations(double t, const double* y, double* vdot) {
   ContactOutputs& touched = contacts_.located()->outputs();
   const ModePreview preview(modes_, t, y);
-  drives_.go_to_outputs(t);
+  drives_.go_to_outputs(t, y);
   solve_at(t, y, vdot);
   {
     const Raised reading(reads_outputs_);
@@ -330,7 +340,7 @@ LawAudit Formulation::law_audit(const double* y) {
 }
 
 void Formulation::start(const std::vector<double>& cut_q, double t, const double* y) {
-  drives_.go_to(t);
+  drives_.go_to(t, y);
   revolutions_.count_from(cut_q, t, y);
   singularity_monitor_.restart(t);
   contacts_.start();

@@ -55,8 +55,9 @@ class Formulation : public Equations, private ModeEquations {
  public:
   explicit Formulation(const FormulationContext& context);
 
-  int size() const final { return mechanism_.nq + mechanism_.nv; }
+  int size() const final { return motion_size() + states_; }
   int coordinates() const final { return mechanism_.nq; }
+  int velocities() const final { return mechanism_.nv; }
   bool rhs(double t, const double* y, double* ydot) override;
   bool jacobian(double t, const double* y, double* J) override;
   std::string obstacle(const double* y) override;
@@ -103,16 +104,30 @@ class Formulation : public Equations, private ModeEquations {
   virtual bool accelerate(double t, const double* y, double* vdot);
   // vdot at the present state of `dynamics`, with the present factors.
   virtual void solve(double t, double* vdot);
-  // Rows nq.. of df/dy into `out` (size() x size()), at the state of the last accelerate(), which gave vdot; uses
+  // Rows of vdot of df/dy into `out` (size() x size()), at the state of the last accelerate(), which gave vdot; uses
   // jacobians_.
   virtual void differentiate(const double* vdot, Eigen::Map<Eigen::MatrixXd>& out);
-  // Rows nq.. of `out` <- derivatives of vdot if J vdot = gamma is satisfied exactly, from jacobians_ and the last
+  // These rows of `out` <- derivatives of vdot if J vdot = gamma is satisfied exactly, from jacobians_ and the last
   // factors.
   void acceleration_jacobian(Eigen::Map<Eigen::MatrixXd>& out);
+  int motion_size() const { return mechanism_.nq + mechanism_.nv; }
+  // The derivatives of the forces (nv) with respect to the element states, with the other sign, in jacobians_.
+  auto force_by_states() { return jacobians_.r_u.middleCols(drives_.count() - states_, states_); }
+  // Rates of the element states at the present state of `dynamics`.
+  void state_rates(double* out) { dynamics_.readings().state_rates(drives_.u().data(), out); }
+  // Their derivatives into the last rows of `out`, from jacobians_.
+  template <class Out>
+  void state_jacobian(Out&& out) const {
+    if (states_ == 0) return;
+    out.leftCols(motion_size()) = jacobians_.rates;
+    out.middleCols(motion_size(), states_) = jacobians_.rates_u.middleCols(drives_.count() - states_, states_);
+  }
+
   void count_jacobian() { ++jacobian_count_; }
   virtual ConstraintProjector& projector() { return projector_; }
 
   const Mechanism& mechanism_;
+  const int states_;  // number of element states, which follow (q, v) in y
   Dynamics& dynamics_;
   Drives drives_;
   Jacobians jacobians_;
@@ -122,7 +137,7 @@ class Formulation : public Equations, private ModeEquations {
   void displace(double* q, const double* dv) const final { dynamics_.displace(q, dv); }
   std::string describe_dead_center();
   void mode_changed() override {}
-  bool bring_inputs(double t) final;
+  bool bring_inputs(double t, const double* y) final;
   void accelerations_at(double t, const double* y, double* vdot) final;
   void add_contacts(double t, double* vdot);
   void output_touched_accelerations(double t, const double* y, double* vdot);
@@ -143,6 +158,7 @@ class Formulation : public Equations, private ModeEquations {
   bool takes_differences_ = false;
   bool reads_outputs_ = false;  // targets are as outputs show them
   std::vector<double> dv_, ydot_;
+  RowMatrix by_states_, no_rows_;  // workspace
   std::vector<Spatial::Force> wrenches_;  // of contacts, by link
 };
 

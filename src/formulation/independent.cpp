@@ -116,7 +116,7 @@ class Independent final : public Formulation {
 
   bool rhs(double t, const double* y, double* ydot) override {
     if (!Eigen::Map<const Eigen::VectorXd>(y, size()).allFinite()) return false;
-    drives_.go_to(t);
+    drives_.go_to(t, y);
     std::copy_n(y, size(), state_.begin());
     return partition_.close_position(state_.data()) && evaluate(t, state_.data(), ydot);
   }
@@ -172,8 +172,8 @@ class Independent final : public Formulation {
     for (int k = 0; k < nq; ++k) partition_.min_norm_displacement(rates_.col(k).data(), dv_dq_.col(k).data());
     f_ = out;
     out.leftCols(nq).noalias() = f_.leftCols(nq) * dq_;
-    out.leftCols(nq).noalias() += f_.rightCols(nv) * dv_dq_;
-    out.rightCols(nv).noalias() = f_.rightCols(nv) * T_;
+    out.leftCols(nq).noalias() += f_.middleCols(nq, nv) * dv_dq_;
+    out.middleCols(nq, nv).noalias() = f_.middleCols(nq, nv) * T_;
   }
 
   Partition partition_;

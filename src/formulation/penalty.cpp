@@ -29,15 +29,16 @@ class Penalty final : public Penalized {
   void differentiate(const double* vdot, Eigen::Map<Eigen::MatrixXd>& out) override {
     dynamics_.differentiate(drives_.u().data(), drives_.count(), vdot, jacobians_, lambda_.data());
     stabilization_jacobian();
-    auto by_q = out.bottomLeftCorner(mechanism_.nv, mechanism_.nq);
-    auto by_v = out.bottomRightCorner(mechanism_.nv, mechanism_.nv);
+    auto rows = out.middleRows(mechanism_.nq, mechanism_.nv);
+    auto by_q = rows.leftCols(mechanism_.nq);
+    auto by_v = rows.middleCols(mechanism_.nq, mechanism_.nv);
     by_q = -jacobians_.r_q();
     by_v = -jacobians_.r_v();
     if (mechanism_.rows > 0) {
       by_q.noalias() -= a_ * dynamics_.J().transpose() * jacobians_.c_q();
       by_v.noalias() -= a_ * dynamics_.J().transpose() * jacobians_.c_v();
     }
-    auto rows = out.bottomRows(mechanism_.nv);
+    if (states_ > 0) rows.rightCols(states_) = -force_by_states();
     factor_.solveInPlace(rows);
   }
 };

@@ -128,7 +128,7 @@ class Projection final : public Formulation {
   double lagrange(double t, int first, double* weights) const;
   void add_jump(double t);
   void start_on_branch(double t, const double* y);
-  void record_acceleration(double t);
+  void record_acceleration(double t, const double* y);
   bool apply_fixed_corrections(double* q, double* v);
   bool close(double* y);
   bool close_contacts(double* y);
@@ -179,7 +179,7 @@ void Projection::start_on_branch(double t, const double* y) {
 void Projection::inputs_changed(double t, const double* y) {
   Formulation::inputs_changed(t, y);
   if (!started_on_branch_ || recorded_ != 1 || times_[0] != t) return;
-  drives_.go_to(t);
+  drives_.go_to(t, y);
   recorded_ = 0;
   start_on_branch(t, y);
 }
@@ -249,14 +249,14 @@ const double* Projection::extrapolate(double t) {
 // the same in both terms and cancel.
 void Projection::add_jump(double t) {
   recorded_inputs_.go_to(t);
-  dynamics_.solve(recorded_inputs_.now().data(), vdot_before_.data());
+  dynamics_.solve(drives_.u(recorded_inputs_).data(), vdot_before_.data());
   dynamics_.solve(drives_.u().data(), vdot_after_.data());
   for (int k = 0; k < mechanism_.nv; ++k) extrapolated_[k] += vdot_after_[k] - vdot_before_[k];
 }
 
 // Records the acceleration at the state accepted at t, the present state of `dynamics`.
-void Projection::record_acceleration(double t) {
-  drives_.go_to(t);
+void Projection::record_acceleration(double t, const double* y) {
+  drives_.go_to(t, y);
   rows_.refactorize();
   if (!rows_.is_regular()) return;
   if (drives_.inputs() != recorded_inputs_) {
@@ -356,7 +356,7 @@ bool Projection::close_contacts(double* y) {
 void Projection::accepted(double t, const double* y) {
   Formulation::accepted(t, y);
   if (mechanism_.cuts.empty() || mechanism_.rows == 0) return;
-  if (rows_.below(near_fraction)) record_acceleration(t);
+  if (rows_.below(near_fraction)) record_acceleration(t, y);
 }
 
 }  // namespace

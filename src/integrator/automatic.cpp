@@ -36,6 +36,7 @@ class EvaluationCounter final : public Equations {
 
   int size() const override { return counter_.size(); }
   int coordinates() const override { return counter_.coordinates(); }
+  int velocities() const override { return counter_.velocities(); }
   bool rhs(double t, const double* y, double* ydot) override {
     ++evaluations_;
     return counter_.rhs(t, y, ydot);

@@ -59,12 +59,13 @@ gelenk::detail::DualPort branching_port(const Port& port, const Loads& loads) {
 }
 
 template <class A, class T>
-void force_branches(const Loads& loads, const double* u, const Workspace<A>& ws, T* arguments) {
+void force_branches(const Loads& loads, const double* u, [[maybe_unused]] const double* rates, const Workspace<A>& ws,
+                    T* arguments) {
   const auto decide = [&](const Formula& formula, const T* variables) {
     if (formula.branches() == 0) return;
     std::array<T, Formula::max_signals> signals;
     if constexpr (std::is_same_v<T, Dual>) {
-      formula.take_signals(u, BranchDirections::along_motion, BranchDirections::inputs, signals.data());
+      formula.take_signals(u, rates, BranchDirections::of_signals, signals.data());
     } else {
       formula.take_signals(u, signals.data());
     }

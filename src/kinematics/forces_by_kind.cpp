@@ -126,10 +126,10 @@ namespace kernels {
 
 template void link_loads(const Model<Planar>&, const Loads&, const double*, Workspace<Planar>&);
 template void link_loads(const Model<Spatial>&, const Loads&, const double*, Workspace<Spatial>&);
-template void force_branches(const Loads&, const double*, const Workspace<Planar>&, Dual*);
-template void force_branches(const Loads&, const double*, const Workspace<Spatial>&, Dual*);
-template void force_branches(const Loads&, const double*, const Workspace<Planar>&, double*);
-template void force_branches(const Loads&, const double*, const Workspace<Spatial>&, double*);
+template void force_branches(const Loads&, const double*, const double*, const Workspace<Planar>&, Dual*);
+template void force_branches(const Loads&, const double*, const double*, const Workspace<Spatial>&, Dual*);
+template void force_branches(const Loads&, const double*, const double*, const Workspace<Planar>&, double*);
+template void force_branches(const Loads&, const double*, const double*, const Workspace<Spatial>&, double*);
 template double force_energy(const Loads&, const Workspace<Planar>&);
 template double force_energy(const Loads&, const Workspace<Spatial>&);
 

@@ -35,12 +35,13 @@ typename A::Scalar force_energy(const Loads& loads, const Workspace<A>& ws);
 // of positions, of velocities, and of inputs other than the time.
 struct BranchDirections {
   static constexpr int along_motion = 0, position = 1, velocity = 4, inputs = 7;
+  static constexpr Formula::SignalDirections of_signals = {along_motion, position, inputs};
 };
 // What decides on the branches of the expressions of forces between bodies. arguments: by branch of all expressions of
-// the island; T: double, or Dual with these derivatives. u: inputs of the scene, at least those that are named. After
-// velocities.
+// the island; T: double, or Dual with these derivatives. u: signals, at least those that are named, and their rates
+// (Formula::take_signals). After velocities.
 template <class A, class T>
-void force_branches(const Loads& loads, const double* u, const Workspace<A>& ws, T* arguments);
+void force_branches(const Loads& loads, const double* u, const double* rates, const Workspace<A>& ws, T* arguments);
 
 // Adds motors, springs and stops of cut joints as pairs of wrenches to ws.F_ext, and stores them in ws.F_cut.
 // reference: coordinates of the cut joints with full revolutions. sides: see JointLoads::add, cut by cut. After

@@ -12,6 +12,16 @@
 
 namespace gelenk {
 
+// A coordinate of a joint, or its rate, that an expression of another element names.
+struct NamedCoordinate {
+  int cut = -1;       // -1: of the tree
+  int q = 0, v = 0;   // its indices in the tree or in the cut joint
+  double sign = 1;    // user's value = sign * mechanism's value
+  bool is_rate = false;
+  bool moves = true;
+  double value = 0;  // if its joint is immobile
+};
+
 struct Loads {
   Eigen::Vector3d gravity = Eigen::Vector3d::Zero();   // m/s2, in the root's axes
   Eigen::Matrix3d R_0W = Eigen::Matrix3d::Identity();  // the world's axes, in the root's
@@ -21,12 +31,20 @@ struct Loads {
   std::vector<JointLoads> cuts;            // by cut
   std::vector<double> added_inertia;       // kg m2 (kg), by velocity: of motors
   std::vector<ContactLaw> contacts;        // by contact of the scene
-  std::vector<int> inputs;                 // indices of the scene's inputs that act on this island, and of the clock
+  std::vector<int> inputs;                 // indices of the signals that act on this island
+  // All signals: the inputs of the scene and its clock, the element states of the island, and the coordinates that its
+  // expressions name, which the kernels add.
+  int first_state = 0;
+  std::vector<Formula> rates;                // of the element states
+  std::vector<NamedCoordinate> coordinates;  // after those
   std::shared_ptr<HeldBranches> branches;  // of its expressions
   bool only_along_tree = false;            // no force acts on links or along cuts
   // J: the part of gravity's potential energy that the kernels omit, between the origins of the world and the root
   // and, in planar mechanisms, along the normal.
   double potential_offset = 0;
+
+  int states() const { return static_cast<int>(rates.size()); }
+  int first_coordinate() const { return first_state + states(); }
 };
 
 // Links whose poses in the root frame are required by the loads, and their ancestors.

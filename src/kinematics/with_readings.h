@@ -2,10 +2,12 @@
 // Implementation of Readings from the workspace of the kernels, for the scalar type of the algebra A.
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "kinematics/force_modes.h"
 #include "kinematics/load_kernels.h"
+#include "kinematics/named_coordinates.h"
 #include "kinematics/output_kernels.h"
 #include "kinematics/readings.h"
 #include "kinematics/visit.h"
@@ -29,7 +31,9 @@ class WithReadings : public Base {
         q_(mechanism.nq),
         v_(mechanism.nv),
         cut_reference_(mechanism.cut_nq),
-        targets_(3 * mechanism.coordinate_rows.size()) {}
+        targets_(3 * mechanism.coordinate_rows.size()),
+        signals_(loads.coordinates.empty() ? 0 : static_cast<std::size_t>(loads.first_coordinate()) +
+                                                     loads.coordinates.size()) {}
 
   void cut_speeds(int cut, T* v) const override {
     T q[max_cut_nq] = {};
@@ -55,6 +59,11 @@ class WithReadings : public Base {
       sum.potential += loads_.cuts[c].energy(q);
     }
     return sum;
+  }
+
+  void state_rates(const T* u, T* out) override {
+    const T* const all = with_coordinates(u);
+    for (const Formula& rate : loads_.rates) *out++ = rate.value_among<T>(nullptr, all);
   }
 
   Pose link_pose(int link) const override { return kernels::pose3<A>(ws_.X_0L[link], height(link)); }
@@ -109,6 +118,16 @@ class WithReadings : public Base {
                                         q);
   }
 
+  // All signals: u followed by the coordinates that expressions name; u itself if there are none. After set_velocity.
+  const T* with_coordinates(const T* u) {
+    if (signals_.empty()) return u;
+    const auto first = static_cast<std::ptrdiff_t>(signals_.size() - loads_.coordinates.size());
+    std::copy_n(u, first, signals_.begin());
+    kernels::named_coordinates(model_, loads_, ws_, q_.data(), v_.data(), cut_reference_.data(),
+                               signals_.data() + first);
+    return signals_.data();
+  }
+
   double height(int link) const { return mechanism_.planar ? mechanism_.heights[link] : 0; }
 
   const Mechanism& mechanism_;
@@ -120,6 +139,9 @@ class WithReadings : public Base {
   std::vector<T> targets_;             // of the coordinate constraints: s, s', s''
   // By force with modes: the friction in motion that depends on loads, in the user's sign; empty if there is none.
   std::vector<T> loaded_friction_;
+
+ private:
+  std::vector<T> signals_;  // if expressions name coordinates
 };
 
 }  // namespace gelenk

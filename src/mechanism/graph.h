@@ -55,6 +55,7 @@ struct Graph {
   std::vector<Edge> edges;
   std::vector<RodEdge> rods;
   std::vector<ContactEdge> contacts;
+  std::vector<int> states;  // element states of the scene
 
   // The edges of each group, ascending.
   std::vector<std::vector<int>> edges_of_groups() const;

@@ -1,19 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Partition of a scene into islands, which can be solved separately, each with its own steps.
 #include <algorithm>
+#include <numeric>
 #include <string_view>
 #include <unordered_map>
 
 #include "mechanism/disjoint_sets.h"
 #include "mechanism/graph.h"
+#include "scene/formulas.h"
 #include "scene/shapes.h"
 
 namespace gelenk {
 namespace {
 
 // The groups of bodies at the ports of an element.
-template <class Any>
-std::vector<int> groups_at(const Element<Any>& element, const BodyNumbers& number, const std::vector<int>& group_of,
+std::vector<int> groups_at(const ElementPlace& element, const BodyNumbers& number, const std::vector<int>& group_of,
                            const std::unordered_map<std::string_view, int>& moved_group) {
   std::vector<int> out;
   for (const BodyFrame& frame : element.frames) out.push_back(group_of[number(frame.body) + 1]);
@@ -24,9 +25,31 @@ std::vector<int> groups_at(const Element<Any>& element, const BodyNumbers& numbe
   return out;
 }
 
-// Sets of groups that are coupled.
+// Couples what expressions do: the groups on which their elements act, those of the joints that they name, and element
+// states, which have the numbers after those of the groups.
+void couple_by_expressions(const Scene& scene, std::size_t groups, const auto& groups_of, const auto& moved_group,
+                           DisjointSets& sets) {
+  const auto state = [&](std::string_view name) {
+    const auto found = std::ranges::find(scene.states, name, &ElementState::name);
+    return found == scene.states.end() ? -1 : static_cast<int>(groups) + static_cast<int>(found - scene.states.begin());
+  };
+  for (const FormulaReader& reader : formula_readers(scene)) {
+    std::vector<int> coupled;
+    for (const std::string& signal : reader.signals) {
+      if (const int of = state(signal); of >= 0) coupled.push_back(of);
+      const auto moved = moved_group.find(std::string_view(signal).substr(0, signal.find('.')));
+      if (moved != moved_group.end()) coupled.push_back(moved->second);
+    }
+    if (coupled.empty()) continue;  // inputs and the time couple nothing
+    if (const int of = state(reader.place.name); of >= 0) coupled.push_back(of);
+    for (const int group : groups_of(reader.place)) coupled.push_back(group);
+    for (const int one : coupled) sets.join(coupled.front(), one);
+  }
+}
+
+// Sets of groups, and of element states after them, that are coupled.
 DisjointSets coupled_groups(const Scene& scene, const Graph& graph) {
-  DisjointSets sets(graph.groups.size());
+  DisjointSets sets(graph.groups.size() + scene.states.size());
   for (const Edge& edge : graph.edges) {
     if (edge.group_a != 0 && edge.group_b != 0) sets.join(edge.group_a, edge.group_b);
   }
@@ -46,6 +69,9 @@ DisjointSets coupled_groups(const Scene& scene, const Graph& graph) {
       for (const int group : groups) sets.join(groups.front(), group);
     }
   });
+  couple_by_expressions(
+      scene, graph.groups.size(),
+      [&](const ElementPlace& place) { return groups_at(place, number, group_of, moved_group); }, moved_group, sets);
   // So do all bodies that may touch others.
   const std::vector<bool> touches = bodies_that_touch(scene);
   int first = 0;
@@ -63,7 +89,7 @@ DisjointSets coupled_groups(const Scene& scene, const Graph& graph) {
 std::vector<Graph> islands_of(const Scene& scene, const Graph& graph) {
   DisjointSets sets = coupled_groups(scene, graph);
   std::vector<Graph> out;
-  std::vector<int> part_of_set(graph.groups.size(), -1);
+  std::vector<int> part_of_set(graph.groups.size() + scene.states.size(), -1);
   std::vector<int> part(graph.groups.size(), -1);   // by group
   std::vector<int> number(graph.groups.size(), 0);  // by group: its index in its part
   for (int g = 1; g < static_cast<int>(graph.groups.size()); ++g) {
@@ -77,18 +103,23 @@ std::vector<Graph> islands_of(const Scene& scene, const Graph& graph) {
     out[p].groups.push_back(graph.groups[g]);
   }
   int grounded = -1;  // the part of joints between immobile bodies: they must be closed, and have outputs
+  const auto ground_part = [&] {
+    if (grounded < 0) {
+      grounded = static_cast<int>(out.size());
+      out.emplace_back().groups.emplace_back();
+    }
+    return grounded;
+  };
   for (Edge edge : graph.edges) {
     int p = part[edge.group_a == 0 ? edge.group_b : edge.group_a];
-    if (p < 0) {
-      if (grounded < 0) {
-        grounded = static_cast<int>(out.size());
-        out.emplace_back().groups.emplace_back();
-      }
-      p = grounded;
-    }
+    if (p < 0) p = ground_part();
     edge.group_a = number[edge.group_a];
     edge.group_b = number[edge.group_b];
     out[p].edges.push_back(edge);
+  }
+  for (int state = 0; state < static_cast<int>(scene.states.size()); ++state) {
+    const int p = part_of_set[sets.find(static_cast<int>(graph.groups.size()) + state)];
+    out[p < 0 ? ground_part() : p].states.push_back(state);
   }
   for (ContactEdge contact : graph.contacts) {
     const int p = part[contact.group_a == 0 ? contact.group_b : contact.group_a];
@@ -112,6 +143,8 @@ std::vector<bool> observed_reactions(const Scene& scene) {
 Partition partition_of(const Scene& scene, const ImmobileJoints& immobile, std::vector<Note>& notes) {
   Partition out;
   out.whole = merge_welds(scene, observed_reactions(scene), immobile, notes);
+  out.whole.states.resize(scene.states.size());
+  std::iota(out.whole.states.begin(), out.whole.states.end(), 0);
   if (scene.solver.reduces(Reduction::islands)) {
     out.islands = islands_of(scene, out.whole);
   } else {

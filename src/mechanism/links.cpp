@@ -37,6 +37,7 @@ struct MechanismBuilder {
     out.coordinate_rows = coordinate_rows(scene, graph, island, places);
     out.rows += static_cast<int>(out.coordinate_rows.size());
     std::ranges::sort(out.joints);
+    out.states = graph.states;
   }
 
   void add_ground() {

@@ -9,6 +9,7 @@
 
 #include "mechanism/disjoint_sets.h"
 #include "mechanism/graph.h"
+#include "scene/formulas.h"
 #include "scene/shapes.h"
 #include "util/text.h"
 
@@ -24,16 +25,18 @@ class InteractionIndex {
     each_section(scene, [&](const Section&, const auto& elements) {
       for (const auto& element : elements) enter(element, kind_of(*element.is));
     });
+    named_ = named_joints(scene);
     const std::vector<bool> touches = bodies_that_touch(scene);
     for (std::size_t b = 0; b < touches.size(); ++b) {
       if (touches[b]) bodies_.insert(scene.bodies[b].name);
     }
   }
 
-  // Whether an element acts along the joint or may be tuned to do so, or the reaction there is read.
+  // Whether an element acts along the joint or may be tuned to do so, or the reaction there is read, or a coordinate by
+  // an expression.
   bool at(const Edge& edge) const {
     const Joint& joint = scene_.joints[edge.scene_joint];
-    return joints_.contains(joint.name) || !joint.is_idle() || may_be_tuned(joint.name);
+    return joints_.contains(joint.name) || named_.contains(joint.name) || !joint.is_idle() || may_be_tuned(joint.name);
   }
   // Whether an element acts on one of the bodies.
   bool on(const Group& group) const {
@@ -69,6 +72,7 @@ class InteractionIndex {
 
   const Scene& scene_;
   std::unordered_set<std::string_view> joints_, bodies_;
+  std::unordered_set<std::string> named_;  // joints
 };
 
 bool starts_fixed(const Joint& joint) {

@@ -112,6 +112,7 @@ struct Mechanism {
   std::vector<Cut> cuts;
   std::vector<CoordinateRow> coordinate_rows;  // after those of the cuts; scleronomic ones first
   std::vector<int> joints;                     // its joints of the scene, in file order
+  std::vector<int> states;                     // its element states of the scene, in file order
   int nq = 0, nv = 0, rows = 0;
   int cut_nq = 0, cut_nv = 0;
   bool planar = false;

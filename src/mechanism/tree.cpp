@@ -7,6 +7,7 @@
 #include <unordered_set>
 
 #include "mechanism/graph.h"
+#include "scene/formulas.h"
 
 namespace gelenk {
 namespace {
@@ -29,6 +30,7 @@ class Preferences {
       if (inertia_of(*motor.is) > 0) must_be_in_tree_.insert(motor.joints.front());
     }
     for (const std::string_view joint : constrained_joints(scene)) must_be_in_tree_.insert(joint);
+    named_ = named_joints(scene);
   }
 
   Preference operator()(const Edge& edge) const {
@@ -39,7 +41,8 @@ class Preferences {
     if (!scene_.solver.reduces(Reduction::cut_choice)) return {required, massless, 0, false, false};
     const JointKind& kind = kind_of(*edge.joint);
     const auto any = [](const auto& values) { return std::ranges::any_of(values, [](auto x) { return x != 0; }); };
-    const bool driven_or_held = driven_or_held_.contains(joint.name) || any(joint.start.q_fixed) || !joint.is_idle();
+    const bool driven_or_held = driven_or_held_.contains(joint.name) || any(joint.start.q_fixed) || !joint.is_idle() ||
+                                named_.contains(joint.name);
     return {required, massless, -kind.nv, !kind.has_quaternion(), driven_or_held};
   }
 
@@ -50,6 +53,7 @@ class Preferences {
   const Graph& graph_;
   bool planar_;
   std::unordered_set<std::string_view> driven_or_held_, must_be_in_tree_;
+  std::unordered_set<std::string> named_;  // by expressions
 };
 
 }  // namespace

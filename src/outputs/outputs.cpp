@@ -31,6 +31,8 @@ Outputs::Entry Outputs::entry(int output) const {
       return {reduced_.islands[s.island].nq + s.index, s.sign};
     case Kind::tree_a:
       return {reduced_.islands[s.island].nq + reduced_.islands[s.island].nv + s.index, s.sign};
+    case Kind::state:
+      return {reduced_.islands[s.island].nq + 2 * reduced_.islands[s.island].nv + s.index, 1};
     default:
       return {none, 0};
   }
@@ -84,11 +86,26 @@ Outputs::Source Outputs::joint_force_source(const Signal& signal,
   return source;
 }
 
+Outputs::Source Outputs::state_source(const Signal& signal) const {
+  Source out;
+  out.kind = signal.group == 0 ? Kind::state : Kind::state_rate;
+  out.stage = signal.stage;
+  for (std::size_t i = 0; i < reduced_.islands.size(); ++i) {
+    const std::vector<int>& states = reduced_.islands[i].states;
+    const auto found = std::ranges::find(states, signal.element);
+    if (found == states.end()) continue;
+    out.island = static_cast<int>(i);
+    out.index = static_cast<int>(found - states.begin());
+  }
+  return out;
+}
+
 Outputs::Source Outputs::element_source(const Scene& scene, const Signal& signal) const {
   Source out;
   out.index = signal.element;
   out.group = signal.group;
   out.component = signal.component;
+  if (signal.section == sections::states) return state_source(signal);
   out.stage = signal.stage == Stage::acceleration ? Stage::acceleration : Stage::velocity;
   if (signal.section == sections::sensors) {
     const auto i = static_cast<std::size_t>(signal.element);

@@ -25,6 +25,8 @@ struct ReadingOf {
   const T* vdot;
   const T* cut_q;
   const T* cut_v = nullptr;
+  const T* states = nullptr;       // of elements, in the order of Mechanism::states
+  const T* state_rates = nullptr;  // after velocities
   // Of each force with modes (SwitchingForces) its force in the user's sign and its mode; null: there is none.
   const T* forces = nullptr;
   const int* modes = nullptr;
@@ -48,7 +50,7 @@ class Outputs {
   template <class T>
   T of_energy(int output, const EnergyOf<T>& energy) const;
 
-  // For outputs that are `sign` times an entry of (q, v, vdot) of their island: the index of the entry. For all others
+  // For outputs that are `sign` times an entry of (q, v, vdot, element states) of their island: the index of the entry. For all others
   // the index is `none`.
   struct Entry {
     int index;
@@ -68,6 +70,8 @@ class Outputs {
     tree_q,
     tree_v,
     tree_a,
+    state,
+    state_rate,
     cut_q,
     cut_v,
     cut_a,
@@ -83,7 +87,8 @@ class Outputs {
     Kind kind = Kind::constant;
     Stage stage = Stage::position;
     int island = none;
-    int index = 0;      // in q, v or vdot (tree), cut_q or the forces with modes; or of the cut, sensor or constraint
+    // In q, v or vdot (tree), cut_q, the element states or the forces with modes; or of the cut, sensor or constraint.
+    int index = 0;
     int group = 0;      // group among the outputs of an element
     int component = 0;  // within a cut joint, or a group
     double sign = 1;    // the value, for a constant
@@ -99,6 +104,7 @@ class Outputs {
   [[gnu::noinline]] T constraint_value(const Source& source, const Readings<T>& dynamics) const;
   template <class T>
   [[gnu::noinline]] T force_value(const Source& source, const Readings<T>* dynamics) const;
+  Source state_source(const Signal& signal) const;
   Source element_source(const Scene& scene, const Signal& signal) const;
 
   const Scene& scene_;  // of elements, which may be tunable

@@ -28,6 +28,10 @@ T Outputs::value(int output, const ReadingOf<T>& reading) const {
       return T(s.sign) * reading.v[s.index];
     case Kind::tree_a:
       return T(s.sign) * reading.vdot[s.index];
+    case Kind::state:
+      return reading.states[s.index];
+    case Kind::state_rate:
+      return reading.state_rates[s.index];
     case Kind::cut_q:
       return T(s.sign) * reading.cut_q[s.index];
     case Kind::cut_v:

@@ -19,10 +19,10 @@
 
 namespace gelenk {
 
-void BodyWrenches::add(int island, const Reading& reading, const Loads& loads) {
+void BodyWrenches::add(int island, const Reading& reading, const Loads& loads, const double* u) {
   const Mechanism& mechanism = reduced_.islands[static_cast<std::size_t>(island)];
-  add_forces(island, &reading.dynamics);
-  add_along_joints(reading, mechanism, loads);
+  add_forces(island, &reading.dynamics, &loads, u);
+  add_along_joints(reading, mechanism, loads, u);
   add_reactions(island, reading.dynamics);
   if (!mechanism.shapes.empty() && !scene_.contacts.empty()) add_contacts(reading, mechanism);
 }
@@ -36,21 +36,50 @@ Pose3 BodyWrenches::X_WB(int body, const Readings<double>& dynamics) const {
   return body < 0 ? Pose3() : pose_in_world(reduced_, reduced_.bodies[static_cast<std::size_t>(body)], dynamics);
 }
 
-// inputs: of the whole scene (first_inputs); force: index in the scene.
+// Binds the names of inputs and the time; returns false if it names others.
+bool BodyWrenches::bind_to_inputs(Formula& formula, int first_input) const {
+  for (std::size_t k = 0; k < formula.signal_names().size(); ++k) {
+    const std::string& name = formula.signal_names()[k];
+    const auto input = std::ranges::find(scene_.inputs, name, &SceneInput::name);
+    const bool is_input = input != scene_.inputs.end();
+    if (!is_input && name != time_signal) return false;
+    const int index = first_input + static_cast<int>(input - scene_.inputs.begin());
+    formula.bind_signal(k, index, is_input ? scene_.units.size_of(input->unit) : 1);
+  }
+  return true;
+}
+
+// Returns false if it cannot be evaluated. loads: of its island, or null. force: index in the scene.
 template <class F>
-void BodyWrenches::act(const F& element, RecordingPort<double>* at, const std::vector<std::vector<int>>& inputs,
-                       std::size_t force) const {
+bool BodyWrenches::act(const F& element, RecordingPort<double>* at, const Loads* loads, const double* u,
+                       int force) const {
+  const std::vector<std::vector<int>> inputs = first_inputs(scene_);
   if constexpr (HasFormulas<F>) {
+    std::vector<Formula> known;
+    if (loads != nullptr) {
+      each_formula(std::as_const(*loads->forces), [&](const Formula& formula, int of) {
+        if (of == force) known.push_back(formula);
+      });
+    }
     F bound = element;
-    F::each_formula(bound, [&](Formula& formula) { bind_signals(formula, scene_, inputs.back().front()); });
-    bound.act(at, u_.data());
+    bool is_bound = true;
+    std::size_t next = 0;
+    F::each_formula(bound, [&](Formula& formula) {
+      if (next < known.size()) {
+        formula = known[next++];
+      } else {
+        is_bound = bind_to_inputs(formula, inputs.back().front()) && is_bound;
+      }
+    });
+    if (is_bound) bound.act(at, u);
+    return is_bound;
   } else {
-    element.act(at, u_.data() + inputs[sections::forces][force]);
+    element.act(at, u + inputs[sections::forces][static_cast<std::size_t>(force)]);
+    return true;
   }
 }
 
-void BodyWrenches::add_forces(int island, const Readings<double>* dynamics) {
-  const std::vector<std::vector<int>> inputs = first_inputs(scene_);
+void BodyWrenches::add_forces(int island, const Readings<double>* dynamics, const Loads* loads, const double* u) {
   for (std::size_t i = 0; i < scene_.forces.size(); ++i) {
     const Force& force = scene_.forces[i];
     const PortPlaces places(scene_, reduced_, force, false);
@@ -58,7 +87,9 @@ void BodyWrenches::add_forces(int island, const Readings<double>* dynamics) {
     const SeenPorts<double> seen(places, reduced_, dynamics);
     std::array<RecordingPort<double>, max_force_ports> at;
     for (std::size_t k = 0; k < force.frames.size(); ++k) at[k] = seen.port(static_cast<int>(k));
-    std::visit([&](const auto& element) { act(element, at.data(), inputs, i); }, *force.is);
+    const bool acts = std::visit(
+        [&](const auto& element) { return act(element, at.data(), loads, u, static_cast<int>(i)); }, *force.is);
+    if (!acts) continue;
     const Eigen::Matrix3d R_W0 = seen.X_W0().R;
     for (std::size_t k = 0; k < force.frames.size(); ++k) {
       const BodyFrame& on = force.frames[k];
@@ -88,7 +119,8 @@ double effort_of(const F& force, const double* q, const double* v, const double*
 
 }  // namespace
 
-void BodyWrenches::add_along_joints(const Reading& reading, const Mechanism& mechanism, const Loads& loads) {
+void BodyWrenches::add_along_joints(const Reading& reading, const Mechanism& mechanism, const Loads& loads,
+                                    const double* u) {
   const double* recorded = reading.forces;
   const auto add = [&](const JointLoads& along, const double* q, const double* v) {
     each_list(along.lists, [&](const auto& list) {
@@ -96,7 +128,7 @@ void BodyWrenches::add_along_joints(const Reading& reading, const Mechanism& mec
       std::string_view group;
       if constexpr (requires { E::group; }) group = E::group;
       for (const auto& force : list) {
-        add_along(force.joint, force.component, force.motor, group, effort_of(force, q, v, u_.data(), recorded),
+        add_along(force.joint, force.component, force.motor, group, effort_of(force, q, v, u, recorded),
                   reading);
       }
     });

@@ -28,25 +28,26 @@ struct BodyWrench {
 
 class BodyWrenches {
  public:
-  // All must outlive it. u: all inputs of the scene.
-  BodyWrenches(const Scene& scene, const ReducedScene& reduced, const std::vector<double>& u)
-      : scene_(scene), reduced_(reduced), u_(u) {}
+  // Both must outlive it.
+  BodyWrenches(const Scene& scene, const ReducedScene& reduced) : scene_(scene), reduced_(reduced) {}
 
-  // Adds those in an island at its present accelerations; reactions of the joints with a sensor that reads them.
-  void add(int island, const Reading& reading, const Loads& loads);
-  // Adds those of forces between immobile bodies.
-  void add_immobile() { add_forces(Outputs::none, nullptr); }
+  // Adds those in an island at its present accelerations; reactions of the joints with a sensor that reads them. u: all
+  // signals (kinematics/loads.h).
+  void add(int island, const Reading& reading, const Loads& loads, const double* u);
+  // Adds those of forces between immobile bodies that depend on nothing but inputs. u: these, and the clock if there is
+  // one.
+  void add_immobile(const std::vector<double>& u) { add_forces(Outputs::none, nullptr, nullptr, u.data()); }
 
   std::vector<BodyWrench> all;
 
  private:
   int body_of(const BodyFrame& frame) const;
   Pose3 X_WB(int body, const Readings<double>& dynamics) const;
+  bool bind_to_inputs(Formula& formula, int first_input) const;
   template <class F>
-  void act(const F& element, RecordingPort<double>* at, const std::vector<std::vector<int>>& inputs,
-           std::size_t force) const;
-  void add_forces(int island, const Readings<double>* dynamics);
-  void add_along_joints(const Reading& reading, const Mechanism& mechanism, const Loads& loads);
+  bool act(const F& element, RecordingPort<double>* at, const Loads* loads, const double* u, int force) const;
+  void add_forces(int island, const Readings<double>* dynamics, const Loads* loads, const double* u);
+  void add_along_joints(const Reading& reading, const Mechanism& mechanism, const Loads& loads, const double* u);
   // effort [N m, N]: along a coordinate of a joint of the scene; motor: that exerts it, or -1: an element of the joint,
   // with the key `group`.
   void add_along(int joint, int component, int motor, std::string_view group, double effort, const Reading& reading);
@@ -55,7 +56,6 @@ class BodyWrenches {
 
   const Scene& scene_;
   const ReducedScene& reduced_;
-  const std::vector<double>& u_;
 };
 
 }  // namespace gelenk

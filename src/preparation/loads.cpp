@@ -11,6 +11,7 @@
 #include "element/joint_forces/registry.h"
 #include "element/motors/registry.h"
 #include "joint/kinds.h"
+#include "preparation/signal_binder.h"
 #include "scene/formulas.h"
 #include "scene/signals.h"
 
@@ -24,6 +25,8 @@ void clear(Loads& loads) {
   for (JointLoads& cut : loads.cuts) each_list(cut.lists, clear_list);
   clear_forces(*loads.forces);
   loads.inputs.clear();
+  loads.rates.clear();
+  loads.coordinates.clear();
   loads.potential_offset = 0;
 }
 
@@ -39,7 +42,7 @@ struct LoadCollector {
   const Scene& scene;
   const ReducedScene& reduced;
   const std::unordered_map<std::string_view, int>&body_number, &joint_number;
-  int first_scene_input;  // of no element
+  SignalBinder binder;
   std::vector<Loads>& out;
   std::vector<int> branches{};  // by island: of its expressions so far
 
@@ -171,11 +174,26 @@ struct LoadCollector {
   void bind(Formula& formula, int island) {
     Loads& loads = out[static_cast<std::size_t>(island)];
     int& first = branches[static_cast<std::size_t>(island)];
-    bind_signals(formula, scene, first_scene_input);
+    binder.bind(formula, reduced.islands[static_cast<std::size_t>(island)], loads);
     formula.bind_branches(loads.branches.get(), first);
     first += formula.branches();
     for (const int signal : formula.signals()) {
-      if (std::ranges::find(loads.inputs, signal) == loads.inputs.end()) loads.inputs.push_back(signal);
+      const bool is_given = signal < loads.first_coordinate();
+      if (is_given && std::ranges::find(loads.inputs, signal) == loads.inputs.end()) loads.inputs.push_back(signal);
+    }
+  }
+
+  void states() {
+    for (std::size_t i = 0; i < out.size(); ++i) {
+      out[i].first_state = binder.signals();
+      for (const int number : reduced.islands[i].states) {
+        const ElementState& state = scene.states[static_cast<std::size_t>(number)];
+        out[i].rates.push_back(state.rate);
+        out[i].rates.back().set_sizes(size_of(state, scene.units), {});
+      }
+    }
+    for (std::size_t i = 0; i < out.size(); ++i) {
+      for (Formula& rate : out[i].rates) bind(rate, static_cast<int>(i));
     }
   }
 
@@ -221,8 +239,11 @@ LoadAssembler::LoadAssembler(const Scene& scene, const ReducedScene& reduced)
 }
 
 void LoadAssembler::fill(std::vector<Loads>& loads) const {
-  LoadCollector collector{scene_, reduced_, body_number_, joint_number_, inputs_.back().front(), loads};
+  LoadCollector collector{scene_,         reduced_,
+                          body_number_,   joint_number_,
+                          SignalBinder(scene_, reduced_, inputs_.back().front()), loads};
   collector.prepare();
+  collector.states();
   for (std::size_t m = 0; m < scene_.motors.size(); ++m)
     collector.motor(static_cast<int>(m), inputs_[sections::motors][m]);
   for (int j = 0; j < static_cast<int>(scene_.joints.size()); ++j)

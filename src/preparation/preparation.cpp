@@ -15,6 +15,7 @@
 #include "preparation/loads.h"
 #include "preparation/report.h"
 #include "preparation/start.h"
+#include "scene/formulas.h"
 #include "scene/signals.h"
 #include "util/text.h"
 
@@ -43,9 +44,10 @@ struct ReducedModel {
 };
 
 // Islands are assembled independently: the result for an island is the same, bit for bit, as if it were alone.
-std::vector<double> without_inputs(const Inputs& inputs, double time) {
+std::vector<double> without_inputs(const Inputs& inputs, std::size_t states, double time) {
   std::vector<double> out(inputs.signals(), 0.0);
   if (inputs.has_clock()) out.back() = time;
+  out.resize(out.size() + states, 0.0);
   return out;
 }
 
@@ -56,7 +58,7 @@ struct Preparer {
   Scene preferred{};                     // the scene with the start values to be used
   std::vector<bool> rods_stay_bodies{};  // by joint of the scene: in its island; empty: in none
   bool mass_may_need_rows = true;        // constraint rows may complete a singular mass matrix
-  std::vector<double> no_inputs = without_inputs(inputs, time);
+  std::vector<double> no_inputs = without_inputs(inputs, scene.states.size(), time);
   PreparedScene out{};
   std::vector<Loads> loads{};
   std::vector<std::unique_ptr<Dynamics>> dynamics{};
@@ -356,6 +358,11 @@ struct Preparer {
       PreparedIsland& island = out.islands[i];
       const bool drop = scene.solver.reduces(Reduction::redundant_rows);
       island.mechanism = drop ? with_rows(out.reduced.islands[i], island.mobility.needed) : out.reduced.islands[i];
+      island.states.clear();
+      for (const int number : island.mechanism.states) {
+        const ElementState& state = scene.states[static_cast<std::size_t>(number)];
+        island.states.push_back(state.start / size_of(state, scene.units));
+      }
     }
   }
 };

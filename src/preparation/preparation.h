@@ -19,6 +19,7 @@ struct PreparedIsland {
   Assembled start;
   std::vector<double> cut_start;  // guessed coordinates of the cut joints, from which turns are counted
   MobilityAnalysis mobility;      // of the island with all rows, as in ReducedScene::islands
+  std::vector<double> states;     // start values of its element states
 };
 
 struct PreparedScene {

@@ -2,6 +2,7 @@
 #include "scene/formulas.h"
 
 #include <algorithm>
+#include <memory>
 
 #include "scene/element_numbers.h"
 
@@ -23,6 +24,14 @@ void each_of(std::span<const Field> fields, void* element, const Coordinate& coo
 // The same for all expressions, with place(), that of their element, which is that of a joint for forces along it.
 template <class Visit>
 void each_formula(Scene& scene, Visit visit) {
+  for (ElementState& state : scene.states) {
+    const auto nowhere = [&] {
+      return ElementPlace{.name = state.name, .frames = {}, .joints = {}, .coordinate = {}};
+    };
+    each_of(ElementState::fields(), &state, {}, [&](Formula& formula, const Field& field, const Coordinate& at) {
+      visit(formula, field, at, nowhere);
+    });
+  }
   for (Joint& joint : scene.joints) {
     const JointKind& kind = *find_joint_kind(joint.type);
     const auto place = [&] {
@@ -59,10 +68,38 @@ bool names(const Formula& formula, std::string_view signal) {
 
 }  // namespace
 
+void add_coordinate_names(std::string_view joint, const JointKind& kind, std::unordered_set<std::string>& out) {
+  const auto add = [&](std::string_view quantity) { out.insert(std::string(joint) + "." + std::string(quantity)); };
+  for (int i = 0; i < kind.nq; ++i) {
+    if (!kind.is_of_quaternion(i)) add(kind.q[static_cast<std::size_t>(i)].name);
+  }
+  for (const Quantity& speed : kind.v) add(speed.name);
+}
+
 FormulaNames formula_names(const Scene& scene) {
-  FormulaNames out{.constants = scene.constants, .signals = {}};
+  FormulaNames out{.constants = scene.constants, .signals = {}, .coordinates = {}};
   for (const SceneInput& input : scene.inputs) out.signals.push_back(input.name);
+  for (const ElementState& state : scene.states) out.signals.push_back(state.name);
+  const auto coordinates = std::make_shared<std::unordered_set<std::string>>();
+  for (const Joint& joint : scene.joints) add_coordinate_names(joint.name, *find_joint_kind(joint.type), *coordinates);
+  out.coordinates = coordinates;
   return out;
+}
+
+std::optional<JointQuantity> find_coordinate(const Scene& scene, std::string_view name) {
+  const std::size_t point = name.find('.');
+  const auto joint = std::ranges::find(scene.joints, name.substr(0, point), &Joint::name);
+  if (point == name.npos || joint == scene.joints.end()) return std::nullopt;
+  const JointKind& kind = *find_joint_kind(joint->type);
+  const auto j = static_cast<int>(joint - scene.joints.begin());
+  for (int level = 0; level < 2; ++level) {
+    const std::span<const Quantity> among = level == 0 ? kind.q : kind.v;
+    const auto found = std::ranges::find(among, name.substr(point + 1), &Quantity::name);
+    if (found == among.end()) continue;
+    return JointQuantity{
+        .joint = j, .component = static_cast<int>(found - among.begin()), .is_rate = level == 1, .unit = found->unit};
+  }
+  return std::nullopt;
 }
 
 void renew_formulas(Scene& scene) {
@@ -72,12 +109,29 @@ void renew_formulas(Scene& scene) {
   });
 }
 
-void bind_signals(Formula& formula, const Scene& scene, int first_input) {
-  for (std::size_t k = 0; k < formula.signal_names().size(); ++k) {
-    const auto input = std::ranges::find(scene.inputs, formula.signal_names()[k], &SceneInput::name);
-    const int index = first_input + static_cast<int>(input - scene.inputs.begin());
-    formula.bind_signal(k, index, input == scene.inputs.end() ? 1 : scene.units.size_of(input->unit));
+std::vector<FormulaReader> formula_readers(const Scene& scene) {
+  std::vector<FormulaReader> out;
+  // NOLINTNEXTLINE(*-const-cast): only read
+  each_formula(const_cast<Scene&>(scene),
+               [&](const Formula& formula, const Field&, const Coordinate&, const auto& place) {
+                 const std::span<const std::string> names = formula.signal_names();
+                 if (!names.empty()) out.push_back({place(), {names.begin(), names.end()}});
+               });
+  return out;
+}
+
+std::unordered_set<std::string> named_joints(const Scene& scene) {
+  std::unordered_set<std::string> out;
+  for (const FormulaReader& reader : formula_readers(scene)) {
+    for (const std::string& signal : reader.signals) {
+      if (const std::size_t point = signal.find('.'); point != signal.npos) out.insert(signal.substr(0, point));
+    }
   }
+  return out;
+}
+
+double size_of(const ElementState& state, const UnitSystem& units) {
+  return state.nominal > 0 ? state.nominal : units.size_of(state.unit);
 }
 
 std::vector<ElementPlace> readers_of(const Scene& scene, std::string_view signal) {

@@ -2,7 +2,10 @@
 // The expressions of a scene, and the names of which they are made.
 #pragma once
 
+#include <optional>
+#include <string>
 #include <string_view>
+#include <unordered_set>
 #include <vector>
 
 #include "scene/scene.h"
@@ -15,13 +18,32 @@ FormulaNames formula_names(const Scene& scene);
 // Reads the expressions again after constants have changed.
 void renew_formulas(Scene& scene);
 
-// Binds the signals that a formula names to their indices in a simulation, where the first input of no element has the
-// index first_input, and the time follows the last one.
-void bind_signals(Formula& formula, const Scene& scene, int first_input);
+// The names of the coordinates of a joint that expressions may use, and of their rates.
+void add_coordinate_names(std::string_view joint, const JointKind& kind, std::unordered_set<std::string>& out);
+// A coordinate of a joint, or one of its velocities.
+struct JointQuantity {
+  int joint = -1, component = 0;
+  bool is_rate = false;
+  std::string_view unit;
+};
+// The one with this name, such as "A.phi".
+std::optional<JointQuantity> find_coordinate(const Scene& scene, std::string_view name);
+
+// An element with an expression, forces along a joint as this joint, and the signals that it names.
+struct FormulaReader {
+  ElementPlace place;
+  std::vector<std::string> signals;
+};
+// All that name any, in the order of the file; first the element states, by their name.
+std::vector<FormulaReader> formula_readers(const Scene& scene);
 
 // The elements of which expressions name this signal, in the order of the file; forces along a joint as this joint.
 std::vector<ElementPlace> readers_of(const Scene& scene, std::string_view signal);
 // Whether an expression names the time, other than that of a prescribed motion.
 inline bool reads_time(const Scene& scene) { return !readers_of(scene, time_signal).empty(); }
+// The joints of which expressions name coordinates or rates.
+std::unordered_set<std::string> named_joints(const Scene& scene);
+// SI value of the natural unit of an element state.
+double size_of(const ElementState& state, const UnitSystem& units);
 
 }  // namespace gelenk

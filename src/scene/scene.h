@@ -98,6 +98,20 @@ struct SceneInput {
   double start = 0;
 };
 
+// A quantity x with a rate of its own, x' = rate, such as a current, a pressure or the integral of a controller.
+struct ElementState {
+  std::string name, unit, text;  // unit: in FMI's spelling; empty: none
+  Formula rate;                  // of x in SI units [unit/s]
+  double start = 0;
+  double nominal = 0;  // size of ordinary values, for tolerances; 0: 1 in natural units
+
+  static std::span<const Field> fields() {
+    static constexpr Field all[] = {field<&ElementState::rate>(
+        {.name = "rate", .text = "rate of the state", .required = true, .reads_signals = true})};
+    return all;
+  }
+};
+
 struct Experiment {
   double stop = 1;          // s
   double step = 1e-3;       // s
@@ -149,6 +163,7 @@ struct Scene {
   std::optional<GravityField> gravity_field;          // added to it
   std::vector<FormulaNames::Constant> constants;      // of expressions, in SI units
   std::vector<SceneInput> inputs;
+  std::vector<ElementState> states;
   std::vector<Body> bodies;
   std::vector<BodyShape> ground_shapes;
   std::vector<Joint> joints;
@@ -183,7 +198,7 @@ inline constexpr Section sensors_section = {"sensors", "Outputs in addition to t
 // Indices of the sections in the order of each_section().
 namespace sections {
 inline constexpr int motors = 0, forces = 1, constraints = 2, contacts = 3, sensors = 4;
-inline constexpr int joints = 5;  // after them
+inline constexpr int joints = 5, states = 6;  // after them
 }  // namespace sections
 
 // Calls visit(section, elements) for each section of elements.

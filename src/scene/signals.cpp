@@ -178,6 +178,25 @@ std::vector<Signal> output_signals(const Scene& scene) {
   add_section(signals, scene, sections::forces, scene.forces, groups);
   add_section(signals, scene, sections::constraints, scene.constraints, groups);
   add_section(signals, scene, sections::contacts, scene.contacts, groups);
+  for (std::size_t i = 0; i < scene.states.size(); ++i) {
+    const ElementState& state = scene.states[i];
+    Signal& signal = signals.emplace_back();
+    signal.name = state.name;
+    signal.unit = state.unit;
+    signal.description = state.text.empty() ? "state of expressions" : state.text;
+    signal.section = sections::states;
+    signal.element = static_cast<int>(i);
+    signal.group = 0;
+    signal.derivative = static_cast<int>(signals.size());
+    Signal rate = signal;
+    rate.name += ".rate";
+    rate.unit = state.unit.empty() ? "1/s" : state.unit + "/s";
+    rate.description = "rate of " + state.name;
+    rate.stage = Stage::velocity;
+    rate.group = 1;
+    rate.derivative = -1;
+    signals.push_back(rate);
+  }
   return signals;
 }
 

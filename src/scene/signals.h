@@ -39,7 +39,7 @@ std::vector<Signal> input_signals(const Scene& scene);
 std::vector<std::vector<int>> first_inputs(const Scene& scene);
 
 // Returns the outputs: joints in file order (coordinates, velocities, accelerations, friction and limits), then
-// sensors, motors, forces and constraints in file order.
+// sensors, motors, forces, constraints, contacts and element states in file order.
 std::vector<Signal> output_signals(const Scene& scene);
 
 // Outputs that describe the computation itself; the same for every scene, in the order of diagnostic_signals().

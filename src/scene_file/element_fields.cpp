@@ -50,7 +50,7 @@ std::string expected_of(const Field& field, const Coordinate& coordinate) {
     for (const FormulaVariable& variable : variables_of(field, coordinate)) {
       if (!variable.name.empty()) names.emplace_back(variable.name);
     }
-    if (field.reads_signals) names.emplace_back("inputs and t");
+    if (field.reads_signals) names.insert(names.end(), {"t", "inputs", "states", "coordinates of joints"});
     return "an expression of " + text::list(names) + in_unit;
   }
   return (field.type == Field::Type::numbers ? "a list of numbers" : "a number") + in_unit;

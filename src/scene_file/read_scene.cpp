@@ -106,7 +106,10 @@ void read_sections(Fields& fields, Scene& scene, SuspectNames& suspect_names) {
   Reader reader{scene, fields.faults(), {}, keys(joints), suspect_names, {}};
   if (const Json* constants = fields.find("constants")) read_constants(*constants, reader);
   if (const Json* inputs = fields.find("inputs")) read_inputs(*inputs, reader);
-  reader.names = formula_names(scene);
+  const Json* states = fields.find("states");
+  if (states != nullptr) read_states(*states, reader);
+  reader.names = names_in(joints, scene);
+  if (states != nullptr && states->is_object()) read_rates(*states, reader);
   if (gravity != nullptr) read_gravity(*gravity, fields, reader);
   if (bodies != nullptr && bodies->is_object()) reader.bodies = {ground};
   for (std::string& name : keys(bodies)) reader.bodies.push_back(std::move(name));

@@ -21,7 +21,7 @@ struct Reader {
   std::vector<std::string> bodies;  // names, ground first; empty if the section could not be read
   std::vector<std::string> joints;
   SuspectNames& suspect_names;
-  FormulaNames names;  // of constants and inputs
+  FormulaNames names;  // what expressions may name
 };
 
 // Reads and checks the whole tree. Throws SceneError with all errors, including those in `faults` before the call.
@@ -30,6 +30,12 @@ Scene scene_from_tree(const Json& tree, const std::string& file, Faults& faults)
 // Reads {name: number, ...} and {name: {unit, start, text}, ...}, which expressions may name.
 void read_constants(const Json& section, Reader& reader);
 void read_inputs(const Json& section, Reader& reader);
+// Reads {name: "rate", ...} or {name: {rate, start, unit, nominal, text}, ...}: first all but the rates, then these,
+// which may name each other.
+void read_states(const Json& section, Reader& reader);
+void read_rates(const Json& section, Reader& reader);
+// What expressions may name: of these sections, and the coordinates of joints, which have not been read.
+FormulaNames names_in(const Json* joints, const Scene& scene);
 void read_bodies(const Json& section, Reader& reader);
 // Reads the shapes of the ground: {shapes: {...}}.
 void read_ground(const Json& section, Reader& reader);

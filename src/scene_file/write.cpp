@@ -200,6 +200,13 @@ void add_names(Json& out, const Scene& scene) {
     if (of.start != 0) input["start"] = of.start;
     if (!of.text.empty()) input["text"] = of.text;
   }
+  for (const ElementState& of : scene.states) {
+    Json& state = out["states"][of.name] = {{"rate", std::string(of.rate.text())}};
+    if (!of.unit.empty()) state["unit"] = of.unit;
+    if (of.start != 0) state["start"] = of.start;
+    if (of.nominal != 0) state["nominal"] = of.nominal;
+    if (!of.text.empty()) state["text"] = of.text;
+  }
 }
 
 // Formats JSON with one line per entry of a section: short, but suitable for reading and diffing.

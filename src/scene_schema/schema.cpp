@@ -268,6 +268,15 @@ std::string scene_schema() {
                                      {"text", {{"type", "string"}, {"description", "Description"}}}},
                                     {}),
                              "Inputs that expressions name.", false);
+  const Json rate = {{"type", "string"}, {"description", "Expression of its rate in time, in SI units"}};
+  Json state = object({{"rate", rate},
+                       {"unit", {{"type", "string"}, {"description", "Unit of SI, such as A or Pa"}}},
+                       {"start", number("", "Start value; 0 if not given", Range::any)},
+                       {"nominal", number("", "Size of ordinary values, to which tolerances refer", Range::positive)},
+                       {"text", {{"type", "string"}, {"description", "Description"}}}},
+                      {"rate"});
+  fields["states"] = section({{"anyOf", {rate, state}}},
+                             "States of elements, such as currents and controllers, by their rates.", false);
   fields["gravity"] = gravity();
   fields["bodies"] = section(body(), "Rigid bodies. The ground always exists.", true);
   fields["ground"] = object({{"shapes", reference("shapes")}}, {});

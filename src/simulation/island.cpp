@@ -39,8 +39,10 @@ Island::Island(const Scene& scene, PreparedIsland prepared, Loads loads, Inputs&
       time_(time),
       y_(prepared_.start.q),
       vdot_(prepared_.mechanism.nv, 0.0),
+      rates_(prepared_.states.size()),
       inputs_of_scene_(u.signals()) {
   y_.insert(y_.end(), prepared_.start.v.begin(), prepared_.start.v.end());
+  y_.insert(y_.end(), prepared_.states.begin(), prepared_.states.end());
   events_.describe(event_texts(), scene.solver.max_events, equations_->modes().own_indicators());
   dynamics_->set_max_rank(prepared_.mobility.rank);
   equations_->start(prepared_.cut_start, time, y_.data());
@@ -51,7 +53,7 @@ Island::Island(const Scene& scene, PreparedIsland prepared, Loads loads, Inputs&
 }
 
 void Island::start_integrator(double tolerance) {
-  if (mechanism().nv == 0) return;
+  if (y_.empty()) return;
   IntegratorOptions options;
   options.tolerance = tolerance;
   options.step = step_of(scene_);
@@ -303,13 +305,19 @@ void Island::realize(Stage stage) {
   if (stage == Stage::acceleration) {
     evaluate_outputs();
   } else {
-    equations_->drives().go_to_outputs(time_);
+    equations_->drives().go_to_outputs(time_, y_.data());
     dynamics_->set_position(y_.data());
     dynamics_->set_velocity(y_.data() + mechanism().nq);
   }
+  realize_rates();
   dynamics_->readings().set_root_poses();
   if (stage == Stage::acceleration) dynamics_->set_acceleration(vdot_.data());
   realized_ = stage;
+}
+
+// Under the inputs, with the position and the velocities, that have been set last.
+void Island::realize_rates() {
+  if (!rates_.empty()) dynamics_->readings().state_rates(equations_->drives().u().data(), rates_.data());
 }
 
 // Again when the integrator has decided whether steps are made with impulses.
@@ -317,7 +325,9 @@ void Island::make_reading() {
   const RevolutionCounter& turns = equations_->revolutions();
   EventModes& modes = equations_->modes();
   reading_.emplace(Reading{dynamics_->readings(), y_.data(), y_.data() + mechanism().nq, vdot_.data(),
-                           turns.coordinates().data(), turns.speeds().data(), modes.outputs().forces().data(),
+                           turns.coordinates().data(), turns.speeds().data(),
+                           y_.data() + mechanism().nq + mechanism().nv, rates_.data(),
+                           modes.outputs().forces().data(),
                            modes.outputs().sides().data(), &equations_->contacts().readings()});
 }
 

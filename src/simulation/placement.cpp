@@ -61,11 +61,15 @@ VectorXd Placement::remaining(std::span<const double> x) const {
     const Sensitivity::Place at = impl_.sensitivity->place(k);
     const Island& island = *impl_.islands[static_cast<std::size_t>(at.island)];
     const Reading& reading = island.reading();
-    const double present = at.sign * (at.is_coordinate ? reading.q : reading.v)[at.component];
+    const double* const among = at.of == Sensitivity::Place::Of::coordinates  ? reading.q
+                                : at.of == Sensitivity::Place::Of::velocities ? reading.v
+                                                                              : reading.states;
+    const double present = at.sign * among[at.component];
     out[static_cast<Index>(k)] = x[k] / impl_.output_size[impl_.states[k]] - present;
   }
   for (std::size_t k = 0; k + 3 < x.size(); ++k) {
-    if (impl_.outputs[impl_.states[k]].derivative >= 0) continue;
+    const Signal& signal = impl_.outputs[impl_.states[k]];
+    if (signal.joint < 0 || signal.derivative >= 0) continue;
     keep_independent_rotations(k, out);
     k += 3;
   }
@@ -96,14 +100,17 @@ void Placement::move(const VectorXd& dx, double time) {
   Simulation::Impl& s = impl_;
   for (std::size_t i = 0; i < s.islands.size(); ++i) {
     const Mechanism& mechanism = s.islands[i]->prepared().mechanism;
-    VectorXd change = VectorXd::Zero(mechanism.nq + mechanism.nv);
+    VectorXd change = VectorXd::Zero(mechanism.nq + mechanism.nv + static_cast<Index>(mechanism.states.size()));
     if (mechanism.rows > 0) {
       change = s.sensitivity->displacement(static_cast<int>(i), dx);
     } else {
       for (std::size_t k = 0; k < s.states.size(); ++k) {
         const Sensitivity::Place at = s.sensitivity->place(k);
         if (at.island != static_cast<int>(i)) continue;
-        change[at.component + (at.is_coordinate ? 0 : mechanism.nq)] = at.sign * dx[static_cast<Index>(k)];
+        const int first = at.of == Sensitivity::Place::Of::coordinates  ? 0
+                          : at.of == Sensitivity::Place::Of::velocities ? mechanism.nq
+                                                                        : mechanism.nq + mechanism.nv;
+        change[first + at.component] = at.sign * dx[static_cast<Index>(k)];
       }
     }
     if (!s.islands[i]->place(change, time)) throw UsageError("its loops cannot be closed on the way there");
@@ -172,6 +179,7 @@ void Placement::realize_in_present_modes(Island& of) {
   modes.outputs().record();
   of.dynamics_->readings().set_root_poses();
   of.dynamics_->set_acceleration(of.vdot_.data());
+  of.realize_rates();
   of.realized_ = Stage::acceleration;
 }
 

@@ -33,7 +33,7 @@ Jacobians Probe::residual_jacobians(int island, const std::vector<double>& x, bo
     throw UsageError("x: found " + std::to_string(x.size()) + " numbers, expected " + std::to_string(needed));
   }
   const double* const v = x.data() + m.nq;
-  const std::vector<double>& u = impl_.u.now();
+  const std::vector<double>& u = of.formulation().drives().u();
   const auto dynamics = make_dynamics(m, of.loads());  // so that the run's own dynamics are not changed
   dynamics->set_cut_reference(of.formulation().revolutions().coordinates().data());
   dynamics->set_targets(with_two_derivatives(of.targets()).data());

@@ -11,54 +11,72 @@ using Eigen::MatrixXd;
 
 Sensitivity::Sensitivity(const ReducedScene& reduced, const Islands& islands, const Outputs& readings,
                          const std::vector<Signal>& outputs, const std::vector<int>& states,
-                         const std::vector<Independent>& independent, const std::vector<double>& u, std::size_t inputs)
-    : reduced_(reduced),
-      islands_(islands),
-      readings_(readings),
-      signals_(outputs),
-      states_(states),
-      u_(u),
-      inputs_(inputs) {
+                         const std::vector<Independent>& independent, const Inputs& u)
+    : reduced_(reduced), islands_(islands), readings_(readings), signals_(outputs), states_(states), u_(u) {
   for (std::size_t i = 0; i < islands.size(); ++i) {
     const Island& island = *islands[i];
-    sensitivities_.push_back(std::make_unique<ConstrainedSensitivity>(island.prepared().mechanism, island.loads(),
-                                                                      island.prepared().mobility, independent[i],
-                                                                      static_cast<int>(u.size())));
+    sensitivities_.push_back(std::make_unique<ConstrainedSensitivity>(
+        island.prepared().mechanism, island.loads(), island.prepared().mobility, independent[i],
+        island.formulation().drives().count()));
   }
-}
-
-const JointPlace& Sensitivity::place_of(int state) const { return reduced_.joints[signals_[state].joint]; }
-
-// The index of a state in q or v of its island.
-int Sensitivity::component_of(int state) const {
-  const Signal& s = signals_[state];
-  const JointPlace& place = place_of(state);
-  return s.component + (s.level == 0 ? place.iq : place.iv);
 }
 
 Sensitivity::Place Sensitivity::place(std::size_t state) const {
   const int of = states_[state];
-  const JointPlace& joint = place_of(of);
   const Signal& signal = signals_[of];
+  if (signal.joint < 0) {
+    const int island = readings_.island(of);
+    const Mechanism& mechanism = reduced_.islands[island];
+    return {.island = island,
+            .component = readings_.entry(of).index - mechanism.nq - 2 * mechanism.nv,
+            .of = Place::Of::elements};
+  }
+  const JointPlace& joint = reduced_.joints[signal.joint];
   const bool is_coordinate = signal.level == 0;
   return {.island = joint.island,
-          .component = component_of(of),
+          .component = signal.component + (is_coordinate ? joint.iq : joint.iv),
           .sign = (is_coordinate ? joint.q_sign : joint.v_sign)[signal.component],
-          .is_coordinate = is_coordinate};
+          .of = is_coordinate ? Place::Of::coordinates : Place::Of::velocities};
+}
+
+Sensitivity::Directions Sensitivity::directions_of(int island, const MatrixXd& directions) const {
+  const Mechanism& mechanism = islands_[island]->prepared().mechanism;
+  const Index n = directions.cols();
+  Directions out{.dq = MatrixXd::Zero(mechanism.nq, n),
+                 .dv = MatrixXd::Zero(mechanism.nv, n),
+                 .du = MatrixXd::Zero(islands_[island]->formulation().drives().count(), n)};
+  for (std::size_t s = 0; s < states_.size(); ++s) {
+    const Place at = place(s);
+    if (at.island != island) continue;
+    const auto row = at.sign * directions.row(static_cast<Index>(s));
+    switch (at.of) {
+      case Place::Of::coordinates:
+        out.dq.row(at.component) = row;
+        break;
+      case Place::Of::velocities:
+        out.dv.row(at.component) = row;
+        break;
+      case Place::Of::elements:
+        out.du.row(static_cast<Index>(u_.signals()) + at.component) = row;
+    }
+  }
+  const auto inputs = static_cast<Index>(u_.count());
+  out.du.topRows(inputs) = directions.bottomRows(inputs);
+  return out;
 }
 
 Eigen::VectorXd Sensitivity::displacement(int island, const Eigen::VectorXd& dx) {
   friction_ = FrictionTreatment::off;
   set_point(island);
   const Mechanism& mechanism = islands_[island]->prepared().mechanism;
-  MatrixXd dq = MatrixXd::Zero(mechanism.nq, 1);
-  MatrixXd dv = MatrixXd::Zero(mechanism.nv, 1);
-  for (std::size_t s = 0; s < states_.size(); ++s) {
-    const Place at = place(s);
-    if (at.island == island) (at.is_coordinate ? dq : dv)(at.component, 0) = at.sign * dx[static_cast<Index>(s)];
-  }
-  const MatrixXd du = MatrixXd::Zero(static_cast<Index>(u_.size()), 1);
-  return sensitivities_[island]->state_derivative(dq, dv, du).y.col(0).head(mechanism.nq + mechanism.nv);
+  MatrixXd direction = MatrixXd::Zero(dx.size() + static_cast<Index>(u_.count()), 1);
+  direction.topRows(dx.size()) = dx;
+  const Directions along = directions_of(island, direction);
+  const Eigen::VectorXd moved = sensitivities_[island]->state_derivative(along.dq, along.dv, along.du).y.col(0);
+  const auto states = static_cast<Index>(mechanism.states.size());
+  Eigen::VectorXd out(mechanism.nq + mechanism.nv + states);
+  out << moved.head(mechanism.nq + mechanism.nv), moved.tail(states);
+  return out;
 }
 
 ConstrainedSensitivity& Sensitivity::set_point(int island) {
@@ -68,7 +86,9 @@ ConstrainedSensitivity& Sensitivity::set_point(int island) {
   const EventModes::Present modes = from.formulation().modes().present(from.time(), y, friction_);
   if (modes.boundary >= 0) throw NotDifferentiablePoint(NotDifferentiablePoint::What::mode, modes.boundary);
   sensitivities_[island]->hold(modes.sides);
-  sensitivities_[island]->set_point(y, y + from.prepared().mechanism.nq, u_.data(),
+  Drives& drives = from.formulation().drives();
+  drives.go_to(from.time(), y);
+  sensitivities_[island]->set_point(y, y + from.prepared().mechanism.nq, drives.u().data(),
                                     from.formulation().revolutions().coordinates().data(), from.targets());
   return *sensitivities_[island];
 }
@@ -77,11 +97,15 @@ ConstrainedSensitivity& Sensitivity::set_point(int island) {
 template <class T, class Take>
 void Sensitivity::read(int i, CarriedState<T>& at, Take take) const {
   const ResidualEvaluator<T>& e = *at.equations;
+  std::vector<T> rates(islands_[i]->prepared().states.size());
+  at.equations->state_rates(at.u.data(), rates.data());
   const ReadingOf<T> reading{.dynamics = e,
                              .q = at.q.data(),
                              .v = at.v.data(),
                              .vdot = at.vdot.data(),
                              .cut_q = at.equations->cut_coordinates().data(),
+                             .states = at.u.data() + u_.signals(),
+                             .state_rates = rates.data(),
                              .forces = at.forces.data(),
                              .modes = at.modes};
   const EnergyOf<T> energy = e.energy();
@@ -95,17 +119,8 @@ void Sensitivity::read(int i, CarriedState<T>& at, Take take) const {
 }
 
 void Sensitivity::add(int i, const MatrixXd& directions, DirectionalDerivative& out) {
-  const Mechanism& mechanism = islands_[i]->prepared().mechanism;
   const Index n = directions.cols();
-  MatrixXd dq = MatrixXd::Zero(mechanism.nq, n);
-  MatrixXd dv = MatrixXd::Zero(mechanism.nv, n);
-  for (std::size_t s = 0; s < states_.size(); ++s) {
-    const Place at = place(s);
-    if (at.island != i) continue;
-    (at.is_coordinate ? dq : dv).row(at.component) = at.sign * directions.row(static_cast<Index>(s));
-  }
-  MatrixXd du = MatrixXd::Zero(static_cast<Index>(u_.size()), n);
-  du.topRows(static_cast<Index>(inputs_)) = directions.bottomRows(static_cast<Index>(inputs_));
+  const auto [dq, dv, du] = directions_of(i, directions);
   const MovedState moved = sensitivities_[i]->state_derivative(dq, dv, du);
   add_rates(i, moved, out);
   for (int k = 0; k < static_cast<int>(signals_.size()); ++k) {
@@ -138,22 +153,24 @@ void Sensitivity::add_rates(int i, const MovedState& moved, DirectionalDerivativ
   const Mechanism& mechanism = islands_[i]->prepared().mechanism;
   const Eigen::VectorXd y = sensitivities_[i]->point();
   for (std::size_t s = 0; s < states_.size(); ++s) {
-    const int state = states_[s];
-    const JointPlace& place = place_of(state);
-    if (place.island != i) continue;
-    const Signal& signal = signals_[state];
-    const double sign = (signal.level == 0 ? place.q_sign : place.v_sign)[signal.component];
+    const Place at = place(s);
+    if (at.island != i) continue;
+    const Signal& signal = signals_[states_[s]];
     const auto row = static_cast<Index>(s);
-    if (signal.derivative < 0) {
-      out.xdot[row] = sign * sensitivities_[i]->qdot()[component_of(state)];
-      out.rates.row(row) = sign * moved.qdot.row(component_of(state));
-      continue;
+    if (at.of == Place::Of::elements) {
+      out.xdot[row] = sensitivities_[i]->state_rates()[at.component];
+      out.rates.row(row) = moved.state_rates.row(at.component);
+    } else if (signal.derivative < 0) {
+      out.xdot[row] = at.sign * sensitivities_[i]->qdot()[at.component];
+      out.rates.row(row) = at.sign * moved.qdot.row(at.component);
+    } else {
+      // A coordinate and its velocity have the same index within q and v of the joint.
+      const int level = at.of == Place::Of::coordinates ? 0 : mechanism.nv;
+      const int entry = mechanism.nq + level + reduced_.joints[signal.joint].iv + signal.component;
+      const double sign = at.sign;
+      out.xdot[row] = sign * y[entry];
+      out.rates.row(row) = sign * moved.y.row(entry);
     }
-    // A coordinate and its velocity have the same index within q and v of the joint.
-    const int level = signal.level == 0 ? 0 : mechanism.nv;
-    const int entry = mechanism.nq + level + place.iv + signal.component;
-    out.xdot[row] = sign * y[entry];
-    out.rates.row(row) = sign * moved.y.row(entry);
   }
 }
 
@@ -186,10 +203,10 @@ DirectionalDerivative Sensitivity::along(const std::vector<double>& dx, const st
 std::vector<int> Sensitivity::columns_of(int island) const {
   std::vector<int> out;
   for (std::size_t s = 0; s < states_.size(); ++s) {
-    if (place_of(states_[s]).island == island) out.push_back(static_cast<int>(s));
+    if (place(s).island == island) out.push_back(static_cast<int>(s));
   }
   for (const int input : islands_[island]->loads().inputs) {
-    if (input < static_cast<int>(inputs_)) out.push_back(static_cast<int>(states_.size()) + input);
+    if (input < static_cast<int>(u_.count())) out.push_back(static_cast<int>(states_.size()) + input);
   }
   return out;
 }
@@ -197,7 +214,7 @@ std::vector<int> Sensitivity::columns_of(int island) const {
 Linearization Sensitivity::linearize(FrictionTreatment friction) {
   friction_ = friction;
   const auto nx = static_cast<Index>(states_.size());
-  const auto nu = static_cast<Index>(inputs_);
+  const auto nu = static_cast<Index>(u_.count());
   DirectionalDerivative all = zero_derivative(signals_.size(), states_.size(), nx + nu);
   Linearization out;
   for (int i = 0; i < static_cast<int>(islands_.size()); ++i) {

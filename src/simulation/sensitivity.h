@@ -38,10 +38,10 @@ struct Linearization {
 class Sensitivity {
  public:
   using Islands = std::vector<std::unique_ptr<Island>>;
-  // independent: by island. u: all inputs, and the clock if there is one, read at each call.
+  // independent: by island. u: read at each call.
   Sensitivity(const ReducedScene& reduced, const Islands& islands, const Outputs& readings,
               const std::vector<Signal>& outputs, const std::vector<int>& states,
-              const std::vector<Independent>& independent, const std::vector<double>& u, std::size_t inputs);
+              const std::vector<Independent>& independent, const Inputs& u);
 
   // All three throw NotDifferentiablePoint and SingularMass; faulty_island() is then the island concerned.
   Linearization linearize(FrictionTreatment friction);
@@ -56,12 +56,12 @@ class Sensitivity {
   Eigen::VectorXd displacement(int island, const Eigen::VectorXd& dx);
 
   int faulty_island() const { return current_island_; }
-  // The place of a state in the (q, v) of its island, and the sign with which it appears there.
+  // The place of a state in the (q, v, element states) of its island, and the sign with which it appears there.
   struct Place {
     int island = 0;
-    int component = 0;
+    int component = 0;  // in q, v or the element states
     double sign = 1;
-    bool is_coordinate = false;  // otherwise a velocity
+    enum class Of { coordinates, velocities, elements } of = Of::coordinates;
   };
   Place place(std::size_t state) const;
 
@@ -75,16 +75,18 @@ class Sensitivity {
   template <class T, class Take>
   void read(int i, CarriedState<T>& at, Take take) const;
   std::vector<int> columns_of(int island) const;
-  const JointPlace& place_of(int state) const;
-  int component_of(int state) const;
+  // Directions (states; inputs) as changes of q, v and the signals of an island.
+  struct Directions {
+    Eigen::MatrixXd dq, dv, du;
+  };
+  Directions directions_of(int island, const Eigen::MatrixXd& directions) const;
 
   const ReducedScene& reduced_;
   const Islands& islands_;
   const Outputs& readings_;
   const std::vector<Signal>& signals_;
   const std::vector<int>& states_;  // outputs
-  const std::vector<double>& u_;
-  std::size_t inputs_;  // among u_, without the clock
+  const Inputs& u_;
   std::vector<std::unique_ptr<ConstrainedSensitivity>> sensitivities_;
   int current_island_ = 0;
   FrictionTreatment friction_ = FrictionTreatment::present;

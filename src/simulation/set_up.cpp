@@ -23,6 +23,7 @@ ModelSize size_of(const ReducedScene& reduced) {
     size.coordinates += mechanism.nq;
     size.speeds += mechanism.nv;
     size.rows += mechanism.rows;
+    size.element_states += static_cast<int>(mechanism.states.size());
     size.planar_islands += mechanism.planar ? 1 : 0;
   }
   size.islands = static_cast<int>(reduced.islands.size());
@@ -50,6 +51,7 @@ void Simulation::Impl::make_islands() {
   for (std::size_t i = 0; i < prepared.islands.size(); ++i) {
     islands.push_back(std::make_unique<Island>(scene, prepared.islands[i], std::move(loads[i]), u, time));
     for (const int input : islands[i]->loads().inputs) {
+      if (input >= static_cast<int>(u.signals())) continue;  // an element state
       std::vector<int>& of = islands_of_input[static_cast<std::size_t>(input)];
       if (of.empty() || of.back() != static_cast<int>(i)) of.push_back(static_cast<int>(i));
     }

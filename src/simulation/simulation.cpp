@@ -251,12 +251,14 @@ Pose3 Simulation::body_pose(int body) {
 std::vector<BodyWrench> Simulation::wrenches() try {
   Impl& s = *impl_;
   if (!s.initialized) throw UsageError("forces are not available before initialize()");
-  BodyWrenches found(s.scene, s.prepared.reduced, s.u.now());
+  BodyWrenches found(s.scene, s.prepared.reduced);
   for (std::size_t i = 0; i < s.islands.size(); ++i) {
     s.islands[i]->realize(Stage::acceleration);
-    found.add(static_cast<int>(i), s.islands[i]->reading(), s.islands[i]->loads());
+    Island& island = *s.islands[i];
+    const double* u = island.dynamics().readings().all_signals(island.formulation().drives().u().data());
+    found.add(static_cast<int>(i), island.reading(), island.loads(), u);
   }
-  found.add_immobile();
+  found.add_immobile(s.u.now());
   for (BodyWrench& wrench : found.all) {
     wrench.p *= s.scene.units.size_of("m");
     wrench.f *= s.scene.units.size_of("N");

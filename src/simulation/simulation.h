@@ -53,6 +53,9 @@ struct ModelSize {
   int rank = 0;                // of the constraint Jacobian, at a position without special symmetry
   int degrees_of_freedom = 0;  // speeds - rank
   int free_coordinates = 0;    // independent coordinates: one more than that for each nonholonomic constraint
+  int element_states = 0;
+
+  int states() const { return degrees_of_freedom + free_coordinates + element_states; }  // the smallest number
   int islands = 0;             // parts without coupling, integrated separately
   int planar_islands = 0;      // islands computed in their plane
   bool planar = false;         // whether all islands are

@@ -41,6 +41,10 @@ struct Simulation::Impl {
         log(inputs_at_start(inputs, u)) {
     sizes_of(inputs, input_size);
     sizes_of(outputs, output_size);
+    for (std::size_t k = 0; k < outputs.size(); ++k) {
+      if (outputs[k].section == sections::states)
+        output_size[k] = size_of(scene.states[static_cast<std::size_t>(outputs[k].element)], scene.units);
+    }
     sizes_of(diagnostics, diagnostic_size);
   }
 

@@ -61,6 +61,7 @@ void Simulation::Impl::find_independent() {
   }
   for (int i = 0; i < static_cast<int>(outputs.size()); ++i) {
     const Signal& s = outputs[i];
+    if (s.section == sections::states && s.group == 0) independent.elements.push_back(i);
     if (s.level != 0 && s.level != 1) continue;
     const JointPlace& place = prepared.reduced.joints[s.joint];
     if (place.role != JointPlace::Role::tree) continue;
@@ -120,9 +121,10 @@ void check_size(const char* what, std::size_t found, std::size_t expected) {
 const IndependentOutputs& StateDerivatives::independent() const { return impl_.independent; }
 const std::vector<int>& StateDerivatives::states() const { return impl_.states; }
 
-void StateDerivatives::take_states(const IndependentOutputs& independent) {
+void StateDerivatives::take_states(const IndependentOutputs& chosen) {
   Simulation::Impl& s = impl_;
   if (!s.initialized) throw UsageError("states cannot be chosen before initialize()");
+  const IndependentOutputs independent{chosen.coordinates, chosen.speeds, s.independent.elements};
   if (s.independent == independent) return;
   for (const auto* outputs : {&independent.coordinates, &independent.speeds}) {
     for (const int i : *outputs) {
@@ -162,7 +164,7 @@ void StateDerivatives::prepare() {
   if (!s.initialized) throw UsageError("derivatives cannot be computed before initialize()");
   if (s.sensitivity) return;
   s.sensitivity = std::make_unique<Sensitivity>(s.prepared.reduced, s.islands, *s.readings, s.outputs, s.states,
-                                                s.independent_by_island, s.u.now(), s.u.count());
+                                                s.independent_by_island, s.u);
 }
 
 template <class Evaluate>
@@ -193,7 +195,7 @@ auto StateDerivatives::differentiate(Evaluate evaluate) {
 Linearization StateDerivatives::linearize(FrictionTreatment friction) {
   Linearization out = differentiate([&](Sensitivity& s) { return s.linearize(friction); });
   const Simulation::Impl& s = impl_;
-  if (s.scene.units.is_si()) return out;
+  if (s.scene.units.is_si() && s.scene.states.empty()) return out;
   const Sizes x = s.sizes_of_states();
   const Sizes u = sizes(s.input_size);
   const Sizes y = sizes(s.output_size);

@@ -20,11 +20,11 @@ class StateDerivatives {
   // quaternion whose three rotations are all independent.
   const IndependentOutputs& independent() const;
 
-  // The states with respect to which derivatives are taken, as indices into outputs(): these coordinates, then these
-  // velocities.
+  // The states with respect to which derivatives are taken, as indices into outputs(): these coordinates, these
+  // velocities, then all element states.
   const std::vector<int>& states() const;
 
-  // Selects other states, the same number as above. Throws UsageError for an output that is not a tree coordinate or
+  // Selects other coordinates and velocities, the same number as above. Throws UsageError for an output that is not a tree coordinate or
   // velocity.
   void take_states(const IndependentOutputs& independent);
 

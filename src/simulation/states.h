@@ -9,14 +9,15 @@
 
 namespace gelenk {
 
-// Independent outputs: coordinates (all four components of a quaternion or none) and velocities.
+// Independent outputs: coordinates (all four components of a quaternion or none), velocities, and all element states.
 struct IndependentOutputs {
-  std::vector<int> coordinates, speeds;
+  std::vector<int> coordinates, speeds, elements{};
   bool operator==(const IndependentOutputs&) const = default;
-  // The corresponding states: the coordinates, then the velocities.
+  // The corresponding states: the coordinates, the velocities, the element states.
   std::vector<int> states() const {
     std::vector<int> out = coordinates;
     out.insert(out.end(), speeds.begin(), speeds.end());
+    out.insert(out.end(), elements.begin(), elements.end());
     return out;
   }
 };

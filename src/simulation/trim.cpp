@@ -27,7 +27,7 @@ EquilibriumProblem Simulation::Impl::at_rest(const Island& island,
           .loads = island.loads(),
           .mobility = of.mobility,
           .outputs = *readings,
-          .u = u.now(),
+          .u = island.formulation().drives().u(),
           .targets = targets,
           .time = natural_time(given, scene.units)};
 }

@@ -133,6 +133,10 @@ class MinimalRealization:
         """Whether the second time derivative of a quantity is a reading, so that it is a coordinate."""
         return name in self._theta or self.of.rates.get(name) in self.of.rates
 
+    def is_of_element(self, name: str) -> bool:
+        """Whether a state is that of an element, whose rate is given by an expression."""
+        return self.of.rates.get(name) == f"{name}.rate"
+
     def row(self, name: str) -> Array:
         """Return the derivatives of a reading or rotation coordinate with respect to the states, shape
         (states,).
@@ -172,7 +176,7 @@ def chosen_states(
     Args:
         minimal: the plant's derivatives.
         wanted: names of states, fewer than the mechanism has if coordinates and velocities are named; None:
-            all but the idle ones.
+            all but the idle ones. States of elements are always among those returned.
         idle: states that need not be named.
 
     Raises:
@@ -182,12 +186,15 @@ def chosen_states(
         return [name for name in minimal.names if name not in idle]
     known = minimal.candidates
     check_names(wanted, known, "state", lambda name: _no_state(name, known, minimal.of.quaternions))
+    elements = [name for name in minimal.names if minimal.is_of_element(name)]
+    wanted = [name for name in wanted if name not in elements]  # which are all states
+    of_motion = [name for name in minimal.names if name not in elements]
     out = list(wanted)
     if all(minimal.is_coordinate(name) for name in wanted):
         out += [minimal.speed(name) for name in wanted]
-    needed = [name for name in minimal.names if name not in idle]
+    needed = [name for name in of_motion if name not in idle]
     if len(wanted) > sum(map(minimal.is_coordinate, needed)):  # idle ones, too, or velocities
-        needed = list(minimal.names)
+        needed = of_motion
     n = len(needed)
     coordinates = sum(map(minimal.is_coordinate, needed))
     if len(wanted) == coordinates and len(out) > n:  # fewer velocities than coordinates: use the plant's
@@ -198,7 +205,7 @@ def chosen_states(
             f"states: found {len(wanted)}, expected {coordinates} coordinates, or these and {velocities} "
             "velocities"
         )
-    return out
+    return [*out, *elements]
 
 
 def check_complete(minimal: MinimalRealization) -> None:

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Derivatives with respect to the signals that expressions name, and through the coordinates among them.
+#pragma once
+
+#include <algorithm>
+#include <array>
+
+#include "derivatives/jacobians.h"
+#include "kinematics/loads.h"
+#include "math/dual.h"
+
+namespace gelenk {
+
+// Those of cut joints have derivatives by automatic differentiation only.
+inline bool names_cut_coordinates(const Loads& loads) {
+  return std::ranges::any_of(loads.coordinates,
+                             [](const NamedCoordinate& of) { return of.moves && of.cut >= 0; });
+}
+
+// Sets the derivatives of the rates of the element states with respect to all signals, u.
+inline void differentiate_states(const Loads& loads, const double* u, Jacobians& out) {
+  for (int k = 0; k < loads.states(); ++k) {
+    const Formula& rate = loads.rates[static_cast<std::size_t>(k)];
+    std::array<Dual, Formula::max_signals> at;
+    int direction = 0;
+    for (const int signal : rate.signals()) {
+      Dual& x = at[static_cast<std::size_t>(direction)] = Dual(u[signal]);
+      x.derivatives()[direction++] = 1;
+    }
+    const Dual value = rate.value<Dual>(nullptr, at.data());
+    direction = 0;
+    for (const int signal : rate.signals()) out.rates_u(k, signal) = value.derivatives()[direction++];
+  }
+}
+
+// Adds the derivatives by coordinates of the tree that are signals to those by q and v.
+inline void fold_coordinates(const Loads& loads, Jacobians& out) {
+  const Eigen::Index nq = out.qdot_q.rows();
+  Eigen::Index signal = loads.first_coordinate();
+  for (const NamedCoordinate& of : loads.coordinates) {
+    const Eigen::Index column = of.is_rate ? nq + of.v : of.q;
+    if (of.moves) {
+      out.r.col(column) += of.sign * out.r_u.col(signal);
+      if (loads.states() > 0) out.rates.col(column) += of.sign * out.rates_u.col(signal);
+    }
+    ++signal;
+  }
+}
+
+}  // namespace gelenk

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "preparation/signal_binder.h"
+
+#include <algorithm>
+#include <tuple>
+
+#include "scene/formulas.h"
+
+namespace gelenk {
+namespace {
+
+NamedCoordinate named(const JointQuantity& of, const JointPlace& place) {
+  const auto component = static_cast<std::size_t>(of.component);
+  NamedCoordinate out{.is_rate = of.is_rate};
+  if (place.role == JointPlace::Role::merged) {
+    out.moves = false;
+    out.value = of.is_rate ? 0 : place.q[component];
+    return out;
+  }
+  const bool in_tree = place.role == JointPlace::Role::tree;
+  out.cut = in_tree ? -1 : place.index;
+  out.q = (in_tree ? place.iq : 0) + of.component;
+  out.v = (in_tree ? place.iv : 0) + of.component;
+  out.sign = (of.is_rate ? place.v_sign : place.q_sign)[component];
+  return out;
+}
+
+bool equal(const NamedCoordinate& a, const NamedCoordinate& b) {
+  const auto key = [](const NamedCoordinate& of) { return std::tuple(of.cut, of.q, of.is_rate, of.moves, of.value); };
+  return key(a) == key(b);
+}
+
+}  // namespace
+
+SignalBinder::SignalBinder(const Scene& scene, const ReducedScene& reduced, int first_input)
+    : scene_(scene),
+      reduced_(reduced),
+      first_input_(first_input),
+      signals_(first_input + static_cast<int>(scene.inputs.size()) + (reads_time(scene) ? 1 : 0)) {}
+
+void SignalBinder::bind(Formula& formula, const Mechanism& mechanism, Loads& loads) const {
+  for (std::size_t k = 0; k < formula.signal_names().size(); ++k) {
+    const Bound at = find(formula.signal_names()[k], mechanism, loads);
+    formula.bind_signal(k, at.index, at.size);
+  }
+}
+
+SignalBinder::Bound SignalBinder::find(std::string_view name, const Mechanism& mechanism, Loads& loads) const {
+  if (name == time_signal) return {.index = signals_ - 1};
+  const auto input = std::ranges::find(scene_.inputs, name, &SceneInput::name);
+  if (input != scene_.inputs.end()) {
+    const int index = first_input_ + static_cast<int>(input - scene_.inputs.begin());
+    return {.index = index, .size = scene_.units.size_of(input->unit)};
+  }
+  const auto state = std::ranges::find(scene_.states, name, &ElementState::name);
+  if (state != scene_.states.end()) {
+    const auto number = static_cast<int>(state - scene_.states.begin());
+    const auto among = std::ranges::find(mechanism.states, number) - mechanism.states.begin();
+    return {.index = loads.first_state + static_cast<int>(among), .size = size_of(*state, scene_.units)};
+  }
+  const JointQuantity of = find_coordinate(scene_, name).value();
+  const NamedCoordinate coordinate = named(of, reduced_.joints[static_cast<std::size_t>(of.joint)]);
+  const auto known = std::ranges::find_if(loads.coordinates, [&](const auto& one) { return equal(one, coordinate); });
+  const auto k = static_cast<int>(known - loads.coordinates.begin());
+  if (known == loads.coordinates.end()) loads.coordinates.push_back(coordinate);
+  return {.index = loads.first_coordinate() + k, .size = scene_.units.size_of(of.unit)};
+}
+
+}  // namespace gelenk

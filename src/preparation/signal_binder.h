@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Binds the names in expressions to the signals of an island (kinematics/loads.h).
+#pragma once
+
+#include <string_view>
+
+#include "kinematics/loads.h"
+#include "scene/scene.h"
+
+namespace gelenk {
+
+// The scenes must outlive it.
+class SignalBinder {
+ public:
+  // first_input: index of the first input of no element (scene/signals.h).
+  SignalBinder(const Scene& scene, const ReducedScene& reduced, int first_input);
+
+  // Number of the signals of the whole scene: its inputs and its clock. Element states of an island follow.
+  int signals() const { return signals_; }
+  // Binds the names of a formula of this island, the element states of which `loads` has; adds coordinates to `loads`.
+  void bind(Formula& formula, const Mechanism& mechanism, Loads& loads) const;
+
+ private:
+  struct Bound {
+    int index = 0;
+    double size = 1;
+  };
+  Bound find(std::string_view name, const Mechanism& mechanism, Loads& loads) const;
+
+  const Scene& scene_;
+  const ReducedScene& reduced_;
+  int first_input_, signals_;
+};
+
+}  // namespace gelenk

@@ -1,0 +1,277 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""States of elements: closed forms, linear models, loops, events, saved states, other units."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from typing import Any
+
+import numpy as np
+import pytest
+from mechanisms import body, four_bar, frame, joint, scene
+from scipy.linalg import expm
+
+import gelenk
+
+ADAPTIVE = ["auto", "erk", "dirk", "cvode", "cvode-adams", "ida"]
+FORMULATIONS = ["projection", "independent", "baumgarte", "penalty", "augmented-lagrangian"]
+
+R, L, K, J, VOLTAGE = 1.0, 0.05, 0.4, 0.5, 12.0  # Ohm, H, N.m/A, kg.m2, V
+
+
+def rotor(**more: Any) -> dict[str, Any]:
+    """A rotor of 0.5 kg m2 about z; `effort`: the law of its joint A, `states` and other sections."""
+    effort, start = more.pop("effort", None), more.pop("start", {"phi": 0.0})
+    law = {} if effort is None else {"law": {"effort": effort}}
+    return scene(
+        {"rotor": body(2.0, inertia=(J, J, J))},
+        {"A": joint("revolute", frame("ground"), frame("rotor"), axis=[0, 0, 1], start=start, **law)},
+        **more,
+    )
+
+
+def dc_motor(**more: Any) -> dict[str, Any]:
+    """L i' = u - R i - k w, J w' = k i."""
+    return rotor(
+        effort="k*i",
+        states={"i": {"rate": "(u - R*i - k*A.w)/L", "unit": "A", "start": 0.5}},
+        inputs={"u": {"unit": "V", "start": VOLTAGE}},
+        constants={"R": R, "L": L, "k": K},
+        **more,
+    )
+
+
+DC_MATRIX = np.array([[0, 1, 0], [0, 0, K / J], [0, -K / L, -R / L]])  # of phi, w, i
+
+
+def dc_exact(t: float) -> np.ndarray:
+    A = DC_MATRIX[1:, 1:]
+    rest = -np.linalg.solve(A, [0, VOLTAGE / L])
+    found: np.ndarray = rest + expm(A * t) @ (np.array([0, 0.5]) - rest)
+    return found
+
+
+def values(source: Any, names: list[str], times: list[float], tolerance: float) -> np.ndarray:
+    simulation = gelenk.Simulation(source)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", gelenk.StartWarning)  # 1e-10 is finer than cvode and ida can be
+        simulation.initialize(0.0, tolerance)
+    out = []
+    for t in times:
+        simulation.step_to(t)
+        out.append([simulation.output(name) for name in names])
+    return np.array(out)
+
+
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-8, 1e-10])
+@pytest.mark.parametrize("integrator", ADAPTIVE)
+def test_step_of_a_filter_and_of_a_motor(integrator: str, tolerance: float) -> None:
+    """Ten tolerances, relative to the largest value."""
+    times = [0.01, 0.05, 0.1, 0.3, 1.0, 3.0]
+    source = dc_motor(solver={"integrator": integrator})
+    source["states"]["slow"] = "(u - slow)/0.2"
+    found = values(source, ["A.w", "i", "slow"], times, tolerance)
+    exact = np.array([[*dc_exact(t), VOLTAGE * (1 - math.exp(-t / 0.2))] for t in times])
+    finest = 1e-10 if integrator in ("auto", "erk", "dirk") else 1e-9
+    assert np.abs(found - exact).max() <= 10 * max(tolerance, finest) * np.abs(exact).max()
+
+
+@pytest.mark.parametrize(("integrator", "order"), [("rk4", 4), ("generalized-alpha", 2), ("hht", 2), ("euler", 1)])
+def test_fixed_steps_keep_their_order(integrator: str, order: int) -> None:
+    errors = []
+    for step in (2e-3, 1e-3, 5e-4):
+        source = dc_motor(solver={"integrator": integrator, "step": step})
+        errors.append(np.abs(values(source, ["A.w", "i"], [0.2], 1e-6)[0] - dc_exact(0.2)).max())
+    assert errors[0] / errors[1] > 0.85 * 2**order
+    assert errors[1] / errors[2] > 0.85 * 2**order
+
+
+@pytest.mark.parametrize("formulation", [*FORMULATIONS, "index3", "stabilized-index2"])
+@pytest.mark.parametrize("integrator", ["dirk", "ida", "cvode", "generalized-alpha"])
+def test_motor_in_a_loop_is_the_same_by_all_formulations(formulation: str, integrator: str) -> None:
+    """A driven four-bar: the explicit method without index reduction is the reference."""
+    if formulation == "index3" and integrator in ("dirk", "cvode"):
+        pytest.skip("not combined")
+    if formulation == "stabilized-index2" and integrator != "ida":
+        pytest.skip("not combined")
+
+    def driven(**solver: Any) -> dict[str, Any]:
+        source = four_bar(1.1, damping=0.0)
+        source.pop("motors", None)
+        source["joints"]["A"]["law"] = {"effort": "0.8*i"}
+        return source | {"states": {"i": "(6 - i - 0.8*A.w + C.w)/0.01"}, "solver": solver}
+
+    names = ["i", "A.phi", "A.w", "C.phi", "C.w"]
+    times = [0.1, 0.2, 0.4]
+    truth = values(driven(integrator="erk"), names, times, 1e-11)
+    source = driven(formulation=formulation, integrator=integrator, step=1e-4)
+    loose = integrator == "generalized-alpha" or formulation in ("baumgarte", "penalty", "index3")
+    found = values(source, names, times, 1e-9)
+    np.testing.assert_allclose(found, truth, rtol=0, atol=3e-4 if loose else 3e-7)
+
+
+@pytest.mark.parametrize("reduced", [True, False])
+@pytest.mark.parametrize("name", ["A", "B", "C", "D"])
+def test_coordinates_of_any_joint_of_a_loop_are_named(name: str, reduced: bool) -> None:
+    """Torques on both bodies of a joint, by its coordinate and speed, are a spring and a damper there."""
+    found, evaluations = [], []
+    for by_names in (True, False):
+        source = four_bar(1.1, damping=0.0)
+        if not reduced:
+            source["solver"] = {"reductions": {"planar": False, "cut_choice": False, "massless": False}}
+        at = source["joints"][name]
+        if by_names:
+            torque = f"3*({name}.phi - 0.2) + 0.4*{name}.w"
+            forces = {}
+            for i, (side, sign) in enumerate((("parent", ""), ("child", "-"))):
+                on = at[side]["body"]
+                if on != "ground":
+                    forces[f"torque{i}"] = {"type": "body_force", "body": on, "torque": ["0", "0", f"{sign}({torque})"]}
+            source["forces"] = forces
+        else:
+            at.update({"stiffness": 3.0, "damping": 0.4, "spring_reference": 0.2})
+        source["solver"] = source.get("solver", {}) | {"integrator": "dirk"}
+        simulation = gelenk.Simulation(source)
+        simulation.initialize(0.0, 1e-10)
+        for k in range(20):
+            simulation.step_to(0.05 * (k + 1))
+        with pytest.warns(gelenk.OperatingPointWarning):
+            model = gelenk.linearize(source, states=["A.phi", "A.w"])
+        found.append([simulation.output(f"{of}.{q}") for of in "ABCD" for q in ("phi", "w", "a")])
+        found[-1] += list(np.asarray(model.A).ravel())
+        evaluations.append(simulation.diagnostic("solver.evaluations"))
+    assert abs(evaluations[0] - evaluations[1]) < 0.05 * evaluations[1]  # Newton's method has exact derivatives
+    np.testing.assert_allclose(found[0], found[1], rtol=0, atol=1e-8)
+
+
+def test_linear_model_has_electrical_and_controller_poles() -> None:
+    """DC motor with a PI controller of the speed: the characteristic polynomial to 1e-12 of its coefficients."""
+    kp, ki = 3.0, 20.0
+    source = rotor(
+        effort="k*i",
+        states={
+            "e": "r - A.w",
+            "i": {"rate": f"({kp}*(r - A.w) + {ki}*e - R*i - k*A.w)/L", "unit": "A"},
+        },
+        inputs={"r": {"unit": "rad/s"}},
+        constants={"R": R, "L": L, "k": K},
+    )
+    model = gelenk.linearize(source, states=["A.phi", "A.w"])
+    assert list(model.state_labels) == ["A_phi", "A_w", "e", "i"]
+    A = np.array([[0, 1, 0, 0], [0, 0, 0, K / J], [0, -1, 0, 0], [0, -(kp + K) / L, ki / L, -R / L]])
+    np.testing.assert_allclose(model.A, A, rtol=1e-13, atol=1e-13)
+    np.testing.assert_allclose(np.asarray(model.B).ravel(), [0, 0, 1, kp / L], rtol=1e-13, atol=1e-13)
+    polynomial = [1, R / L, K * (kp + K) / (J * L), ki * K / (J * L), 0]
+    np.testing.assert_allclose(np.poly(np.asarray(model.A)), polynomial, rtol=1e-12, atol=1e-10)
+    rows = {str(name): np.asarray(model.C)[k] for k, name in enumerate(model.output_labels)}
+    np.testing.assert_allclose(rows["i"], [0, 0, 0, 1])
+    np.testing.assert_allclose(rows["A_a"], [0, 0, 0, K / J], rtol=1e-13, atol=1e-13)
+
+
+@pytest.mark.parametrize("integrator", [*ADAPTIVE, "rk4", "generalized-alpha"])
+def test_saved_state_repeats_the_run(integrator: str) -> None:
+    source = dc_motor(solver={"integrator": integrator})
+    names = ["A.phi", "A.w", "A.a", "i"]
+    simulation = gelenk.Simulation(source)
+    simulation.initialize(0.0, 1e-7)
+    for k in range(20):
+        simulation.step_to(0.01 * (k + 1))
+    saved = simulation.save()
+    runs = []
+    for _ in range(2):
+        simulation.set_input("u", -5.0)
+        run = []
+        for k in range(20, 40):
+            simulation.step_to(0.01 * (k + 1))
+            run.append([simulation.output(name) for name in names])
+        runs.append(run)
+        simulation.restore(saved)
+    assert runs[0] == runs[1]
+
+
+@pytest.mark.parametrize("nominal", [1e-6, None])
+def test_nominal_value_scales_the_tolerance(nominal: float | None) -> None:
+    """An oscillation of 1e-6 C: without its size the tolerance of 1e-4 does not see it."""
+    size = {} if nominal is None else {"nominal": nominal}
+    states = {
+        "charge": {"rate": "9*other", "unit": "A.s", "start": 1e-6} | size,
+        "other": {"rate": "-9*charge", "unit": "A.s"} | size,
+    }
+    found = values(rotor(states=states), ["charge"], [5.0], 1e-4)[0, 0]
+    error = abs(found / 1e-6 - math.cos(45))
+    assert (error < 0.05) == (nominal is not None)
+
+
+@pytest.mark.parametrize("size", [1e-6, 1.0, 1e6])
+def test_states_are_in_si_units_at_any_size(size: float) -> None:
+    """A series spring and damper (Maxwell) on a mass: x' = (s - x)/T, force -k (s - x); s, x and forces scale."""
+    k, T = 100.0, 0.3
+    source = scene(
+        {"mass": body(size**3)},
+        {
+            "S": joint(
+                "prismatic", frame("ground"), frame("mass", (size, 0, 0)), axis=[1, 0, 0], start={"s": 0.5 * size},
+                law={"effort": f"-{k * size**3}*(s - x1)"},
+            )
+        },
+        states={"x1": {"rate": f"(S.s - x1)/{T}", "unit": "m", "nominal": size}},
+    )  # fmt: skip
+    A = np.array([[0, 1, 0], [-k, 0, k], [1 / T, 0, -1 / T]])
+    for t, found in zip([0.2, 1.0], values(source, ["S.s", "S.v", "x1"], [0.2, 1.0], 1e-10), strict=True):
+        np.testing.assert_allclose(found / size, expm(A * t) @ [0.5, 0, 0], rtol=0, atol=1e-8)
+
+
+def test_states_alone_move_where_no_body_does() -> None:
+    """Bodies that are fixed, and one that moves apart from the states."""
+    source = scene(
+        {"plate": body(1.0)},
+        {"W": joint("weld", frame("ground"), frame("plate"))},
+        states={"c": {"rate": "w0*sn", "start": 1.0}, "sn": "-w0*c"},
+        constants={"w0": 3.0},
+    )
+    found = values(source, ["c", "sn"], [1.0, 2.0], 1e-10)
+    exact = [[math.cos(3 * t), -math.sin(3 * t)] for t in (1.0, 2.0)]
+    np.testing.assert_allclose(found, exact, rtol=0, atol=1e-9)
+
+
+def test_integral_with_a_limit_is_switched_at_events() -> None:
+    """Speed control with a limited torque and an integral that waits there (anti-windup): pieces of linear motion."""
+    kp, ki, most, target = 4.0, 8.0, 1.5, 2.0
+    wanted = f"{kp}*({target} - A.w) + {ki}*e"
+    source = rotor(
+        effort=f"clip({wanted}, -{most}, {most})",
+        states={"e": f"if(({wanted} > {most}) or ({wanted} < -{most}), 0, {target} - A.w)"},
+    )
+    simulation = gelenk.Simulation(source)
+    simulation.initialize(0.0, 1e-9)
+    leaves = J * (target - most / kp) / most  # saturated from rest until kp (target - w) = most
+    simulation.step_to(leaves)
+    assert simulation.output("A.w") == pytest.approx(most / J * leaves, abs=1e-9)
+    assert simulation.output("e") == pytest.approx(0, abs=1e-9)
+    A = np.array([[-kp / J, ki / J], [-1, 0]])
+    for t in (0.1, 0.5, 2.0):
+        simulation.step_to(leaves + t)
+        error = [simulation.output("A.w") - target, simulation.output("e")]
+        np.testing.assert_allclose(error, expm(A * t) @ [most / J * leaves - target, 0], rtol=0, atol=1e-8)
+    assert simulation.diagnostic("solver.events") <= 4  # two conditions name this instant twice
+    assert simulation.diagnostic("solver.evaluations") < 3000
+
+
+@pytest.mark.parametrize(
+    ("states", "message"),
+    [
+        ({"q1": "2*nothing"}, "states.q1.*nothing"),
+        ({"q1": {"start": 1.0}}, "states.q1.*rate"),
+        ({"q1": "A.psi"}, "A.psi.*did you mean 'A.phi'"),
+        ({"R": "1"}, "states.R.*constants.R"),
+        ({"phi": "1"}, "the name 'phi', which has a meaning of its own"),
+        ({"q1": {"rate": "1", "unit": "furlong"}}, "states.q1.unit.*furlong"),
+        ({"q1": {"rate": "1", "nominal": 0}}, "states.q1.nominal"),
+        ({"q1": 3}, "states.q1.*an expression"),
+    ],
+)
+def test_mistakes_are_errors_of_the_scene(states: dict[str, Any], message: str) -> None:
+    source = rotor(states=states, constants={"R": 1.0})
+    with pytest.raises(gelenk.SceneError, match=r"(?s)" + message):
+        gelenk.Simulation(source)
