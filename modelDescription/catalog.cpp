@@ -153,6 +153,10 @@ void Catalog::add_nominals(const Scene& scene) {
     if (v.name.starts_with("constraints.")) v.nominal = scene.experiment.tolerance;
     if (v.source == Source::output && v.unit == "J" && v.name.ends_with(".kinetic")) v.min = 0;
   }
+  for (const ElementState& state : scene.states) {
+    const auto named = std::ranges::find(variables_, state.name, &Variable::name);
+    if (state.nominal > 0) named->nominal = state.nominal;
+  }
 }
 
 void Catalog::declare(int state, int derivative) {
@@ -185,6 +189,7 @@ void Catalog::declare_states(const IndependentOutputs& independent) {
       declare(output_variable(coordinate), rates_begin_ + static_cast<int>(r));
     }
   }
+  for (const int state : independent.elements) declare(output_variable(state), output_variable(state + 1));
   std::ranges::sort(states_, {}, &State::derivative);
 }
 

@@ -93,7 +93,10 @@ class DependencyAnalysis {
       if (v.source == Source::rate) out[i] = of_rate(catalog_.rates()[static_cast<std::size_t>(v.index)]);
       if (v.source != Source::output) continue;
       const Signal& signal = signals_[static_cast<std::size_t>(v.index)];
-      out[i] = signal.joint >= 0 ? of_joint(signal, static_cast<int>(i)) : of_element(signal);
+      const auto variable = static_cast<int>(i);
+      out[i] = signal.joint >= 0                      ? of_joint(signal, variable)
+               : signal.section == sections::states ? of_element_state(signal, variable)
+                                                      : of_element(signal);
     }
     return out;
   }
@@ -103,8 +106,7 @@ class DependencyAnalysis {
     for (const State& state : catalog_.states()) {
       const Variable& v = catalog_.variables()[static_cast<std::size_t>(state.variable)];
       const Signal& signal = signals_[static_cast<std::size_t>(v.index)];
-      IslandKnowns& island =
-          islands_[static_cast<std::size_t>(reduced_.joints[static_cast<std::size_t>(signal.joint)].island)];
+      IslandKnowns& island = islands_[static_cast<std::size_t>(island_of_state(signal))];
       if (signal.level == 0) island.positions.insert(state.variable);
       if (signal.level == 1) ++island.speeds;
       island.states.insert(state.variable);
@@ -121,6 +123,14 @@ class DependencyAnalysis {
     structure_is_known_ = structure_is_known_ && !geometry_may_change(scene_) && scene_.contacts.empty();
     for (IslandKnowns& island : islands_) island.list();
     all_islands_.list();
+  }
+
+  int island_of_state(const Signal& signal) const {
+    if (signal.joint >= 0) return reduced_.joints[static_cast<std::size_t>(signal.joint)].island;
+    const auto has = [&](const Mechanism& of) {
+      return std::ranges::find(of.states, signal.element) != of.states.end();
+    };
+    return static_cast<int>(std::ranges::find_if(reduced_.islands, has) - reduced_.islands.begin());
   }
 
   // Inputs are the first variables.
@@ -213,6 +223,20 @@ class DependencyAnalysis {
     const JointPlace& place = reduced_.joints[static_cast<std::size_t>(rate.joint)];
     return structure_is_known_ ? knowns_of(place.role == JointPlace::Role::merged ? -1 : place.island).of_states
                                : all_knowns_;
+  }
+
+  // An element state depends on itself, its rate on the states of its island and the inputs that its expression names.
+  Knowns of_element_state(const Signal& signal, int variable) {
+    if (signal.group == 0) return listed({variable});
+    if (!structure_is_known_) return all_knowns_;
+    std::set<int> on = knowns_of(island_of_state(signal)).states;
+    const std::span<const std::string> names =
+        scene_.states[static_cast<std::size_t>(signal.element)].rate.signal_names();
+    for (std::size_t i = 0; i < catalog_.variables().size(); ++i) {
+      const Variable& v = catalog_.variables()[i];
+      if (v.source == Source::input && std::ranges::find(names, v.name) != names.end()) on.insert(static_cast<int>(i));
+    }
+    return listed(on);
   }
 
   Knowns of_element(const Signal& signal) {

@@ -167,6 +167,7 @@ void check_names(const Scene& scene, Faults& faults) {
                 "formulation", "integrator", "step", "start"});
   for (const Body& body : scene.bodies) claims.claim("bodies." + body.name, body.name, {"m", "mass", "com", "inertia"});
   for (const Joint& joint : scene.joints) claims.claim("joints." + joint.name, joint.name, joint_suffixes(joint));
+  for (const ElementState& state : scene.states) claims.claim("states." + state.name, state.name, {"rate", "start"});
   each_section(scene, [&](const Section& section, const auto& elements) {
     for (const auto& element : elements) {
       claims.claim(std::string(section.name) + "." + element.name, element.name, suffixes(scene, element));

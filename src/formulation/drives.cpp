@@ -23,7 +23,7 @@ void Drives::go_to(double t) {
 
 void Drives::go_to(double t, const double* y) {
   go_to(t);
-  if (states_ > 0) std::copy_n(y + first_, states_, signals_.end() - states_);
+  set_states(y + first_);
 }
 
 const std::vector<double>& Drives::u(const Inputs& others) {
@@ -35,10 +35,8 @@ const std::vector<double>& Drives::u(const Inputs& others) {
 
 void Drives::go_to_outputs(double t, const double* y) {
   inputs_.go_to(t);
-  if (states_ > 0) {
-    std::ranges::copy(inputs_.now(), signals_.begin());
-    std::copy_n(y + first_, states_, signals_.end() - states_);
-  }
+  if (states_ > 0) std::ranges::copy(inputs_.now(), signals_.begin());
+  set_states(y + first_);
   if (targets_.none()) return;
   dynamics_.set_targets(is_at_end_of_step_ ? targets_.at(t, inputs_) : targets_.as_read(t, inputs_));
 }

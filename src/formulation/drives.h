@@ -2,6 +2,7 @@
 // Quantities given as functions of time: the inputs and the targets of the coordinate rows.
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "dynamics/dynamics.h"
@@ -19,6 +20,7 @@ class Drives {
   void go_to(double t);
   // The same, and sets the element states to those in y = (q, v, states).
   void go_to(double t, const double* y);
+  void set_states(const double* states) { std::copy_n(states, states_, signals_.end() - states_); }
   // The same for outputs at the present time of the run: derivatives are those of the motion that has led there
   // (Inputs::rate).
   void go_to_outputs(double t, const double* y);

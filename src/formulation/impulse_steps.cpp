@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kinematics/loads.h"
+
 namespace gelenk {
 namespace {
 
@@ -26,13 +28,16 @@ void ImpulseSteps::use(double cone_tolerance) {
   const auto nv = static_cast<std::size_t>(with_.mechanism.nv);
   for (std::vector<double>* of : {&displacement_, &rest_, &at_rest_}) of->assign(nv, 0.0);
   displaced_.resize(static_cast<std::size_t>(with_.mechanism.nq));
+  const int states = with_.loads.states();
+  size_ = with_.mechanism.nq + with_.mechanism.nv + states;
+  if (states > 0) states_ = std::make_unique<StateSteps>(with_.dynamics, with_.drives, states);
   vibration_.resize(nv);
   for (std::size_t k = 0; k < nv; ++k) vibration_[k] = 1 + 0.3 * static_cast<double>(k) / static_cast<double>(nv);
 }
 
 // Finds them by a trial step.
 void ImpulseSteps::start(double t, double h, const double* y) {
-  trial_.assign(y, y + with_.mechanism.nq + with_.mechanism.nv);
+  trial_.assign(y, y + size_);
   stepper_->forget();
   step(t, h, trial_.data());
   stepper_->forget_motion();
@@ -40,16 +45,41 @@ void ImpulseSteps::start(double t, double h, const double* y) {
 
 bool ImpulseSteps::step(double t, double h, double* y) {
   const auto finite = [&] {
-    return std::all_of(y, y + with_.mechanism.nq + with_.mechanism.nv,
-                       [](double x) { return std::abs(x) < largest_number; });
+    return std::all_of(y, y + size_, [](double x) { return std::abs(x) < largest_number; });
   };
   if (!finite()) return false;
   with_.drives.go_to(t + h / 2);
-  const bool made = stepper_->step(h, with_.drives.u().data(), y);
+  if (states_ && !begin_states(h, y)) return false;
+  const bool made = stepper_->step(h, with_.drives.u().data(), y) && (!states_ || finish_states(h, y));
   const ContactState& state = stepper_->state();
   return made && finite() && std::ranges::all_of(state.sums, [](const ContactSum& sum) {
            return sum.force.squaredNorm() < largest_number * largest_number;
          });
+}
+
+// The states in the middle of the step at the position and velocity of its start, which is enough for forces.
+bool ImpulseSteps::begin_states(double h, const double* y) {
+  const double* const v = y + with_.mechanism.nq;
+  with_.dynamics.set_position(y);
+  with_.dynamics.set_velocity(v);
+  // The middle position and the former velocities, for finish_states().
+  std::copy_n(y, displaced_.size(), displaced_.data());
+  for (std::size_t k = 0; k < displacement_.size(); ++k) displacement_[k] = h / 2 * v[k];
+  with_.dynamics.displace(displaced_.data(), displacement_.data());
+  std::copy_n(v, at_rest_.size(), at_rest_.data());
+  return states_->find_middle(v + with_.mechanism.nv, h);
+}
+
+// Their step at the middle position and the mean velocity.
+bool ImpulseSteps::finish_states(double h, double* y) {
+  double* const v = y + with_.mechanism.nq;
+  for (std::size_t k = 0; k < at_rest_.size(); ++k) at_rest_[k] = (at_rest_[k] + v[k]) / 2;
+  with_.dynamics.set_position(displaced_.data());
+  with_.dynamics.set_velocity(at_rest_.data());
+  double* const z = v + with_.mechanism.nv;
+  if (!states_->find_middle(z, h)) return false;
+  states_->finish(z);
+  return true;
 }
 
 // displacement_ <- the accelerations at rest at y, displaced by x times small_displacement, minus at_rest_, divided by
@@ -73,7 +103,7 @@ double ImpulseSteps::change_of_accelerations(const double* y, const std::vector<
 // Power iteration: accelerations change by -omega^2 x where the position changes by a mode x. It is made at rest, since
 // what changes with velocities, such as centrifugal forces, does not make these steps unstable.
 double ImpulseSteps::highest_frequency(double t, const double* y) {
-  with_.drives.go_to(t);
+  with_.drives.go_to(t, y);
   std::ranges::fill(at_rest_, 0.0);
   std::ranges::fill(displaced_, 0.0);
   change_of_accelerations(y, rest_);

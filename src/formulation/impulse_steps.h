@@ -9,6 +9,7 @@
 
 #include "event_driven/lock_modes.h"
 #include "formulation/drives.h"
+#include "formulation/state_steps.h"
 #include "time_stepping/time_stepper.h"
 
 namespace gelenk {
@@ -74,9 +75,13 @@ class ImpulseSteps {
 
  private:
   Context with_;
+  bool begin_states(double h, const double* y);
+  bool finish_states(double h, double* y);
   double change_of_accelerations(const double* y, const std::vector<double>& x);
 
   std::unique_ptr<TimeStepper> stepper_;  // null: only modes between events
+  std::unique_ptr<StateSteps> states_;    // null: there are no element states
+  int size_ = 0;                          // of y
   std::vector<double> trial_;
   std::vector<Spatial::Force> applied_;  // by link, about the origin of the root frame
   // Of the search for the fastest vibration: its mode, the last one a good guess, and workspace.

@@ -58,8 +58,8 @@ ControlledSteps::ControlledSteps(Equations& system, const IntegratorOptions& opt
       accuracy_(accuracy_of_steps(options.tolerance)),
       always_(always),
       nq_(static_cast<std::size_t>(system.coordinates())),
-      nv_(static_cast<std::size_t>(system.size()) - nq_),
-      y_(nq_ + nv_),
+      nv_(static_cast<std::size_t>(system.velocities())),
+      y_(static_cast<std::size_t>(system.size())),
       start_(y_),
       middle_(y_),
       second_(y_),
@@ -258,6 +258,7 @@ void ControlledSteps::step_second(double t, double h) {
   if (!made) return begin_second();
   double distance = 0;
   for (std::size_t k = 0; k < nq_; ++k) distance = std::max(distance, std::abs(y_[k] - second_[k]));
+  for (std::size_t k = nq_ + nv_; k < y_.size(); ++k) distance = std::max(distance, std::abs(y_[k] - second_[k]));
   memory_.error = std::max(memory_.error, memory_.error_before + distance);
 }
 

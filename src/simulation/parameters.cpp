@@ -128,6 +128,11 @@ void add_starts(std::vector<Parameter>& table, const Scene& scene) {
     fixed.put = [j](Scene& s, double value) { fix(s.joints[j].start, value != 0); };
     table.push_back(std::move(fixed));
   }
+  for (std::size_t i = 0; i < scene.states.size(); ++i) {
+    const ElementState& state = scene.states[i];
+    table.push_back(real_parameter(state.name + ".start", state.unit, "start value of " + state.name,
+                                   [i](auto& s) -> auto& { return s.states[i].start; }));
+  }
 }
 
 void add_gravity(std::vector<Parameter>& table) {
