@@ -3,9 +3,10 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
+#include <clocale>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 
 #include "util/synonyms.h"
 
@@ -40,20 +41,64 @@ void replace(std::string& text, std::string_view placeholder, std::string_view b
   }
 }
 
+namespace {
+
+// As printf, whatever the host's locale uses for a decimal point. Not to_chars, whose tables take 100 kB of each FMU.
+std::string formatted(const char* format, int digits, double x) {
+  std::array<char, 64> buffer{};
+  std::snprintf(buffer.data(), buffer.size(), format, digits, x);
+  std::string out = buffer.data();
+  const std::string_view point = std::localeconv()->decimal_point;
+  if (const std::size_t at = out.find(point); at != std::string::npos) out.replace(at, point.size(), ".");
+  return out;
+}
+
+// The fewest significant digits that give x again, as d.ddde+xx.
+std::string shortest(double x) {
+  constexpr int always = 15, enough = 17;  // digits that a number of full precision keeps, and that it needs
+  std::array<char, 64> buffer{};
+  int digits = std::fpclassify(x) == FP_SUBNORMAL ? 1 : always;
+  for (; digits < enough; ++digits) {
+    std::snprintf(buffer.data(), buffer.size(), "%.*e", digits - 1, x);
+    if (std::strtod(buffer.data(), nullptr) == x) break;
+  }
+  std::string out = formatted("%.*e", digits - 1, x);
+  const std::size_t exponent = out.find('e');
+  std::size_t last = exponent;
+  if (out.find('.') < exponent) {
+    while (out[last - 1] == '0') --last;
+    if (out[last - 1] == '.') --last;
+  }
+  return out.erase(last, exponent - last);
+}
+
+}  // namespace
+
 std::string number(double x) {
   if (std::isnan(x)) return "NaN";
   if (std::isinf(x)) return x > 0 ? "Infinity" : "-Infinity";
-  std::array<char, 32> buffer{};
-  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), x).ptr;
-  return {buffer.data(), end};
+  const std::string scientific = shortest(x);
+  const std::size_t e = scientific.find('e');
+  const int exponent = std::atoi(scientific.c_str() + e + 1);
+  const std::string sign = scientific[0] == '-' ? "-" : "";
+  std::string digits = scientific.substr(sign.size(), e - sign.size());
+  std::erase(digits, '.');
+  const auto count = static_cast<int>(digits.size());
+  std::string fixed = sign;
+  if (exponent < 0) {
+    if (exponent < -static_cast<int>(scientific.size())) return scientific;
+    fixed += "0." + std::string(static_cast<std::size_t>(-exponent - 1), '0') + digits;
+  } else if (exponent >= count - 1) {
+    if (exponent - count > static_cast<int>(scientific.size())) return scientific;
+    fixed += digits + std::string(static_cast<std::size_t>(exponent - count + 1), '0');
+  } else {
+    fixed += digits.substr(0, static_cast<std::size_t>(exponent) + 1) + "." +
+             digits.substr(static_cast<std::size_t>(exponent) + 1);
+  }
+  return fixed.size() <= scientific.size() ? fixed : scientific;
 }
 
-std::string rounded(double x, int digits) {
-  // Not printf, since the host's locale may use a decimal comma.
-  std::array<char, 32> buffer{};
-  const auto end = std::to_chars(buffer.begin(), buffer.end(), x, std::chars_format::general, digits).ptr;
-  return {buffer.begin(), end};
-}
+std::string rounded(double x, int digits) { return formatted("%.*g", digits, x); }
 
 std::string with_unit(const std::string& value, std::string_view unit) {
   return unit.empty() ? value : value + " " + std::string(unit);
