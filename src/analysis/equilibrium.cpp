@@ -75,7 +75,7 @@ double length_of(const TrialState& at, const VectorXd& unknowns) { return larges
 class EquilibriumSearch {
  public:
   explicit EquilibriumSearch(const EquilibriumProblem& of)
-      : of_(of), steady_(of.request.steady), time_scale_squared_(of.time * of.time), states_(of) {}
+      : of_(of), steady_(of.request.steady), states_(of) {}
 
   Equilibrium run(const std::vector<double>& q, const std::vector<double>& cut_q, const std::vector<double>& v) {
     TrialState here{.q = q, .cut_q = cut_q, .v = v, .u = of_.u};
@@ -86,13 +86,13 @@ class EquilibriumSearch {
       states_.differentiate(here);
     } catch (const NotDifferentiablePoint&) {
       const bool asked = steady_ || !of_.request.held.empty();
-      if (asked || largest(here.vdot) > equilibrium_rate_tolerance || !here.is_on_bounds() || lets_go(here)) throw;
+      if (asked || std::max(largest(here.vdot), largest(here.rates)) > equilibrium_rate_tolerance || !here.is_on_bounds() || lets_go(here)) throw;
       return result(here, Equilibrium::End::found);
     }
     if (!approach(here)) return result(here, Equilibrium::End::unreachable);
     if (of_.request.only_approach) return result(here, Equilibrium::End::found);
     const bool converged = iterate(here);
-    if (here.B.cols() > 0) minimize_inputs(here);
+    if (!of_.request.solve_for.empty()) minimize_inputs(here);
     if (!here.is_on_bounds()) {  // contacts that are none
       std::ranges::fill(here.contacts, 0);
       states_.evaluate(here);
@@ -104,8 +104,8 @@ class EquilibriumSearch {
 
  private:
   Equilibrium result(const TrialState& at, Equilibrium::End end) const {
-    return {
-        end, steps_, at.q, at.cut_q, at.v, at.u, at.vdot / time_scale_squared_, at.accelerations / time_scale_squared_};
+    const double square = of_.time * of_.time;
+    return {end,  steps_, at.q, at.cut_q, at.v, at.u, at.vdot / square, at.accelerations / square, at.rates / of_.time};
   }
 
   static bool holds(const TrialState& at) { return largest(at.hold_gaps) <= converged_step; }
@@ -218,9 +218,9 @@ class EquilibriumSearch {
 
   // Pseudo-transient continuation: implicit Euler on dq/dt = v': (s - A) dq = v', with s above all eigenvalues of A,
   // which are those of -M^-1 K, so that dq lowers the potential energy. Returns false if that makes no progress. What
-  // is held stays to first order. A steady motion does not minimize a potential.
+  // is held stays to first order. A steady motion, or one with states of elements, does not minimize a potential.
   bool descend_pseudo_transient(TrialState& here) {
-    if (steady_) return false;
+    if (steady_ || here.rates.size() > 0) return false;
     const bool repeated = descent_steps_ > 0;  // Newton's steps have led uphill again: descend to the minimum
     bool moved = false;
     for (; descent_steps_ < max_descent_steps; ++descent_steps_) {
@@ -262,16 +262,17 @@ class EquilibriumSearch {
 
   // Replaces the inputs by those of least norm with the same effect here.
   void minimize_inputs(TrialState& here) {
-    VectorXd u(here.B.cols());
+    VectorXd u(static_cast<Index>(of_.request.solve_for.size()));
     for (Index k = 0; k < u.size(); ++k) {
       const EquilibriumRequest::UnknownInput& unknown = of_.request.solve_for[static_cast<std::size_t>(k)];
       u[k] = here.u[static_cast<std::size_t>(unknown.input)] / unknown.size;
     }
-    const SingularValues B(here.B);
-    const VectorXd change = B.solve(here.B * u, B.rank(zero_stiffness_tolerance)) - u;
+    const MatrixXd by_inputs = here.B.leftCols(u.size());
+    const SingularValues B(by_inputs);
+    const VectorXd change = B.solve(by_inputs * u, B.rank(zero_stiffness_tolerance)) - u;
     if (largest(change) <= 1e-12 * largest(u)) return;
     VectorXd unknowns = VectorXd::Zero(here.sizes.size());
-    unknowns.tail(u.size()) = change;
+    unknowns.segment(here.A.cols(), u.size()) = change;
     move(here, step_of(here, unknowns));
   }
 
@@ -368,7 +369,7 @@ class EquilibriumSearch {
     MatrixXd W;
     VectorXd scale;
     states_.forces().compliance(locks, W, scale);
-    const VectorXd motion = solve_in_box(W, W * x, bounds.lower, bounds.upper).r * time_scale_squared_;
+    const VectorXd motion = solve_in_box(W, W * x, bounds.lower, bounds.upper).r * of_.time * of_.time;
     bool any = false;
     for (Index i = 0; i < motion.size(); ++i) {
       if (std::abs(motion[i]) <= equilibrium_rate_tolerance) continue;
@@ -383,7 +384,6 @@ class EquilibriumSearch {
 
   const EquilibriumProblem& of_;
   bool steady_;
-  double time_scale_squared_;  // s2
   TrialStates states_;
   bool approaches_ = false;
   int steps_ = 0, descent_steps_ = 0, releases_ = 0, closures_ = 0;

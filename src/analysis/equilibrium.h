@@ -44,7 +44,7 @@ struct EquilibriumProblem {
   const Loads& loads;
   const MobilityAnalysis& mobility;
   const Outputs& outputs;
-  const std::vector<double>& u;                        // all inputs
+  const std::vector<double>& u;                        // inputs, clock and element states
   const std::vector<MotionLaw::Derivatives>& targets;  // of the coordinate rows, under these
   double time = 1;                                     // s: time scale of the mechanism, for the tolerances
   EquilibriumRequest request{};
@@ -60,11 +60,12 @@ struct Equilibrium {
   End end = End::found;
   int steps = 0;
   std::vector<double> q, cut_q, v, u;   // of the tree joints; of the cut joints, full turns counted; all inputs
-  Eigen::VectorXd vdot, accelerations;  // residual: of all velocities; those requested in steady motion
+  // Residual: of all velocities; those requested in steady motion; rates of the element states.
+  Eigen::VectorXd vdot, accelerations, rates;
 };
 
 // Finds an equilibrium without dry friction, or a steady motion, from the closed position q and velocities v by
-// Newton's method on the independent coordinates, velocities in steady motion, and unknown inputs. First it moves to
+// Newton's method on the independent coordinates, velocities in steady motion, unknown inputs and element states. First it moves to
 // the values held; of several solutions, steps and inputs have minimum norm. Steps are limited so that loops stay on
 // their branch, and shortened until the next one would be shorter (natural monotonicity test: Deuflhard 2004, ch. 3).
 // If this fails at rest, for example at a maximum of the accelerations, pseudo-transient continuation descends to a

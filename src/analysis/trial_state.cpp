@@ -82,7 +82,9 @@ bool TrialState::is_on_bounds() const {
 }
 
 bool TrialState::is_balanced() const {
-  const VectorXd terms = A.cwiseAbs() * sizes.head(A.cols());
+  const Index states = rates.size();
+  VectorXd terms = A.cwiseAbs() * sizes.head(A.cols());
+  terms += B.rightCols(states).cwiseAbs() * sizes.tail(states);
   return (a.array().abs() <= equilibrium_rate_tolerance + equilibrium_rounding_tolerance * terms.array()).all();
 }
 
@@ -90,12 +92,14 @@ TrialStates::TrialStates(const EquilibriumProblem& of)
     : of_(of),
       mechanism_(of.mechanism),
       dynamics_(make_dynamics(of.mechanism, of.loads)),
+      unknown_(of.request.solve_for),
       sides_(forces().count(), mode_of_state),
       borne_(static_cast<std::size_t>(forces().locks()), false),
       time_(of.time),
       time_squared_(of.time * of.time) {
   dynamics_->set_max_rank(of.mobility.rank);
   dynamics_->set_targets(with_two_derivatives(of.targets).data());
+  for (int k = 0; k < of.loads.states(); ++k) unknown_.push_back({.input = of.loads.first_state + k, .size = 1});
   if (of.request.solve_for.empty()) return;
   const std::vector<SwitchingForce> places = switching_forces_of(of.loads);
   for (int i = 0; i < locks(); ++i) {
@@ -170,6 +174,9 @@ void TrialStates::evaluate(TrialState& at) {
   dynamics_->set_velocity(at.v.data());
   at.vdot.resize(mechanism_.nv);
   dynamics_->solve(at.u.data(), at.vdot.data());
+  at.rates.resize(of_.loads.states());
+  dynamics_->readings().state_rates(at.u.data(), at.rates.data());
+  at.rates *= time_;
   for (int c = 0; c < static_cast<int>(mechanism_.cuts.size()); ++c) unwrap_angles(c, at.cut_q);
   read(at);
   at.vdot *= time_squared_;
@@ -195,7 +202,10 @@ void TrialStates::read(TrialState& at) {
 }
 
 VectorXd TrialStates::accelerations(const TrialState& here, const TrialState& there) const {
-  return of_.request.steady ? there.accelerations : VectorXd(there.vdot(here.speeds));
+  VectorXd out = of_.request.steady ? there.accelerations : VectorXd(there.vdot(here.speeds));
+  out.conservativeResize(out.size() + there.rates.size());
+  out.tail(there.rates.size()) = there.rates;
+  return out;
 }
 
 // Unwraps the angles of a cut joint: they are continued from their previous values.
@@ -220,7 +230,7 @@ void TrialStates::differentiate(TrialState& at) {
   sensitivity.set_point(at.q.data(), at.v.data(), at.u.data(), at.cut_q.data(), targets(at));
   const auto n = static_cast<Index>(by.coordinates.size());
   const auto m = static_cast<Index>(by.speeds.size());
-  const auto inputs = static_cast<Index>(request.solve_for.size());
+  const auto inputs = static_cast<Index>(unknown_.size());
   Directions along{MatrixXd::Zero(mechanism_.nq, n + m + inputs), MatrixXd::Zero(nv, n + m + inputs),
                    MatrixXd::Zero(static_cast<Index>(of_.u.size()), n + m + inputs)};
   for (Index k = 0; k < n; ++k) {
@@ -230,10 +240,11 @@ void TrialStates::differentiate(TrialState& at) {
   const double speed = request.steady ? 1 / time_ : 1;  // of a unit of the unknowns
   for (Index k = 0; k < m; ++k) along.dv(by.speeds[static_cast<std::size_t>(k)], n + k) = speed;
   for (Index k = 0; k < inputs; ++k) {
-    const EquilibriumRequest::UnknownInput& unknown = request.solve_for[static_cast<std::size_t>(k)];
+    const EquilibriumRequest::UnknownInput& unknown = unknown_[static_cast<std::size_t>(k)];
     along.du(unknown.input, n + m + k) = unknown.size;
   }
-  const MatrixXd moved = sensitivity.state_derivative(along.dq, along.dv, along.du).y;
+  const MovedState all_moved = sensitivity.state_derivative(along.dq, along.dv, along.du);
+  const MatrixXd& moved = all_moved.y;
   at.speeds = by.speeds;
   at.a = accelerations(at, at);
   at.velocity_jacobian = moved.block(mechanism_.nq, n, nv, m);
@@ -247,8 +258,13 @@ void TrialStates::differentiate(TrialState& at) {
   const auto outputs_moved = [&](const std::vector<int>& outputs) {
     return of_unknowns(derivatives_of(outputs, of_.outputs, sensitivity, along, moved));
   };
-  const MatrixXd A = time_squared_ * (request.steady ? outputs_moved(request.accelerations)
-                                                     : of_unknowns(moved.bottomRows(nv)(by.speeds, Eigen::all)));
+  MatrixXd A = time_squared_ *
+               (request.steady ? outputs_moved(request.accelerations)
+                               : of_unknowns(moved.middleRows(mechanism_.nq + nv, nv)(by.speeds, Eigen::all)));
+  if (const Index states = at.rates.size(); states > 0) {
+    A.conservativeResize(A.rows() + states, Eigen::NoChange);
+    A.bottomRows(states) = time_ * of_unknowns(all_moved.state_rates);
+  }
   at.A = A.leftCols(x);
   at.B = A.rightCols(inputs);
   at.sizes.setOnes(x + inputs);
@@ -256,7 +272,7 @@ void TrialStates::differentiate(TrialState& at) {
     for (Index k = 0; k < m; ++k) at.sizes[n + k] += time_ * std::abs(at.v[by.speeds[static_cast<std::size_t>(k)]]);
   }
   for (Index k = 0; k < inputs; ++k) {
-    const EquilibriumRequest::UnknownInput& unknown = request.solve_for[static_cast<std::size_t>(k)];
+    const EquilibriumRequest::UnknownInput& unknown = unknown_[static_cast<std::size_t>(k)];
     at.sizes[x + k] += std::abs(at.u[static_cast<std::size_t>(unknown.input)] / unknown.size);
   }
   at.displacement_jacobian = of_unknowns(displacements(mechanism_, at.q.data(), moved.topRows(mechanism_.nq)));
@@ -298,7 +314,7 @@ std::optional<TrialState> TrialStates::closed_neighbor(const TrialState& here, c
   there.slips = here.slips;
   for (Index k = 0; k < dv.size(); ++k) there.v[k] += dv[k];
   for (Index k = 0; k < du.size(); ++k) {
-    const EquilibriumRequest::UnknownInput& unknown = of_.request.solve_for[static_cast<std::size_t>(k)];
+    const EquilibriumRequest::UnknownInput& unknown = unknown_[static_cast<std::size_t>(k)];
     there.u[static_cast<std::size_t>(unknown.input)] += unknown.size * du[k];
   }
   if (du.size() > 0) dynamics_->set_targets(with_two_derivatives(targets(there)).data());

@@ -16,7 +16,7 @@ namespace gelenk {
 
 // The unknowns x are the independent coordinates that determine the others best there (the acceleration of another one
 // would vanish at its dead center, too, regardless of the other joints), in steady motion followed by the independent
-// velocities; after them come the unknown inputs. All but q, v and u is in the mechanism's time scale.
+// velocities; after them come the unknown inputs and the element states. All but q, v and u is in the mechanism's time scale.
 struct TrialState {
   std::vector<double> q, cut_q, v, u;
   std::vector<int>
@@ -25,11 +25,13 @@ struct TrialState {
   // Set by evaluate():
   Eigen::VectorXd vdot{};                                       // of all velocities
   Eigen::VectorXd accelerations{};                              // those requested in steady motion
+  Eigen::VectorXd rates{};                                      // of the element states
   Eigen::VectorXd hold_gaps{};                                  // by value held, what it lacks
   std::vector<std::array<SwitchingForces::Depth, 2>> depths{};  // by lock: beyond its upper and its lower bound
   // Set by differentiate():
   std::vector<int> speeds{};                // indices of the independent velocities
-  Eigen::VectorXd a{};                      // the accelerations that have to vanish: theirs, or those requested
+  // What has to vanish: their accelerations, or those requested, and the rates of the element states.
+  Eigen::VectorXd a{};
   Eigen::MatrixXd A{}, B{};                 // Jacobians of a with respect to x and the unknown inputs
   Eigen::VectorXd sizes{};                  // magnitudes of the unknowns
   Eigen::MatrixXd displacement_jacobian{};  // displacements of all by the unknowns
@@ -61,7 +63,7 @@ class TrialStates {
   void evaluate(TrialState& at);
   // Derivatives at the state that was evaluated last. Throws NotDifferentiablePoint and SingularMass.
   void differentiate(TrialState& at);
-  // The accelerations at `there` that have to vanish at `here`.
+  // What has to vanish at `here`, at `there`.
   Eigen::VectorXd accelerations(const TrialState& here, const TrialState& there) const;
   // The closed state next to `here` displaced by z, with other velocities and inputs, evaluated; empty if closing
   // fails.
@@ -90,6 +92,7 @@ class TrialStates {
   const EquilibriumProblem& of_;
   const Mechanism& mechanism_;
   std::unique_ptr<Dynamics> dynamics_;
+  std::vector<EquilibriumRequest::UnknownInput> unknown_;  // those of the request, and the element states
   std::vector<int> sides_;   // held modes of all forces with modes
   std::vector<bool> borne_;  // by lock
   bool friction_holds_ = false;

@@ -67,7 +67,7 @@ class ResidualEvaluatorOf final : public WithReadings<A, ResidualEvaluator<typen
   }
 
   void set_acceleration(const T* given, const T* vdot, const T* lambda) override {
-    const T* const u = this->with_coordinates(given);
+    const T* const u = this->with_named(given);
     kernels::link_loads(model_, loads_, u, ws_);
     const int* of_cuts = sides_ == nullptr ? nullptr : sides_ + loads_.tree.switching_count();
     kernels::cut_loads(model_, loads_, u, cut_reference_.data(), ws_, of_cuts);

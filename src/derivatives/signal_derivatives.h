@@ -11,10 +11,11 @@
 
 namespace gelenk {
 
-// Those of cut joints have derivatives by automatic differentiation only.
-inline bool names_cut_coordinates(const Loads& loads) {
-  return std::ranges::any_of(loads.coordinates,
-                             [](const NamedCoordinate& of) { return of.moves && of.cut >= 0; });
+// What is read beyond the coordinates of the tree has derivatives by automatic differentiation only.
+inline bool names_beyond_tree(const Loads& loads) {
+  return std::ranges::any_of(loads.named, [](const NamedQuantity& of) {
+    return of.reading != nullptr || (of.moves && of.cut >= 0);
+  });
 }
 
 // Sets the derivatives of the rates of the element states with respect to all signals, u.
@@ -36,8 +37,8 @@ inline void differentiate_states(const Loads& loads, const double* u, Jacobians&
 // Adds the derivatives by coordinates of the tree that are signals to those by q and v.
 inline void fold_coordinates(const Loads& loads, Jacobians& out) {
   const Eigen::Index nq = out.qdot_q.rows();
-  Eigen::Index signal = loads.first_coordinate();
-  for (const NamedCoordinate& of : loads.coordinates) {
+  Eigen::Index signal = loads.first_named();
+  for (const NamedQuantity& of : loads.named) {
     const Eigen::Index column = of.is_rate ? nq + of.v : of.q;
     if (of.moves) {
       out.r.col(column) += of.sign * out.r_u.col(signal);

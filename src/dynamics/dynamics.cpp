@@ -64,7 +64,8 @@ class DynamicsOf final : public WithKinematics<A, AllOfDynamics> {
         M_(model_, ws_, loads.added_inertia, [this](int k) { throw_singular(mechanism_, k); }),
         Y_(M_, ws_.J, model_.nv),
         modes_({model_, loads_, ws_, q_, v_, cut_reference_}, M_, Y_),
-        kinks_({model_, loads_, ws_, q_, v_, cut_reference_}, modes_.laws()),
+        kinks_({model_, loads_, ws_, q_, v_, cut_reference_}, modes_.laws(),
+               [this](const double* u) { return this->with_named(u); }),
         max_rank_(model_.rows),
         w_(model_.nv),
         extrapolated_(model_.nv),
@@ -128,7 +129,7 @@ class DynamicsOf final : public WithKinematics<A, AllOfDynamics> {
   void loads_changed() override { last_.drop(); }
 
   void solve(const double* given, double* vdot, const double* extrapolated) override {
-    const double* const u = this->with_coordinates(given);
+    const double* const u = this->with_named(given);
     const bool may_repeat = extrapolated == nullptr && depends_on_conditions_alone();
     if (may_repeat && last_.is_for(conditions(u))) {
       ++evaluations_;
@@ -162,7 +163,7 @@ class DynamicsOf final : public WithKinematics<A, AllOfDynamics> {
   void set_constraint_bias(const double* bias) override { constraint_bias_ = bias; }
 
   void assemble(const double* given, double* M, double* f) override {
-    const double* const u = this->with_coordinates(given);
+    const double* const u = this->with_named(given);
     factors_.drop();
     M_.matrix(M);
     if (model_.rows > 0) fill_jacobian();
@@ -180,18 +181,18 @@ class DynamicsOf final : public WithKinematics<A, AllOfDynamics> {
 
   void differentiate(const double* given, int inputs, const double* vdot, Jacobians& out, const double* lambda,
                      bool by_duals) override {
-    const double* const u = this->with_coordinates(given);
+    const double* const u = this->with_named(given);
     if (model_.rows > 0 && lambda == nullptr) Y_.multipliers(ws_.lambda.data());
     if (lambda == nullptr) lambda = ws_.lambda.data();
     const LinearizationPoint at{q_.data(),       v_.data(),        u, vdot, lambda, cut_reference_.data(),
                                 targets_.data(), modes_.held(true)};
     const bool has_loads = !modes_.loads().empty();
-    if (!by_duals && !has_loads && !names_cut_coordinates(loads_)) {
+    if (!by_duals && !has_loads && !names_beyond_tree(loads_)) {
       if (!recursive_) recursive_ = std::make_unique<RecursiveJacobians<A>>(model_, ws_, loads_);
       const bool of_inputs = out.of_inputs;
-      const int coordinates = static_cast<int>(loads_.coordinates.size());
+      const int coordinates = static_cast<int>(loads_.named.size());
       out.of_inputs = of_inputs || loads_.states() > 0 || coordinates > 0;
-      (*recursive_)(at, coordinates > 0 ? loads_.first_coordinate() + coordinates : inputs, out);
+      (*recursive_)(at, coordinates > 0 ? loads_.first_named() + coordinates : inputs, out);
       differentiate_states(loads_, u, out);
       fold_coordinates(loads_, out);
       out.of_inputs = of_inputs;
@@ -261,7 +262,7 @@ class DynamicsOf final : public WithKinematics<A, AllOfDynamics> {
     last_.drop();
   }
 
-  const double* all_signals(const double* u) override { return this->with_coordinates(u); }
+  const double* all_signals(const double* u) override { return this->with_named(u); }
   void set_multipliers(const double* lambda) override {
     std::copy(lambda, lambda + model_.rows, ws_.lambda.begin());
     kernels::constraint_wrenches(model_, ws_);

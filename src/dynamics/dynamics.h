@@ -36,7 +36,7 @@ class StateReadings : public Readings<double> {
   // The acceleration of a link without generalized accelerations, in its frame, with the upward one in place of
   // gravity; after set_velocity.
   virtual Spatial::Motion link_bias_acceleration(int link) const = 0;
-  // u, followed by the coordinates that expressions name (kinematics/loads.h); after set_velocity.
+  // u, followed by what expressions name of the motion (kinematics/loads.h); after set_velocity.
   virtual const double* all_signals(const double* u) = 0;
   // Makes tree_reaction() and cut_reaction() return the wrenches of these multipliers alone, at rest without loads.
   virtual void set_multipliers(const double* lambda) = 0;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <span>
 #include <utility>
@@ -12,7 +13,6 @@
 
 #include "dynamics/joint_laws.h"
 #include "dynamics/law_kinks.h"
-#include "kinematics/named_coordinates.h"
 #include "math/dual.h"
 
 namespace gelenk {
@@ -20,7 +20,10 @@ namespace gelenk {
 template <class A>
 class LawKinksOf final : public LawKinks {
  public:
-  LawKinksOf(const typename JointLaws<A>::State& state, const JointLaws<A>& laws) : state_(state), laws_(laws) {
+  // with_named: see WithReadings.
+  LawKinksOf(const typename JointLaws<A>::State& state, const JointLaws<A>& laws,
+             std::function<const double*(const double*)> with_named)
+      : state_(state), laws_(laws), with_named_(std::move(with_named)) {
     const auto look = [&](const Formula& formula) {
       count_ = std::max(count_, formula.first_branch() + formula.branches());
     };
@@ -33,12 +36,11 @@ class LawKinksOf final : public LawKinks {
       between_bodies_ = between_bodies_ || formula.branches() > 0;
     });
     for (const Formula& rate : state_.loads.rates) look(rate);
-    if (count_ > 0 && (state_.loads.states() > 0 || !state_.loads.coordinates.empty())) {
-      const auto signals = static_cast<std::size_t>(state_.loads.first_coordinate()) + state_.loads.coordinates.size();
-      signals_.resize(signals);
-      rates_.resize(signals, NAN);
-      const auto is_rate = [](const NamedCoordinate& of) { return of.is_rate; };
-      depends_on_speed_ = depends_on_speed_ || std::ranges::any_of(state_.loads.coordinates, is_rate);
+    if (count_ > 0 && state_.loads.signals() > state_.loads.first_state) {
+      signals_.resize(static_cast<std::size_t>(state_.loads.signals()));
+      rates_.resize(signals_.size(), NAN);
+      const auto is_rate = [](const NamedQuantity& of) { return of.is_rate; };
+      depends_on_speed_ = depends_on_speed_ || std::ranges::any_of(state_.loads.named, is_rate);
     }
     courses_.resize(static_cast<std::size_t>(count_));
     values_.resize(courses_.size());
@@ -51,7 +53,7 @@ class LawKinksOf final : public LawKinks {
   void indicators(const double* vdot, double* g, double* gdot) override {
     using At = kernels::BranchDirections;
     const double* const all = signals();
-    find_rates(vdot);
+    find_rates(all, vdot);
     const double* const rates = rates_.empty() ? nullptr : rates_.data();
     if (between_bodies_) kernels::force_branches(state_.loads, all, rates, state_.ws, arguments_.data());
     for (const Formula& rate : state_.loads.rates) {
@@ -111,23 +113,21 @@ class LawKinksOf final : public LawKinks {
   }
 
  private:
-  // All signals; coordinates that are named are those of the present state.
+  // All signals; what is named of the motion is that of the present state.
   const double* signals() {
     if (signals_.empty()) return laws_.all_inputs();
     const std::span<const double> kept = laws_.inputs();
     std::copy_n(kept.begin(), std::min(kept.size(), signals_.size()), signals_.begin());
-    kernels::named_coordinates(state_.model, state_.loads, state_.ws, state_.q.data(), state_.v.data(),
-                               state_.cut_reference.data(), signals_.data() + state_.loads.first_coordinate());
-    return signals_.data();
+    return with_named_(signals_.data());
   }
 
   // The rates of the signals that have one, after signals(). vdot: the accelerations, or null.
-  void find_rates(const double* vdot) {
+  void find_rates(const double* all, const double* vdot) {
     if (rates_.empty()) return;
     double* out = rates_.data() + state_.loads.first_state;
-    for (const Formula& rate : state_.loads.rates) *out++ = rate.value_among<double>(nullptr, signals_.data());
-    for (const NamedCoordinate& of : state_.loads.coordinates) {
-      const bool in_tree = of.cut < 0;
+    for (const Formula& rate : state_.loads.rates) *out++ = rate.value_among<double>(nullptr, all);
+    for (const NamedQuantity& of : state_.loads.named) {
+      const bool in_tree = of.cut < 0 && of.reading == nullptr;
       const double* const rates = of.is_rate ? vdot : state_.v.data();
       *out++ = !of.moves ? 0 : in_tree && rates != nullptr ? of.sign * rates[of.v] : NAN;
     }
@@ -172,6 +172,7 @@ class LawKinksOf final : public LawKinks {
 
   typename JointLaws<A>::State state_;
   const JointLaws<A>& laws_;
+  std::function<const double*(const double*)> with_named_;
   int count_ = 0;
   bool between_bodies_ = false;  // some are of forces between bodies
   bool depends_on_speed_ = false;

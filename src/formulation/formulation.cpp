@@ -103,7 +103,7 @@ bool Formulation::evaluate(double t, const double* y, double* ydot) {
   if (!takes_differences_) modes_.watch_forces(t);
   if (mechanism_.rows > 0 && factorizes_constraints()) singularity_monitor_.observe(t, dynamics_.pivot_ratio());
   dynamics_.qdot_from_v(y, v, ydot);
-  if (states_ > 0) state_rates(ydot + motion_size());
+  if (states_ > 0) dynamics_.readings().state_rates(drives_.u().data(), ydot + motion_size());
   return all_finite(ydot, size());
 }
 

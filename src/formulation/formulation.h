@@ -113,8 +113,6 @@ class Formulation : public Equations, private ModeEquations {
   int motion_size() const { return mechanism_.nq + mechanism_.nv; }
   // The derivatives of the forces (nv) with respect to the element states, with the other sign, in jacobians_.
   auto force_by_states() { return jacobians_.r_u.middleCols(drives_.count() - states_, states_); }
-  // Rates of the element states at the present state of `dynamics`.
-  void state_rates(double* out) { dynamics_.readings().state_rates(drives_.u().data(), out); }
   // Their derivatives into the last rows of `out`, from jacobians_.
   template <class Out>
   void state_jacobian(Out&& out) const {

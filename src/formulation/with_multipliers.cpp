@@ -69,7 +69,7 @@ bool WithMultipliers::equations_of_motion(double t, const double* x, const doubl
   if (mechanism_.rows > 0) balance.noalias() += dynamics_.J().transpose() * lambda;
   if (states_ == 0) return true;
   double* const rates = r.data() + motion_size();
-  state_rates(rates);
+  dynamics_.readings().state_rates(drives_.u().data(), rates);
   for (int k = 0; k < states_; ++k) rates[k] = xdot[motion_size() + k] - rates[k];
   return true;
 }

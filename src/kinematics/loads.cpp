@@ -22,6 +22,9 @@ std::vector<int> links_with_loads(const Mechanism& mechanism, const Loads& loads
   std::vector<bool> needed(mechanism.links.size(), false);
   mark_links(*loads.forces, needed);
   for (const LinkShape& shape : mechanism.shapes) needed[shape.link] = true;
+  for (const NamedQuantity& named : loads.named) {
+    if (named.reading != nullptr) named.reading->mark_links(needed);
+  }
   for (std::size_t i = mechanism.links.size() - 1; i > 0; --i) {
     if (needed[i]) needed[mechanism.links[i].parent] = true;
   }
@@ -55,10 +58,14 @@ std::vector<BranchPlace> branch_places(const Loads& loads) {
     out.resize(std::max(out.size(), first + count));
     std::ranges::fill(std::span(out).subspan(first, count), place);
   };
-  const auto of_joint = [&](const auto& force) { add(force.element.formula(), {true, force.joint}); };
+  const auto of_joint = [&](const auto& force) { add(force.element.formula(), {BranchPlace::Of::joint, force.joint}); };
   loads.tree.each_formula(of_joint);
   for (const JointLoads& on : loads.cuts) on.each_formula(of_joint);
-  each_formula(std::as_const(*loads.forces), [&](const Formula& formula, int force) { add(formula, {false, force}); });
+  each_formula(std::as_const(*loads.forces), [&](const Formula& formula, int force) {
+    add(formula, {force < 0 ? BranchPlace::Of::gravity : BranchPlace::Of::force, force});
+  });
+  for (int k = 0; k < loads.states(); ++k)
+    add(loads.rates[static_cast<std::size_t>(k)], {BranchPlace::Of::state, k});
   return out;
 }
 

@@ -8,18 +8,20 @@
 #include "element/kinds.h"
 #include "kinematics/forces.h"
 #include "kinematics/joint_loads.h"
+#include "kinematics/named_reading.h"
 #include "mechanism/mechanism.h"
 
 namespace gelenk {
 
-// A coordinate of a joint, or its rate, that an expression of another element names.
-struct NamedCoordinate {
-  int cut = -1;       // -1: of the tree
-  int q = 0, v = 0;   // its indices in the tree or in the cut joint
-  double sign = 1;    // user's value = sign * mechanism's value
+// What an expression names of the motion: a coordinate of a joint, its rate, or an output of a sensor.
+struct NamedQuantity {
+  int cut = -1;      // -1: of the tree
+  int q = 0, v = 0;  // its indices in the tree or in the cut joint
+  double sign = 1;   // user's value = sign * mechanism's value
   bool is_rate = false;
   bool moves = true;
-  double value = 0;  // if its joint is immobile
+  double value = 0;                             // if its joint is immobile
+  std::shared_ptr<const NamedReading> reading;  // of a sensor; the above is then of no meaning
 };
 
 struct Loads {
@@ -32,11 +34,11 @@ struct Loads {
   std::vector<double> added_inertia;       // kg m2 (kg), by velocity: of motors
   std::vector<ContactLaw> contacts;        // by contact of the scene
   std::vector<int> inputs;                 // indices of the signals that act on this island
-  // All signals: the inputs of the scene and its clock, the element states of the island, and the coordinates that its
-  // expressions name, which the kernels add.
+  // All signals: the inputs of the scene and its clock, the element states of the island, and what its expressions name
+  // of the motion, which the kernels add.
   int first_state = 0;
-  std::vector<Formula> rates;                // of the element states
-  std::vector<NamedCoordinate> coordinates;  // after those
+  std::vector<Formula> rates;        // of the element states
+  std::vector<NamedQuantity> named;  // after those
   std::shared_ptr<HeldBranches> branches;  // of its expressions
   bool only_along_tree = false;            // no force acts on links or along cuts
   // J: the part of gravity's potential energy that the kernels omit, between the origins of the world and the root
@@ -44,7 +46,8 @@ struct Loads {
   double potential_offset = 0;
 
   int states() const { return static_cast<int>(rates.size()); }
-  int first_coordinate() const { return first_state + states(); }
+  int first_named() const { return first_state + states(); }
+  int signals() const { return first_named() + static_cast<int>(named.size()); }
 };
 
 // Links whose poses in the root frame are required by the loads, and their ancestors.

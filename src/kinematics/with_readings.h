@@ -7,7 +7,7 @@
 
 #include "kinematics/force_modes.h"
 #include "kinematics/load_kernels.h"
-#include "kinematics/named_coordinates.h"
+#include "kinematics/named_quantities.h"
 #include "kinematics/output_kernels.h"
 #include "kinematics/readings.h"
 #include "kinematics/visit.h"
@@ -32,8 +32,7 @@ class WithReadings : public Base {
         v_(mechanism.nv),
         cut_reference_(mechanism.cut_nq),
         targets_(3 * mechanism.coordinate_rows.size()),
-        signals_(loads.coordinates.empty() ? 0 : static_cast<std::size_t>(loads.first_coordinate()) +
-                                                     loads.coordinates.size()) {}
+        signals_(loads.signals() == loads.first_named() ? 0 : static_cast<std::size_t>(loads.signals())) {}
 
   void cut_speeds(int cut, T* v) const override {
     T q[max_cut_nq] = {};
@@ -62,7 +61,7 @@ class WithReadings : public Base {
   }
 
   void state_rates(const T* u, T* out) override {
-    const T* const all = with_coordinates(u);
+    const T* const all = with_named(u);
     for (const Formula& rate : loads_.rates) *out++ = rate.value_among<T>(nullptr, all);
   }
 
@@ -118,13 +117,13 @@ class WithReadings : public Base {
                                         q);
   }
 
-  // All signals: u followed by the coordinates that expressions name; u itself if there are none. After set_velocity.
-  const T* with_coordinates(const T* u) {
+  // All signals: u followed by the coordinates and the outputs of sensors that expressions name; u itself if there are
+  // none. After set_velocity.
+  const T* with_named(const T* u) {
     if (signals_.empty()) return u;
-    const auto first = static_cast<std::ptrdiff_t>(signals_.size() - loads_.coordinates.size());
-    std::copy_n(u, first, signals_.begin());
-    kernels::named_coordinates(model_, loads_, ws_, q_.data(), v_.data(), cut_reference_.data(),
-                               signals_.data() + first);
+    std::copy_n(u, loads_.first_named(), signals_.begin());
+    kernels::named_quantities(model_, loads_, ws_, q_.data(), v_.data(), cut_reference_.data(), *this,
+                              signals_.data() + loads_.first_named());
     return signals_.data();
   }
 
@@ -141,7 +140,7 @@ class WithReadings : public Base {
   std::vector<T> loaded_friction_;
 
  private:
-  std::vector<T> signals_;  // if expressions name coordinates
+  std::vector<T> signals_;  // if expressions name coordinates or outputs of sensors
 };
 
 }  // namespace gelenk

@@ -37,8 +37,12 @@ void couple_by_expressions(const Scene& scene, std::size_t groups, const auto& g
     std::vector<int> coupled;
     for (const std::string& signal : reader.signals) {
       if (const int of = state(signal); of >= 0) coupled.push_back(of);
-      const auto moved = moved_group.find(std::string_view(signal).substr(0, signal.find('.')));
+      const std::string_view owner = std::string_view(signal).substr(0, signal.find('.'));
+      const auto moved = moved_group.find(owner);
       if (moved != moved_group.end()) coupled.push_back(moved->second);
+      const auto sensor = std::ranges::find(scene.sensors, owner, &Sensor::name);
+      if (sensor == scene.sensors.end()) continue;
+      for (const int group : groups_of(*sensor)) coupled.push_back(group);
     }
     if (coupled.empty()) continue;  // inputs and the time couple nothing
     if (const int of = state(reader.place.name); of >= 0) coupled.push_back(of);

@@ -22,10 +22,10 @@ bool has_inertia(const Group& group) { return group.G.m != 0 || !group.G.I.isZer
 class InteractionIndex {
  public:
   explicit InteractionIndex(const Scene& scene) : scene_(scene) {
+    named_ = named_of_motion(scene);
     each_section(scene, [&](const Section&, const auto& elements) {
       for (const auto& element : elements) enter(element, kind_of(*element.is));
     });
-    named_ = named_joints(scene);
     const std::vector<bool> touches = bodies_that_touch(scene);
     for (std::size_t b = 0; b < touches.size(); ++b) {
       if (touches[b]) bodies_.insert(scene.bodies[b].name);
@@ -44,10 +44,10 @@ class InteractionIndex {
   }
 
  private:
-  // Sensors do not affect the motion, but a reaction that is read requires its joint.
+  // Sensors do not affect the motion, if no expression names them, but a reaction that is read requires its joint.
   template <class Any>
   void enter(const Element<Any>& element, const ElementKind& kind) {
-    const bool acts = !std::is_same_v<Any, AnySensor>;
+    const bool acts = !std::is_same_v<Any, AnySensor> || named_.contains(element.name);
     for (const std::string& joint : element.joints) {
       if (acts || kind.reads_reaction) joints_.insert(joint);
     }
@@ -72,7 +72,7 @@ class InteractionIndex {
 
   const Scene& scene_;
   std::unordered_set<std::string_view> joints_, bodies_;
-  std::unordered_set<std::string> named_;  // joints
+  std::unordered_set<std::string> named_;  // joints and sensors
 };
 
 bool starts_fixed(const Joint& joint) {

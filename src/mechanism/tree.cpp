@@ -30,7 +30,7 @@ class Preferences {
       if (inertia_of(*motor.is) > 0) must_be_in_tree_.insert(motor.joints.front());
     }
     for (const std::string_view joint : constrained_joints(scene)) must_be_in_tree_.insert(joint);
-    named_ = named_joints(scene);
+    named_ = named_of_motion(scene);
   }
 
   Preference operator()(const Edge& edge) const {

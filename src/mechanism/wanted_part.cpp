@@ -8,6 +8,7 @@
 
 #include "mechanism/disjoint_sets.h"
 #include "mechanism/graph.h"
+#include "scene/formulas.h"
 #include "scene/name_index.h"
 #include "scene/settable.h"
 #include "scene/signals.h"
@@ -25,7 +26,9 @@ class Pruner {
       : scene_(scene),
         numbers_(scene),
         part_of_body_(scene.bodies.size(), none),
-        part_of_joint_(scene.joints.size(), none) {
+        part_of_joint_(scene.joints.size(), none),
+        part_of_state_(scene.states.size(), none),
+        named_(named_of_motion(scene)) {
     std::vector<Note> notes;
     const Partition parts = partition_of(scene, {}, notes);
     islands_ = static_cast<int>(parts.islands.size());
@@ -57,6 +60,7 @@ class Pruner {
       for (const int body : island.groups[g].bodies) part_of_body_[static_cast<std::size_t>(body)] = part;
     }
     for (const Edge& edge : island.edges) part_of_joint_[static_cast<std::size_t>(edge.scene_joint)] = part;
+    for (const int state : island.states) part_of_state_[static_cast<std::size_t>(state)] = part;
   }
 
   void enter_immobile(const Group& immobile_group) {
@@ -126,6 +130,7 @@ class Pruner {
     for (std::size_t i = 0; i < outputs.size(); ++i) {
       if (!wanted[i]) continue;
       if (outputs[i].joint >= 0) keep(part_of_joint_[static_cast<std::size_t>(outputs[i].joint)]);
+      if (outputs[i].section == sections::states) keep(part_of_state_[static_cast<std::size_t>(outputs[i].element)]);
       if (outputs[i].joint < 0) owners.insert(outputs[i].name.substr(0, outputs[i].name.find('.')));
     }
     std::unordered_set<std::string_view> sensors;
@@ -169,13 +174,18 @@ class Pruner {
   // A sensor of a reaction is kept with its island even if it is not requested, since it makes the island spatial.
   bool is_kept(const Sensor& sensor) const {
     const auto kept = [&](int part) { return is_kept(part); };
-    return sensors_.contains(sensor.name) ||
+    return sensors_.contains(sensor.name) || (named_.contains(sensor.name) && std::ranges::any_of(touched(sensor), kept)) ||
            (kind_of(*sensor.is).reads_reaction && std::ranges::any_of(touched(sensor), kept));
   }
 
   void filter(Scene& scene) const {
     std::erase_if(scene.bodies, [&](const Body& body) { return !is_kept(part_of(body.name)); });
     std::erase_if(scene.joints, [&](const Joint& joint) { return !is_kept(joint); });
+    std::vector<ElementState> states;
+    for (std::size_t i = 0; i < scene.states.size(); ++i) {
+      if (is_kept(part_of_state_[i])) states.push_back(scene.states[i]);
+    }
+    scene.states = std::move(states);
     each_section(scene, [&](const Section&, auto& elements) {
       std::erase_if(elements, [&](const auto& element) { return !is_kept(element); });
     });
@@ -215,7 +225,9 @@ class Pruner {
   NameIndex numbers_;
   int islands_ = 0, parts_ = 0;                    // islands first, then immobile parts
   std::vector<int> part_of_body_, part_of_joint_;  // none: only a weld of the ground to itself
+  std::vector<int> part_of_state_;
   std::vector<bool> kept_;                         // by part
+  std::unordered_set<std::string> named_;          // by expressions
   std::unordered_set<std::string_view> sensors_;   // with a requested output
 };
 

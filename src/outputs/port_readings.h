@@ -59,7 +59,11 @@ class SeenPorts {
 
   // dynamics: of the island of the ports; nullptr if they are fixed in the world.
   SeenPorts(const PortPlaces& places, const ReducedScene& reduced, const Readings<T>* dynamics)
-      : places_(places), reduced_(reduced), dynamics_(dynamics) {}
+      : SeenPorts(places, places.island < 0 ? at_origin() : reduced.islands[static_cast<std::size_t>(places.island)].X_W0,
+                  dynamics) {}
+  // X_W0: of that island, which must outlive it.
+  SeenPorts(const PortPlaces& places, const Pose3& X_W0, const Readings<T>* dynamics)
+      : places_(places), X_W0_(X_W0), dynamics_(dynamics) {}
 
   Pose pose(int k) const {
     const BodyPlace& at = place(k);
@@ -78,12 +82,12 @@ class SeenPorts {
   RecordingPort<T> port(int k) const {
     const SeenFrame<T> seen = frame(k);
     RecordingPort<T> out{seen.X_0P.p, seen.v, seen.w, seen.X_0P.R, X_W0().R.transpose()};
-    if (dynamics_ != nullptr) out.p_W0 = reduced_.islands[static_cast<std::size_t>(places_.island)].X_W0.p;
+    if (dynamics_ != nullptr) out.p_W0 = X_W0_.p;
     return out;
   }
   Pose X_W0() const {
     if (dynamics_ == nullptr) return {};
-    return pose_in<SpatialAlgebra<T>>(reduced_.islands[static_cast<std::size_t>(places_.island)].X_W0);
+    return pose_in<SpatialAlgebra<T>>(X_W0_);
   }
   SeenWrench<T> reaction() const {
     const JointWrench& joint = *places_.wrench;
@@ -98,8 +102,13 @@ class SeenPorts {
   const BodyPlace& place(int k) const { return places_.frames[static_cast<std::size_t>(k)]; }
   Pose pose_of(const BodyPlace& at) const { return carrier_pose(at, *dynamics_); }
 
+  static const Pose3& at_origin() {
+    static const Pose3 out;
+    return out;
+  }
+
   const PortPlaces& places_;
-  const ReducedScene& reduced_;
+  const Pose3& X_W0_;
   const Readings<T>* dynamics_;
 };
 

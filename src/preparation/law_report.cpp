@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "preparation/law_report.h"
 
-#include "kinematics/switching_force.h"
 #include "scene/element_numbers.h"
 #include "util/text.h"
 
@@ -55,6 +54,21 @@ std::string of_contact(const Scene& scene, const BrokenLaw& broken) {
 }
 
 }  // namespace
+
+std::string owner_of_branch(const Scene& scene, const Mechanism& mechanism, const BranchPlace& place) {
+  const auto i = static_cast<std::size_t>(place.index);
+  switch (place.of) {
+    case BranchPlace::Of::joint:
+      return scene.joints[i].name + ".law";
+    case BranchPlace::Of::force:
+      return scene.forces[i].name;
+    case BranchPlace::Of::state:
+      return scene.states[static_cast<std::size_t>(mechanism.states[i])].name + ".rate";
+    case BranchPlace::Of::gravity:
+      break;
+  }
+  return "gravity";
+}
 
 std::string describe_broken_law(const Scene& scene, const Loads& loads, const BrokenLaw& broken) {
   return (is_of_contact(broken.kind) ? of_contact(scene, broken) : of_joint(scene, loads, broken)) +

@@ -4,12 +4,17 @@
 
 #include <string>
 
+#include "kinematics/switching_force.h"
+#include "mechanism/mechanism.h"
 #include "nonsmooth/law_audit.h"
 #include "scene/scene.h"
 
 namespace gelenk {
 
 struct Loads;
+
+// The name of the element with the expression of this branch.
+std::string owner_of_branch(const Scene& scene, const Mechanism& mechanism, const BranchPlace& place);
 
 std::string describe_broken_law(const Scene& scene, const Loads& loads, const BrokenLaw& broken);
 

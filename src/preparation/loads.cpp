@@ -26,7 +26,7 @@ void clear(Loads& loads) {
   clear_forces(*loads.forces);
   loads.inputs.clear();
   loads.rates.clear();
-  loads.coordinates.clear();
+  loads.named.clear();
   loads.potential_offset = 0;
 }
 
@@ -178,7 +178,7 @@ struct LoadCollector {
     formula.bind_branches(loads.branches.get(), first);
     first += formula.branches();
     for (const int signal : formula.signals()) {
-      const bool is_given = signal < loads.first_coordinate();
+      const bool is_given = signal < loads.first_named();
       if (is_given && std::ranges::find(loads.inputs, signal) == loads.inputs.end()) loads.inputs.push_back(signal);
     }
   }

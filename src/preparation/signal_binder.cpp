@@ -4,14 +4,16 @@
 #include <algorithm>
 #include <tuple>
 
+#include "outputs/sensor_reading.h"
 #include "scene/formulas.h"
 
 namespace gelenk {
 namespace {
 
-NamedCoordinate named(const JointQuantity& of, const JointPlace& place) {
+NamedQuantity quantity_of(const JointQuantity& of, const JointPlace& place) {
   const auto component = static_cast<std::size_t>(of.component);
-  NamedCoordinate out{.is_rate = of.is_rate};
+  NamedQuantity out;
+  out.is_rate = of.is_rate;
   if (place.role == JointPlace::Role::merged) {
     out.moves = false;
     out.value = of.is_rate ? 0 : place.q[component];
@@ -25,9 +27,18 @@ NamedCoordinate named(const JointQuantity& of, const JointPlace& place) {
   return out;
 }
 
-bool equal(const NamedCoordinate& a, const NamedCoordinate& b) {
-  const auto key = [](const NamedCoordinate& of) { return std::tuple(of.cut, of.q, of.is_rate, of.moves, of.value); };
+bool equal(const NamedQuantity& a, const NamedQuantity& b) {
+  if (a.reading != nullptr || b.reading != nullptr) return false;
+  const auto key = [](const NamedQuantity& of) { return std::tuple(of.cut, of.q, of.is_rate, of.moves, of.value); };
   return key(a) == key(b);
+}
+
+// Returns its index among the signals.
+int add(const NamedQuantity& quantity, Loads& loads) {
+  const auto known = std::ranges::find_if(loads.named, [&](const auto& one) { return equal(one, quantity); });
+  const auto k = static_cast<int>(known - loads.named.begin());
+  if (known == loads.named.end()) loads.named.push_back(quantity);
+  return loads.first_named() + k;
 }
 
 }  // namespace
@@ -58,12 +69,16 @@ SignalBinder::Bound SignalBinder::find(std::string_view name, const Mechanism& m
     const auto among = std::ranges::find(mechanism.states, number) - mechanism.states.begin();
     return {.index = loads.first_state + static_cast<int>(among), .size = size_of(*state, scene_.units)};
   }
+  if (const std::optional<SensorOutput> of = find_sensor_output(scene_, name)) {
+    const Sensor& sensor = scene_.sensors[static_cast<std::size_t>(of->sensor)];
+    const SignalGroup& group = kind_of(*sensor.is).outputs[static_cast<std::size_t>(of->group)];
+    NamedQuantity reading;
+    reading.reading = sensor_reading(scene_, reduced_, sensor, of->group, of->component);
+    return {.index = add(reading, loads), .size = scene_.units.size_of(group.unit)};
+  }
   const JointQuantity of = find_coordinate(scene_, name).value();
-  const NamedCoordinate coordinate = named(of, reduced_.joints[static_cast<std::size_t>(of.joint)]);
-  const auto known = std::ranges::find_if(loads.coordinates, [&](const auto& one) { return equal(one, coordinate); });
-  const auto k = static_cast<int>(known - loads.coordinates.begin());
-  if (known == loads.coordinates.end()) loads.coordinates.push_back(coordinate);
-  return {.index = loads.first_coordinate() + k, .size = scene_.units.size_of(of.unit)};
+  const NamedQuantity coordinate = quantity_of(of, reduced_.joints[static_cast<std::size_t>(of.joint)]);
+  return {.index = add(coordinate, loads), .size = scene_.units.size_of(of.unit)};
 }
 
 }  // namespace gelenk

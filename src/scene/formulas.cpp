@@ -2,6 +2,7 @@
 #include "scene/formulas.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <memory>
 
 #include "scene/element_numbers.h"
@@ -82,6 +83,7 @@ FormulaNames formula_names(const Scene& scene) {
   for (const ElementState& state : scene.states) out.signals.push_back(state.name);
   const auto coordinates = std::make_shared<std::unordered_set<std::string>>();
   for (const Joint& joint : scene.joints) add_coordinate_names(joint.name, *find_joint_kind(joint.type), *coordinates);
+  for (const Sensor& sensor : scene.sensors) add_sensor_names(sensor.name, kind_of(*sensor.is), *coordinates);
   out.coordinates = coordinates;
   return out;
 }
@@ -109,6 +111,30 @@ void renew_formulas(Scene& scene) {
   });
 }
 
+void add_sensor_names(std::string_view sensor, const ElementKind& kind, std::unordered_set<std::string>& out) {
+  if (kind.of_whole || kind.reads_reaction) return;
+  for (const SignalGroup& group : kind.outputs) {
+    if (group.stage == Stage::acceleration) continue;
+    const std::string name = std::string(sensor) + "." + std::string(group.name);
+    if (group.size == 0) out.insert(name);
+    for (int i = 1; i <= group.size; ++i) out.insert(name + "[" + std::to_string(i) + "]");
+  }
+}
+
+std::optional<SensorOutput> find_sensor_output(const Scene& scene, std::string_view name) {
+  const std::size_t point = name.find('.');
+  const auto sensor = std::ranges::find(scene.sensors, name.substr(0, point), &Sensor::name);
+  if (point == name.npos || sensor == scene.sensors.end()) return std::nullopt;
+  const std::string_view of = name.substr(point + 1, name.find('[') - point - 1);
+  const std::span<const SignalGroup> groups = kind_of(*sensor->is).outputs;
+  const auto group = std::ranges::find(groups, of, &SignalGroup::name);
+  const std::size_t index = name.find('[');
+  const int component = index == name.npos ? 0 : std::atoi(std::string(name.substr(index + 1)).c_str()) - 1;
+  return SensorOutput{.sensor = static_cast<int>(sensor - scene.sensors.begin()),
+                      .group = static_cast<int>(group - groups.begin()),
+                      .component = component};
+}
+
 std::vector<FormulaReader> formula_readers(const Scene& scene) {
   std::vector<FormulaReader> out;
   // NOLINTNEXTLINE(*-const-cast): only read
@@ -120,7 +146,7 @@ std::vector<FormulaReader> formula_readers(const Scene& scene) {
   return out;
 }
 
-std::unordered_set<std::string> named_joints(const Scene& scene) {
+std::unordered_set<std::string> named_of_motion(const Scene& scene) {
   std::unordered_set<std::string> out;
   for (const FormulaReader& reader : formula_readers(scene)) {
     for (const std::string& signal : reader.signals) {

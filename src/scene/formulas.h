@@ -29,6 +29,13 @@ struct JointQuantity {
 // The one with this name, such as "A.phi".
 std::optional<JointQuantity> find_coordinate(const Scene& scene, std::string_view name);
 
+// The same for outputs of a sensor that depend on positions and velocities alone.
+void add_sensor_names(std::string_view sensor, const ElementKind& kind, std::unordered_set<std::string>& out);
+struct SensorOutput {
+  int sensor = -1, group = 0, component = 0;
+};
+std::optional<SensorOutput> find_sensor_output(const Scene& scene, std::string_view name);
+
 // An element with an expression, forces along a joint as this joint, and the signals that it names.
 struct FormulaReader {
   ElementPlace place;
@@ -41,8 +48,8 @@ std::vector<FormulaReader> formula_readers(const Scene& scene);
 std::vector<ElementPlace> readers_of(const Scene& scene, std::string_view signal);
 // Whether an expression names the time, other than that of a prescribed motion.
 inline bool reads_time(const Scene& scene) { return !readers_of(scene, time_signal).empty(); }
-// The joints of which expressions name coordinates or rates.
-std::unordered_set<std::string> named_joints(const Scene& scene);
+// The joints and sensors of which expressions name coordinates, rates or outputs.
+std::unordered_set<std::string> named_of_motion(const Scene& scene);
 // SI value of the natural unit of an element state.
 double size_of(const ElementState& state, const UnitSystem& units);
 

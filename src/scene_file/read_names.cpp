@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Reads what expressions may name: the sections constants, inputs and states.
+#include <algorithm>
 #include <memory>
 
 #include "joint/kinds.h"
@@ -78,15 +79,32 @@ void read_rates(const Json& section, Reader& reader) {
   }
 }
 
-FormulaNames names_in(const Json* joints, const Scene& scene) {
-  FormulaNames out = formula_names(scene);
-  if (joints == nullptr || !joints->is_object()) return out;
-  const auto coordinates = std::make_shared<std::unordered_set<std::string>>();
-  for (const auto& [name, joint] : joints->items()) {
-    if (!joint.is_object() || !joint.contains("type") || !joint.at("type").is_string()) continue;
-    const JointKind* kind = find_joint_kind(joint.at("type").get<std::string>());
-    if (kind != nullptr) add_coordinate_names(name, *kind, *coordinates);
+namespace {
+
+// Calls visit(name, type) for the entries of a section that has not been read.
+template <class Visit>
+void each_typed(const Json* section, Visit visit) {
+  if (section == nullptr || !section->is_object()) return;
+  for (const auto& [name, entry] : section->items()) {
+    if (entry.is_object() && entry.contains("type") && entry.at("type").is_string())
+      visit(name, entry.at("type").template get<std::string>());
   }
+}
+
+}  // namespace
+
+FormulaNames names_in(const Json* joints, const Json* sensors, const Scene& scene) {
+  FormulaNames out = formula_names(scene);
+  const auto coordinates = std::make_shared<std::unordered_set<std::string>>();
+  each_typed(joints, [&](const std::string& name, const std::string& type) {
+    const JointKind* kind = find_joint_kind(type);
+    if (kind != nullptr) add_coordinate_names(name, *kind, *coordinates);
+  });
+  each_typed(sensors, [&](const std::string& name, const std::string& type) {
+    const std::span<const ElementKind> kinds = element_kinds<AnySensor>();
+    const auto kind = std::ranges::find(kinds, type, &ElementKind::kind);
+    if (kind != kinds.end()) add_sensor_names(name, *kind, *coordinates);
+  });
   out.coordinates = coordinates;
   return out;
 }

@@ -108,7 +108,7 @@ void read_sections(Fields& fields, Scene& scene, SuspectNames& suspect_names) {
   if (const Json* inputs = fields.find("inputs")) read_inputs(*inputs, reader);
   const Json* states = fields.find("states");
   if (states != nullptr) read_states(*states, reader);
-  reader.names = names_in(joints, scene);
+  reader.names = names_in(joints, fields.find("sensors"), scene);
   if (states != nullptr && states->is_object()) read_rates(*states, reader);
   if (gravity != nullptr) read_gravity(*gravity, fields, reader);
   if (bodies != nullptr && bodies->is_object()) reader.bodies = {ground};

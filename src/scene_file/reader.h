@@ -34,8 +34,8 @@ void read_inputs(const Json& section, Reader& reader);
 // which may name each other.
 void read_states(const Json& section, Reader& reader);
 void read_rates(const Json& section, Reader& reader);
-// What expressions may name: of these sections, and the coordinates of joints, which have not been read.
-FormulaNames names_in(const Json* joints, const Scene& scene);
+// What expressions may name: of these sections, and of joints and sensors, which have not been read.
+FormulaNames names_in(const Json* joints, const Json* sensors, const Scene& scene);
 void read_bodies(const Json& section, Reader& reader);
 // Reads the shapes of the ground: {shapes: {...}}.
 void read_ground(const Json& section, Reader& reader);

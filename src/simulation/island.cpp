@@ -77,11 +77,7 @@ std::vector<std::array<std::string, 2>> Island::event_texts() const {
       out.push_back({filled_in(texts[0], place, coordinate), filled_in(texts[1], place, coordinate)});
   }
   for (const BranchPlace& place : branch_places(loads_)) {
-    const auto i = static_cast<std::size_t>(place.index);
-    const std::string owner = place.index < 0  ? "gravity"
-                              : place.of_joint ? scene_.joints[i].name + ".law"
-                                               : scene_.forces[i].name;
-    const std::string text = owner + " changes its branch";
+    const std::string text = owner_of_branch(scene_, mechanism(), place) + " changes its branch";
     out.push_back({text, text});
   }
   std::vector<std::string> bodies, contacts;

@@ -23,6 +23,7 @@ constexpr double immobile_tolerance = 1e-9;  // rad, or natural units of length
 EquilibriumProblem Simulation::Impl::at_rest(const Island& island,
                                              const std::vector<MotionLaw::Derivatives>& targets) const {
   const PreparedIsland& of = island.prepared();
+  island.formulation().drives().go_to(time, island.reading().q);
   return {.mechanism = of.mechanism,
           .loads = island.loads(),
           .mobility = of.mobility,
@@ -113,6 +114,13 @@ Trim Simulation::Impl::trim(const EquilibriumRequest& request) {
                                              : entry.sign * here.vdot[entry.index - mechanism.nq - mechanism.nv];
       out.residual.emplace_back(accelerations[k], output_size[static_cast<std::size_t>(accelerations[k])] * value);
     }
+    for (std::size_t output = 0; output < outputs.size(); ++output) {
+      const Outputs::Entry entry = readings->entry(static_cast<int>(output));
+      const bool is_state = outputs[output].section == sections::states && outputs[output].group == 0;
+      if (!is_state || readings->island(static_cast<int>(output)) != i) continue;
+      const double rate = here.rates[entry.index - mechanism.nq - 2 * mechanism.nv];
+      out.residual.emplace_back(outputs[output].derivative, output_size[output] * rate);
+    }
   }
   if (out.end != Equilibrium::End::found) return out;
   for (std::size_t i = 0; i < islands.size(); ++i) {
@@ -123,6 +131,8 @@ Trim Simulation::Impl::trim(const EquilibriumRequest& request) {
     prepared.islands[i].start.q = std::move(found[i].q);
     prepared.islands[i].start.v = std::move(found[i].v);
     prepared.islands[i].cut_start = std::move(found[i].cut_q);
+    std::copy(found[i].u.begin() + static_cast<std::ptrdiff_t>(u.signals()), found[i].u.end(),
+              prepared.islands[i].states.begin());
   }
   make_islands();
   find_independent();

@@ -43,7 +43,7 @@ void replace(std::string& text, std::string_view placeholder, std::string_view b
 
 namespace {
 
-// As printf, whatever the host's locale uses for a decimal point. Not to_chars, whose tables take 100 kB of each FMU.
+// As printf, but with a point in any locale of the host. Not to_chars, whose tables take 100 kB of each FMU.
 std::string formatted(const char* format, int digits, double x) {
   std::array<char, 64> buffer{};
   std::snprintf(buffer.data(), buffer.size(), format, digits, x);

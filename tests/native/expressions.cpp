@@ -27,7 +27,7 @@ class Expression {
                         }
                         return std::nullopt;
                       },
-                      .known = names};
+                      .known = [&] { return names; }};
     try {
       term_ = parse(graph_, text, known);
     } catch (const SyntaxError& error) {

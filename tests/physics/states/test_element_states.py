@@ -320,3 +320,116 @@ def test_stiff_circuit_beside_contacts() -> None:
     x, v = values(source, ["F.r[1]", "F.v[1]"], [1.0], 1e-6)[0]
     assert x == pytest.approx(1.5, abs=1e-6)
     assert v == pytest.approx(3.0, abs=1e-6)
+
+
+def test_equilibrium_finds_states_of_circuits_and_controllers() -> None:
+    """A rod held at an angle by a motor with a controller: the integral that its weight requires, 2.4525 cos(phi)."""
+    source = scene(
+        {"rod": body(1.0, (0.25, 0, 0), (0.02, 0.02, 0.02))},
+        {
+            "A": joint(
+                "revolute", frame("ground"), frame("rod"), axis=[0, 0, 1], start={"phi": 0.1},
+                law={"effort": "0.5*i - 0.2*w"},
+            )
+        },
+        gravity=[0, -9.81, 0],
+        states={
+            "e": "set - A.phi",
+            "i": {"rate": "(20*(set - A.phi) + 30*e - 2*i - 0.5*A.w)/0.01", "unit": "A"},
+        },
+        inputs={"set": {"unit": "rad", "start": 0.4}},
+        solver={"start": "equilibrium"},
+    )  # fmt: skip
+    simulation = gelenk.Simulation(source)
+    simulation.initialize(0.0, 1e-8)
+    torque = 9.81 * 0.25 * math.cos(0.4)
+    expected = {"A.phi": 0.4, "A.w": 0.0, "i": torque / 0.5, "e": 2 * torque / 0.5 / 30, "A.a": 0, "i.rate": 0}
+    for name, value in expected.items():
+        assert simulation.output(name) == pytest.approx(value, abs=1e-9), name
+    simulation.step_to(1.0)
+    assert simulation.output("A.phi") == pytest.approx(0.4, abs=1e-9)
+    model = gelenk.linearize(source)  # no warning that it is no equilibrium
+    assert len(model.poles()) == 4
+
+
+def test_steady_motion_finds_the_current() -> None:
+    """At 7 rad/s with 0.3 N.m.s/rad of damping: k i = 2.1 N.m, u = R i + k w."""
+    source = dc_motor()
+    source["joints"]["A"]["damping"] = 0.3
+    found = gelenk.trimmed(source, {"A.w": 7.0}, solve_for=["u"])
+    assert found.inputs["u"] == pytest.approx(R * 2.1 / K + K * 7.0, abs=1e-9)
+    assert found.values["i"] == pytest.approx(2.1 / K, abs=1e-9)
+
+
+@pytest.mark.parametrize("planar", [True, False])
+def test_distance_by_name_is_a_line_force(planar: bool) -> None:
+    """A spring and damper between two points of a loop: as an element, and by torques from the sensor of its length."""
+    found = []
+    for by_names in (True, False):
+        source = four_bar(1.1, damping=0.0)
+        crank, point = source["joints"]["A"]["child"]["body"], [2.0, 1.0, 0]
+        tip = {"body": crank, "position": [0.5, 0, 0]}
+        if by_names:
+            # the line from the tip at (0.5 cos phi, 0.5 sin phi) to the point, about the crank's axis at the origin
+            lever = "0.5*(1*cos(A.phi) - 2*sin(A.phi))/gap.d"
+            source["sensors"] = {"gap": {"type": "distance", "from": {"body": "ground", "position": point}, "to": tip}}
+            source["joints"]["A"]["law"] = {"effort": f"(30*(gap.d - 1) + 2*gap.v)*{lever}"}
+        else:
+            source["forces"] = {
+                "spring": {
+                    "type": "spring_damper", "from": {"body": "ground", "position": point}, "to": tip,
+                    "stiffness": 30, "damping": 2, "length": 1,
+                }
+            }  # fmt: skip
+        source["solver"] = {"integrator": "dirk", "reductions": {"planar": planar}}
+        simulation = gelenk.Simulation(source)
+        simulation.initialize(0.0, 1e-10)
+        for k in range(20):
+            simulation.step_to(0.05 * (k + 1))
+        with pytest.warns(gelenk.OperatingPointWarning):
+            model = gelenk.linearize(source, states=["A.phi", "A.w"])
+        found.append([simulation.output(f"{of}.{q}") for of in "ABCD" for q in ("phi", "w", "a")])
+        found[-1] += list(np.asarray(model.A).ravel())
+    np.testing.assert_allclose(found[0], found[1], rtol=0, atol=2e-8)
+
+
+def test_what_an_expression_names_is_in_one_island() -> None:
+    """Two pendulums that only a law couples: the same as with a spring between their angles."""
+    rod = body(1.0, (0.25, 0, 0), (0.02, 0.02, 0.02))
+
+    def pendulums(laws: list[str]) -> dict[str, Any]:
+        joints = {}
+        for name, law, phi in zip("AB", laws, (0.3, -0.2), strict=True):
+            joints[name] = joint(
+                "revolute", frame("ground"), frame(f"rod{name}"), axis=[0, 0, 1], start={"phi": phi},
+                law={"effort": law},
+            )  # fmt: skip
+        return scene({"rodA": rod, "rodB": rod}, joints, gravity=[9.81, 0, 0])
+
+    source = pendulums(["-4*(phi - B.phi)", "-4*(phi - A.phi)"])
+    simulation = gelenk.Simulation(source)
+    simulation.initialize(0.0, 1e-10)
+    assert simulation.size.islands == 1
+    mean, difference = pendulums(["0", "0"]), pendulums(["-8*phi", "-8*phi"])
+    for small in (source, mean, difference):
+        for name, phi in zip("AB", (3e-6, -2e-6), strict=True):
+            small["joints"][name]["start"] = {"phi": phi}
+    coupled, free, stiff = (values(one, ["A.phi", "B.phi"], [0.7], 1e-12)[0] for one in (source, mean, difference))
+    modes = [(free[0] + free[1]) / 2, (stiff[0] - stiff[1]) / 2]
+    np.testing.assert_allclose(coupled, [modes[0] + modes[1], modes[0] - modes[1]], rtol=0, atol=1e-11)
+
+
+def test_wanted_outputs_keep_what_their_expressions_name() -> None:
+    source = dc_motor(outputs=["A.w"])
+    source["bodies"]["idle"] = body(1.0, inertia=(1, 1, 1))
+    source["joints"]["Z"] = joint("revolute", frame("ground"), frame("idle"), axis=[0, 0, 1])
+    source["states"]["other"] = "Z.phi - other"
+    assert values(source, ["A.w"], [0.3], 1e-9)[0, 0] == pytest.approx(dc_exact(0.3)[0], abs=1e-8)
+    simulation = gelenk.Simulation(source)
+    assert [signal for signal in simulation.outputs] == ["A.w"] or "other" not in [
+        getattr(signal, "name", signal) for signal in simulation.outputs
+    ]
+    only = gelenk.Simulation(source | {"outputs": ["other"]})
+    only.initialize(0.0, 1e-8)
+    only.step_to(1.0)
+    assert only.output("other") == pytest.approx(0.0, abs=1e-9)
