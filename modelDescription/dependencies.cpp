@@ -95,7 +95,7 @@ class DependencyAnalysis {
       const Signal& signal = signals_[static_cast<std::size_t>(v.index)];
       const auto variable = static_cast<int>(i);
       out[i] = signal.joint >= 0                      ? of_joint(signal, variable)
-               : signal.section == sections::states ? of_element_state(signal, variable)
+               : signal.section >= sections::states ? of_named(signal, variable)
                                                       : of_element(signal);
     }
     return out;
@@ -106,7 +106,7 @@ class DependencyAnalysis {
     for (const State& state : catalog_.states()) {
       const Variable& v = catalog_.variables()[static_cast<std::size_t>(state.variable)];
       const Signal& signal = signals_[static_cast<std::size_t>(v.index)];
-      IslandKnowns& island = islands_[static_cast<std::size_t>(island_of_state(signal))];
+      IslandKnowns& island = islands_[static_cast<std::size_t>(island_of_named(signal))];
       if (signal.level == 0) island.positions.insert(state.variable);
       if (signal.level == 1) ++island.speeds;
       island.states.insert(state.variable);
@@ -125,10 +125,11 @@ class DependencyAnalysis {
     all_islands_.list();
   }
 
-  int island_of_state(const Signal& signal) const {
+  int island_of_named(const Signal& signal) const {
     if (signal.joint >= 0) return reduced_.joints[static_cast<std::size_t>(signal.joint)].island;
     const auto has = [&](const Mechanism& of) {
-      return std::ranges::find(of.states, signal.element) != of.states.end();
+      const std::vector<int>& among = signal.section == sections::states ? of.states : of.expressions;
+      return std::ranges::find(among, signal.element) != among.end();
     };
     return static_cast<int>(std::ranges::find_if(reduced_.islands, has) - reduced_.islands.begin());
   }
@@ -225,13 +226,16 @@ class DependencyAnalysis {
                                : all_knowns_;
   }
 
-  // An element state depends on itself, its rate on the states of its island and the inputs that its expression names.
-  Knowns of_element_state(const Signal& signal, int variable) {
-    if (signal.group == 0) return listed({variable});
+  // An element state depends on itself; its rate, and a named expression, on the states of its island and the inputs
+  // that the expression names.
+  Knowns of_named(const Signal& signal, int variable) {
+    const bool is_state = signal.section == sections::states;
+    if (is_state && signal.group == 0) return listed({variable});
     if (!structure_is_known_) return all_knowns_;
-    std::set<int> on = knowns_of(island_of_state(signal)).states;
-    const std::span<const std::string> names =
-        scene_.states[static_cast<std::size_t>(signal.element)].rate.signal_names();
+    std::set<int> on = knowns_of(island_of_named(signal)).states;
+    const auto element = static_cast<std::size_t>(signal.element);
+    const Formula& formula = is_state ? scene_.states[element].rate : scene_.expressions[element].value;
+    const std::span<const std::string> names = formula.signal_names();
     for (std::size_t i = 0; i < catalog_.variables().size(); ++i) {
       const Variable& v = catalog_.variables()[i];
       if (v.source == Source::input && std::ranges::find(names, v.name) != names.end()) on.insert(static_cast<int>(i));

@@ -50,7 +50,11 @@ std::tuple<std::string, int, bool, std::vector<std::tuple<int, double>>> trim(
     check_index(input, plant.fixed().inputs().size());
     request.solve_for.push_back({input, size});
   }
-  for (const int output : accelerations) check_index(output, plant.fixed().outputs().size());
+  for (const int output : accelerations) {
+    check_index(output, plant.fixed().outputs().size());
+    if (const gelenk::Signal& signal = plant.fixed().outputs()[static_cast<std::size_t>(output)]; signal.level != 2)
+      throw gelenk::UsageError(signal.name + " is no acceleration of a joint");
+  }
   const gelenk::Trim found = plant.with([&](Simulation& s) { return s.trim(request); });
   return {
       ends[static_cast<int>(found.end)], found.steps, found.is_driven, {found.residual.begin(), found.residual.end()}};

@@ -120,7 +120,7 @@ bool is_taken(const std::string& name) {
          expression::Library::has(name);
 }
 
-// The names of constants, inputs and states, which expressions use.
+// The names of constants, inputs, states and named expressions, which expressions use.
 void check_own_names(const Scene& scene, Faults& faults) {
   std::map<std::string, std::string> seen;
   const auto add_elements = [&](const std::string& section, const auto& elements) {
@@ -141,7 +141,11 @@ void check_own_names(const Scene& scene, Faults& faults) {
   };
   for (const FormulaNames::Constant& constant : scene.constants) check("constants", constant.name);
   for (const SceneInput& input : scene.inputs) check("inputs", input.name);
-  for (const ElementState& state : scene.states) check("states", state.name);
+  for (const ElementState& state : scene.states) {
+    check("states", state.name);
+    check("states", start_parameter(state.name));
+  }
+  for (const NamedExpression& of : scene.expressions) check("expressions", of.name);
 }
 
 }  // namespace
@@ -152,6 +156,7 @@ void check_names(const Scene& scene, Faults& faults) {
   check_section(scene.constants, "constants", faults);
   check_section(scene.inputs, "inputs", faults);
   check_section(scene.states, "states", faults);
+  check_section(scene.expressions, "expressions", faults);
   check_own_names(scene, faults);
   each_section(scene, [&](const Section& section, const auto& elements) {
     check_section(elements, std::string(section.name), faults);
@@ -167,7 +172,7 @@ void check_names(const Scene& scene, Faults& faults) {
                 "formulation", "integrator", "step", "start"});
   for (const Body& body : scene.bodies) claims.claim("bodies." + body.name, body.name, {"m", "mass", "com", "inertia"});
   for (const Joint& joint : scene.joints) claims.claim("joints." + joint.name, joint.name, joint_suffixes(joint));
-  for (const ElementState& state : scene.states) claims.claim("states." + state.name, state.name, {"rate", "start"});
+  for (const ElementState& state : scene.states) claims.claim("states." + state.name, state.name, {"rate"});
   each_section(scene, [&](const Section& section, const auto& elements) {
     for (const auto& element : elements) {
       claims.claim(std::string(section.name) + "." + element.name, element.name, suffixes(scene, element));

@@ -22,8 +22,67 @@ std::vector<std::string> all_names(std::span<const FormulaVariable> variables, c
   out.insert(out.end(), known.signals.begin(), known.signals.end());
   out.emplace_back(time_signal);
   if (known.coordinates != nullptr) out.insert(out.end(), known.coordinates->begin(), known.coordinates->end());
+  for (const FormulaNames::Expression& expression : known.expressions) out.push_back(expression.name);
   return out;
 }
+
+// Reads a text into the graph of a formula.
+class FormulaReader {
+ public:
+  FormulaReader(expression::Graph& graph, std::span<const FormulaVariable> variables, const FormulaNames& known,
+                bool reads_signals, std::vector<std::string>& named)
+      : graph_(graph), variables_(variables), known_(known), reads_signals_(reads_signals), named_(named) {}
+
+  expression::Term read(std::string_view text) { return read(text, variables_); }
+
+ private:
+  static constexpr int max_depth = 50;  // of expressions that name each other
+
+  expression::Term read(std::string_view text, std::span<const FormulaVariable> variables) {
+    expression::Names names;
+    names.known = [&] { return all_names(variables, known_, reads_signals_); };
+    names.find = [&](std::string_view name) { return find(name, variables); };
+    return expression::parse(graph_, text, names);
+  }
+
+  std::optional<expression::Term> find(std::string_view name, std::span<const FormulaVariable> variables) {
+    const auto found = std::ranges::find(variables, name, &FormulaVariable::name);
+    if (found != variables.end()) return graph_.variable(static_cast<int>(found - variables.begin()));
+    const auto constant = std::ranges::find(known_.constants, name, &FormulaNames::Constant::name);
+    if (constant != known_.constants.end()) return graph_.constant(constant->value);
+    if (!reads_signals_) return std::nullopt;
+    const auto expression = std::ranges::find(known_.expressions, name, &FormulaNames::Expression::name);
+    if (expression != known_.expressions.end()) return inserted(*expression);
+    if (!is_signal(name)) return std::nullopt;
+    const auto signal = std::ranges::find(named_, name);
+    const auto k = static_cast<std::size_t>(signal - named_.begin());
+    if (signal == named_.end()) named_.emplace_back(name);
+    return graph_.variable(static_cast<int>(variables_.size() + k));
+  }
+
+  bool is_signal(std::string_view name) const {
+    if (name == time_signal || std::ranges::find(known_.signals, name) != known_.signals.end()) return true;
+    return known_.coordinates != nullptr && known_.coordinates->contains(std::string(name));
+  }
+
+  // Of a named expression, which knows no variables of elements. A mistake in it is that of its own section.
+  expression::Term inserted(const FormulaNames::Expression& expression) {
+    if (depth_ == max_depth) {
+      throw expression::SyntaxError(0, 1, "found expressions that name each other in a circle, or 50 within each other");
+    }
+    ++depth_;
+    const expression::Term out = read(expression.text, {});
+    --depth_;
+    return out;
+  }
+
+  expression::Graph& graph_;
+  std::span<const FormulaVariable> variables_;
+  const FormulaNames& known_;
+  bool reads_signals_;
+  std::vector<std::string>& named_;
+  int depth_ = 0;
+};
 
 }  // namespace
 
@@ -32,35 +91,17 @@ Formula::Formula(std::string text, std::span<const FormulaVariable> variables, c
   const auto parsed = std::make_shared<Parsed>();
   parsed->text = std::move(text);
   parsed->count = variables.size();
-  expression::Graph& graph = parsed->graph;
   std::vector<std::string>& named = parsed->signals;
-  const auto is_signal = [&](std::string_view name) {
-    if (!reads_signals) return false;
-    if (name == time_signal || std::ranges::find(known.signals, name) != known.signals.end()) return true;
-    return known.coordinates != nullptr && known.coordinates->contains(std::string(name));
-  };
-  expression::Names names;
-  names.known = [&] { return all_names(variables, known, reads_signals); };
-  names.find = [&](std::string_view name) -> std::optional<expression::Term> {
-    const auto found = std::ranges::find(variables, name, &FormulaVariable::name);
-    if (found != variables.end()) return graph.variable(static_cast<int>(found - variables.begin()));
-    const auto constant = std::ranges::find(known.constants, name, &FormulaNames::Constant::name);
-    if (constant != known.constants.end()) return graph.constant(constant->value);
-    if (!is_signal(name)) return std::nullopt;
-    const auto signal = std::ranges::find(named, name);
-    const auto k = static_cast<std::size_t>(signal - named.begin());
-    if (signal == named.end()) named.emplace_back(name);
-    if (name == time_signal) parsed->clock = k;
-    return graph.variable(static_cast<int>(variables.size() + k));
-  };
-  parsed->term = expression::parse(graph, parsed->text, names);
+  parsed->term = FormulaReader(parsed->graph, variables, known, reads_signals, named).read(parsed->text);
+  parsed->clock = static_cast<std::size_t>(std::ranges::find(named, time_signal) - named.begin());
   if (named.size() > max_signals) {
     throw expression::SyntaxError(0, parsed->text.size(),
-                                  "found " + std::to_string(named.size()) + " inputs, states and coordinates, expected at most " +
+                                  "found " + std::to_string(named.size()) +
+                                      " inputs, states and coordinates, expected at most " +
                                       std::to_string(max_signals) + " in one expression");
   }
   try {
-    parsed->tape = expression::Tape(graph, std::vector{parsed->term});
+    parsed->tape = expression::Tape(parsed->graph, std::vector{parsed->term});
   } catch (const std::length_error& error) {
     throw expression::SyntaxError(0, parsed->text.size(), error.what());
   }

@@ -29,8 +29,12 @@ struct FormulaNames {
     std::string name;
     double value = 0;
   };
+  struct Expression {
+    std::string name, text;
+  };
   std::vector<Constant> constants;
-  std::vector<std::string> signals;  // inputs of the scene and states of elements
+  std::vector<std::string> signals;     // inputs of the scene and states of elements
+  std::vector<Expression> expressions;  // of these, which stand in for their names
   // Coordinates of joints and their rates, such as "A.phi", in any order; null: none.
   std::shared_ptr<const std::unordered_set<std::string>> coordinates;
 };

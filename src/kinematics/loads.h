@@ -38,6 +38,7 @@ struct Loads {
   // of the motion, which the kernels add.
   int first_state = 0;
   std::vector<Formula> rates;        // of the element states
+  std::vector<Formula> values;       // of the named expressions, as outputs
   std::vector<NamedQuantity> named;  // after those
   std::shared_ptr<HeldBranches> branches;  // of its expressions
   bool only_along_tree = false;            // no force acts on links or along cuts

@@ -64,6 +64,10 @@ class WithReadings : public Base {
     const T* const all = with_named(u);
     for (const Formula& rate : loads_.rates) *out++ = rate.value_among<T>(nullptr, all);
   }
+  void expression_values(const T* u, T* out) override {
+    const T* const all = with_named(u);
+    for (const Formula& value : loads_.values) *out++ = value.value_among<T>(nullptr, all);
+  }
 
   Pose link_pose(int link) const override { return kernels::pose3<A>(ws_.X_0L[link], height(link)); }
   Motion link_velocity(int link) const override { return kernels::motion3<A>(ws_.V[link]); }

@@ -55,7 +55,7 @@ struct Graph {
   std::vector<Edge> edges;
   std::vector<RodEdge> rods;
   std::vector<ContactEdge> contacts;
-  std::vector<int> states;  // element states of the scene
+  std::vector<int> states, expressions;  // element states and named expressions of the scene
 
   // The edges of each group, ascending.
   std::vector<std::vector<int>> edges_of_groups() const;

@@ -25,13 +25,18 @@ std::vector<int> groups_at(const ElementPlace& element, const BodyNumbers& numbe
   return out;
 }
 
-// Couples what expressions do: the groups on which their elements act, those of the joints that they name, and element
-// states, which have the numbers after those of the groups.
+// Couples what expressions do: the groups on which their elements act, those of the joints that they name, element
+// states, which have the numbers after those of the groups, and named expressions after these.
 void couple_by_expressions(const Scene& scene, std::size_t groups, const auto& groups_of, const auto& moved_group,
                            DisjointSets& sets) {
   const auto state = [&](std::string_view name) {
     const auto found = std::ranges::find(scene.states, name, &ElementState::name);
     return found == scene.states.end() ? -1 : static_cast<int>(groups) + static_cast<int>(found - scene.states.begin());
+  };
+  const auto expression = [&](std::string_view name) {
+    const auto found = std::ranges::find(scene.expressions, name, &NamedExpression::name);
+    const auto first = static_cast<int>(groups + scene.states.size());
+    return found == scene.expressions.end() ? -1 : first + static_cast<int>(found - scene.expressions.begin());
   };
   for (const FormulaReader& reader : formula_readers(scene)) {
     std::vector<int> coupled;
@@ -45,15 +50,17 @@ void couple_by_expressions(const Scene& scene, std::size_t groups, const auto& g
       for (const int group : groups_of(*sensor)) coupled.push_back(group);
     }
     if (coupled.empty()) continue;  // inputs and the time couple nothing
-    if (const int of = state(reader.place.name); of >= 0) coupled.push_back(of);
+    for (const int of : {state(reader.place.name), expression(reader.place.name)}) {
+      if (of >= 0) coupled.push_back(of);
+    }
     for (const int group : groups_of(reader.place)) coupled.push_back(group);
     for (const int one : coupled) sets.join(coupled.front(), one);
   }
 }
 
-// Sets of groups, and of element states after them, that are coupled.
+// Sets of groups, and of element states and named expressions after them, that are coupled.
 DisjointSets coupled_groups(const Scene& scene, const Graph& graph) {
-  DisjointSets sets(graph.groups.size() + scene.states.size());
+  DisjointSets sets(graph.groups.size() + scene.states.size() + scene.expressions.size());
   for (const Edge& edge : graph.edges) {
     if (edge.group_a != 0 && edge.group_b != 0) sets.join(edge.group_a, edge.group_b);
   }
@@ -93,7 +100,7 @@ DisjointSets coupled_groups(const Scene& scene, const Graph& graph) {
 std::vector<Graph> islands_of(const Scene& scene, const Graph& graph) {
   DisjointSets sets = coupled_groups(scene, graph);
   std::vector<Graph> out;
-  std::vector<int> part_of_set(graph.groups.size() + scene.states.size(), -1);
+  std::vector<int> part_of_set(graph.groups.size() + scene.states.size() + scene.expressions.size(), -1);
   std::vector<int> part(graph.groups.size(), -1);   // by group
   std::vector<int> number(graph.groups.size(), 0);  // by group: its index in its part
   for (int g = 1; g < static_cast<int>(graph.groups.size()); ++g) {
@@ -121,10 +128,13 @@ std::vector<Graph> islands_of(const Scene& scene, const Graph& graph) {
     edge.group_b = number[edge.group_b];
     out[p].edges.push_back(edge);
   }
-  for (int state = 0; state < static_cast<int>(scene.states.size()); ++state) {
-    const int p = part_of_set[sets.find(static_cast<int>(graph.groups.size()) + state)];
-    out[p < 0 ? ground_part() : p].states.push_back(state);
-  }
+  const auto part_beyond = [&](std::size_t number) -> Graph& {
+    const int p = part_of_set[sets.find(static_cast<int>(graph.groups.size() + number))];
+    return out[p < 0 ? ground_part() : p];
+  };
+  for (int state : graph.states) part_beyond(static_cast<std::size_t>(state)).states.push_back(state);
+  for (int expression : graph.expressions)
+    part_beyond(scene.states.size() + static_cast<std::size_t>(expression)).expressions.push_back(expression);
   for (ContactEdge contact : graph.contacts) {
     const int p = part[contact.group_a == 0 ? contact.group_b : contact.group_a];
     contact.group_a = number[contact.group_a];
@@ -149,6 +159,8 @@ Partition partition_of(const Scene& scene, const ImmobileJoints& immobile, std::
   out.whole = merge_welds(scene, observed_reactions(scene), immobile, notes);
   out.whole.states.resize(scene.states.size());
   std::iota(out.whole.states.begin(), out.whole.states.end(), 0);
+  out.whole.expressions.resize(scene.expressions.size());
+  std::iota(out.whole.expressions.begin(), out.whole.expressions.end(), 0);
   if (scene.solver.reduces(Reduction::islands)) {
     out.islands = islands_of(scene, out.whole);
   } else {

@@ -38,6 +38,7 @@ struct MechanismBuilder {
     out.rows += static_cast<int>(out.coordinate_rows.size());
     std::ranges::sort(out.joints);
     out.states = graph.states;
+    out.expressions = graph.expressions;
   }
 
   void add_ground() {

@@ -28,6 +28,7 @@ class Pruner {
         part_of_body_(scene.bodies.size(), none),
         part_of_joint_(scene.joints.size(), none),
         part_of_state_(scene.states.size(), none),
+        part_of_expression_(scene.expressions.size(), none),
         named_(named_of_motion(scene)) {
     std::vector<Note> notes;
     const Partition parts = partition_of(scene, {}, notes);
@@ -61,6 +62,7 @@ class Pruner {
     }
     for (const Edge& edge : island.edges) part_of_joint_[static_cast<std::size_t>(edge.scene_joint)] = part;
     for (const int state : island.states) part_of_state_[static_cast<std::size_t>(state)] = part;
+    for (const int of : island.expressions) part_of_expression_[static_cast<std::size_t>(of)] = part;
   }
 
   void enter_immobile(const Group& immobile_group) {
@@ -131,6 +133,8 @@ class Pruner {
       if (!wanted[i]) continue;
       if (outputs[i].joint >= 0) keep(part_of_joint_[static_cast<std::size_t>(outputs[i].joint)]);
       if (outputs[i].section == sections::states) keep(part_of_state_[static_cast<std::size_t>(outputs[i].element)]);
+      if (outputs[i].section == sections::expressions)
+        keep(part_of_expression_[static_cast<std::size_t>(outputs[i].element)]);
       if (outputs[i].joint < 0) owners.insert(outputs[i].name.substr(0, outputs[i].name.find('.')));
     }
     std::unordered_set<std::string_view> sensors;
@@ -178,14 +182,23 @@ class Pruner {
            (kind_of(*sensor.is).reads_reaction && std::ranges::any_of(touched(sensor), kept));
   }
 
+  // Expressions of inputs and constants alone are in no part: others may name them.
+  void filter_named(Scene& scene) const {
+    scene.states.clear();
+    scene.expressions.clear();
+    for (std::size_t i = 0; i < scene_.states.size(); ++i) {
+      if (is_kept(part_of_state_[i])) scene.states.push_back(scene_.states[i]);
+    }
+    for (std::size_t i = 0; i < scene_.expressions.size(); ++i) {
+      const NamedExpression& of = scene_.expressions[i];
+      if (is_kept(part_of_expression_[i]) || !couples(scene_, of.value)) scene.expressions.push_back(of);
+    }
+  }
+
   void filter(Scene& scene) const {
     std::erase_if(scene.bodies, [&](const Body& body) { return !is_kept(part_of(body.name)); });
     std::erase_if(scene.joints, [&](const Joint& joint) { return !is_kept(joint); });
-    std::vector<ElementState> states;
-    for (std::size_t i = 0; i < scene.states.size(); ++i) {
-      if (is_kept(part_of_state_[i])) states.push_back(scene.states[i]);
-    }
-    scene.states = std::move(states);
+    filter_named(scene);
     each_section(scene, [&](const Section&, auto& elements) {
       std::erase_if(elements, [&](const auto& element) { return !is_kept(element); });
     });
@@ -225,7 +238,7 @@ class Pruner {
   NameIndex numbers_;
   int islands_ = 0, parts_ = 0;                    // islands first, then immobile parts
   std::vector<int> part_of_body_, part_of_joint_;  // none: only a weld of the ground to itself
-  std::vector<int> part_of_state_;
+  std::vector<int> part_of_state_, part_of_expression_;
   std::vector<bool> kept_;                         // by part
   std::unordered_set<std::string> named_;          // by expressions
   std::unordered_set<std::string_view> sensors_;   // with a requested output

@@ -86,16 +86,17 @@ Outputs::Source Outputs::joint_force_source(const Signal& signal,
   return source;
 }
 
-Outputs::Source Outputs::state_source(const Signal& signal) const {
+Outputs::Source Outputs::named_source(const Signal& signal) const {
   Source out;
-  out.kind = signal.group == 0 ? Kind::state : Kind::state_rate;
+  const bool is_state = signal.section == sections::states;
+  out.kind = !is_state ? Kind::expression : signal.group == 0 ? Kind::state : Kind::state_rate;
   out.stage = signal.stage;
   for (std::size_t i = 0; i < reduced_.islands.size(); ++i) {
-    const std::vector<int>& states = reduced_.islands[i].states;
-    const auto found = std::ranges::find(states, signal.element);
-    if (found == states.end()) continue;
+    const std::vector<int>& among = is_state ? reduced_.islands[i].states : reduced_.islands[i].expressions;
+    const auto found = std::ranges::find(among, signal.element);
+    if (found == among.end()) continue;
     out.island = static_cast<int>(i);
-    out.index = static_cast<int>(found - states.begin());
+    out.index = static_cast<int>(found - among.begin());
   }
   return out;
 }
@@ -105,7 +106,7 @@ Outputs::Source Outputs::element_source(const Scene& scene, const Signal& signal
   out.index = signal.element;
   out.group = signal.group;
   out.component = signal.component;
-  if (signal.section == sections::states) return state_source(signal);
+  if (signal.section == sections::states || signal.section == sections::expressions) return named_source(signal);
   out.stage = signal.stage == Stage::acceleration ? Stage::acceleration : Stage::velocity;
   if (signal.section == sections::sensors) {
     const auto i = static_cast<std::size_t>(signal.element);

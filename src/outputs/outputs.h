@@ -27,6 +27,7 @@ struct ReadingOf {
   const T* cut_v = nullptr;
   const T* states = nullptr;       // of elements, in the order of Mechanism::states
   const T* state_rates = nullptr;  // after velocities
+  const T* expressions = nullptr;  // values of those of the island, after velocities
   // Of each force with modes (SwitchingForces) its force in the user's sign and its mode; null: there is none.
   const T* forces = nullptr;
   const int* modes = nullptr;
@@ -72,6 +73,7 @@ class Outputs {
     tree_a,
     state,
     state_rate,
+    expression,
     cut_q,
     cut_v,
     cut_a,
@@ -104,7 +106,7 @@ class Outputs {
   [[gnu::noinline]] T constraint_value(const Source& source, const Readings<T>& dynamics) const;
   template <class T>
   [[gnu::noinline]] T force_value(const Source& source, const Readings<T>* dynamics) const;
-  Source state_source(const Signal& signal) const;
+  Source named_source(const Signal& signal) const;
   Source element_source(const Scene& scene, const Signal& signal) const;
 
   const Scene& scene_;  // of elements, which may be tunable

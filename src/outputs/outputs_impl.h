@@ -32,6 +32,8 @@ T Outputs::value(int output, const ReadingOf<T>& reading) const {
       return reading.states[s.index];
     case Kind::state_rate:
       return reading.state_rates[s.index];
+    case Kind::expression:
+      return reading.expressions[s.index];
     case Kind::cut_q:
       return T(s.sign) * reading.cut_q[s.index];
     case Kind::cut_v:

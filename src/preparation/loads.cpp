@@ -26,6 +26,7 @@ void clear(Loads& loads) {
   clear_forces(*loads.forces);
   loads.inputs.clear();
   loads.rates.clear();
+  loads.values.clear();
   loads.named.clear();
   loads.potential_offset = 0;
 }
@@ -194,6 +195,12 @@ struct LoadCollector {
     }
     for (std::size_t i = 0; i < out.size(); ++i) {
       for (Formula& rate : out[i].rates) bind(rate, static_cast<int>(i));
+      for (const int number : reduced.islands[i].expressions) {
+        const NamedExpression& of = scene.expressions[static_cast<std::size_t>(number)];
+        Formula& value = out[i].values.emplace_back(of.value);
+        value.set_sizes(scene.units.size_of(of.unit), {});
+        binder.bind(value, reduced.islands[i], out[i]);  // its kinks are no events
+      }
     }
   }
 

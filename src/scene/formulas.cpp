@@ -25,14 +25,18 @@ void each_of(std::span<const Field> fields, void* element, const Coordinate& coo
 // The same for all expressions, with place(), that of their element, which is that of a joint for forces along it.
 template <class Visit>
 void each_formula(Scene& scene, Visit visit) {
-  for (ElementState& state : scene.states) {
-    const auto nowhere = [&] {
-      return ElementPlace{.name = state.name, .frames = {}, .joints = {}, .coordinate = {}};
-    };
-    each_of(ElementState::fields(), &state, {}, [&](Formula& formula, const Field& field, const Coordinate& at) {
-      visit(formula, field, at, nowhere);
-    });
-  }
+  const auto of_none = [&](auto& all) {
+    for (auto& named : all) {
+      const auto nowhere = [&] {
+        return ElementPlace{.name = named.name, .frames = {}, .joints = {}, .coordinate = {}};
+      };
+      each_of(named.fields(), &named, {}, [&](Formula& formula, const Field& field, const Coordinate& at) {
+        visit(formula, field, at, nowhere);
+      });
+    }
+  };
+  of_none(scene.states);
+  of_none(scene.expressions);
   for (Joint& joint : scene.joints) {
     const JointKind& kind = *find_joint_kind(joint.type);
     const auto place = [&] {
@@ -78,9 +82,11 @@ void add_coordinate_names(std::string_view joint, const JointKind& kind, std::un
 }
 
 FormulaNames formula_names(const Scene& scene) {
-  FormulaNames out{.constants = scene.constants, .signals = {}, .coordinates = {}};
+  FormulaNames out{.constants = scene.constants, .signals = {}, .expressions = {}, .coordinates = {}};
   for (const SceneInput& input : scene.inputs) out.signals.push_back(input.name);
   for (const ElementState& state : scene.states) out.signals.push_back(state.name);
+  for (const NamedExpression& of : scene.expressions)
+    out.expressions.push_back({of.name, std::string(of.value.text())});
   const auto coordinates = std::make_shared<std::unordered_set<std::string>>();
   for (const Joint& joint : scene.joints) add_coordinate_names(joint.name, *find_joint_kind(joint.type), *coordinates);
   for (const Sensor& sensor : scene.sensors) add_sensor_names(sensor.name, kind_of(*sensor.is), *coordinates);
@@ -133,6 +139,13 @@ std::optional<SensorOutput> find_sensor_output(const Scene& scene, std::string_v
   return SensorOutput{.sensor = static_cast<int>(sensor - scene.sensors.begin()),
                       .group = static_cast<int>(group - groups.begin()),
                       .component = component};
+}
+
+bool couples(const Scene& scene, const Formula& formula) {
+  return std::ranges::any_of(formula.signal_names(), [&](const std::string& name) {
+    return name.find('.') != name.npos ||
+           std::ranges::find(scene.states, name, &ElementState::name) != scene.states.end();
+  });
 }
 
 std::vector<FormulaReader> formula_readers(const Scene& scene) {

@@ -36,12 +36,15 @@ struct SensorOutput {
 };
 std::optional<SensorOutput> find_sensor_output(const Scene& scene, std::string_view name);
 
+// Whether it names element states or anything of the motion, not only inputs and the time.
+bool couples(const Scene& scene, const Formula& formula);
+
 // An element with an expression, forces along a joint as this joint, and the signals that it names.
 struct FormulaReader {
   ElementPlace place;
   std::vector<std::string> signals;
 };
-// All that name any, in the order of the file; first the element states, by their name.
+// All that name any, in the order of the file; first the element states and the named expressions, by their name.
 std::vector<FormulaReader> formula_readers(const Scene& scene);
 
 // The elements of which expressions name this signal, in the order of the file; forces along a joint as this joint.

@@ -26,6 +26,8 @@ std::vector<QuantityGroup> groups(std::span<const Quantity> quantities);
 
 // The parameter that sets a start value: "phi" -> "A.phi_start", "Q[2]" -> "S.Q_start[2]".
 std::string start_parameter(const std::string& joint, std::string_view quantity);
+// That of an element state: "i" -> "i_start".
+inline std::string start_parameter(const std::string& state) { return state + "_start"; }
 
 inline constexpr double default_start_weight = 1;  // weight of a guess if the file gives none
 

@@ -112,6 +112,18 @@ struct ElementState {
   }
 };
 
+// An expression with a name: an output, and what other expressions mean by the name.
+struct NamedExpression {
+  std::string name, unit, text;  // unit: in FMI's spelling; empty: none
+  Formula value;                 // in SI units
+
+  static std::span<const Field> fields() {
+    static constexpr Field all[] = {field<&NamedExpression::value>(
+        {.name = "value", .text = "value of the expression", .required = true, .reads_signals = true})};
+    return all;
+  }
+};
+
 struct Experiment {
   double stop = 1;          // s
   double step = 1e-3;       // s
@@ -164,6 +176,7 @@ struct Scene {
   std::vector<FormulaNames::Constant> constants;      // of expressions, in SI units
   std::vector<SceneInput> inputs;
   std::vector<ElementState> states;
+  std::vector<NamedExpression> expressions;
   std::vector<Body> bodies;
   std::vector<BodyShape> ground_shapes;
   std::vector<Joint> joints;
@@ -198,7 +211,7 @@ inline constexpr Section sensors_section = {"sensors", "Outputs in addition to t
 // Indices of the sections in the order of each_section().
 namespace sections {
 inline constexpr int motors = 0, forces = 1, constraints = 2, contacts = 3, sensors = 4;
-inline constexpr int joints = 5, states = 6;  // after them
+inline constexpr int joints = 5, states = 6, expressions = 7;  // after them
 }  // namespace sections
 
 // Calls visit(section, elements) for each section of elements.

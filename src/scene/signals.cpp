@@ -197,6 +197,16 @@ std::vector<Signal> output_signals(const Scene& scene) {
     rate.derivative = -1;
     signals.push_back(rate);
   }
+  for (std::size_t i = 0; i < scene.expressions.size(); ++i) {
+    const NamedExpression& of = scene.expressions[i];
+    Signal& signal = signals.emplace_back();
+    signal.name = of.name;
+    signal.unit = of.unit;
+    signal.description = of.text.empty() ? "expression" : of.text;
+    signal.stage = Stage::velocity;
+    signal.section = sections::expressions;
+    signal.element = static_cast<int>(i);
+  }
   return signals;
 }
 

@@ -21,9 +21,8 @@ void read_constants(const Json& section, Reader& reader) {
 
 namespace {
 
-// Reads unit, text and start, which inputs and element states have.
 template <class Named>
-void read_quantity(Fields& fields, Faults& faults, Named& named) {
+void read_unit_and_text(Fields& fields, Faults& faults, Named& named) {
   if (const Json* unit = fields.find("unit")) {
     constexpr const char* expected = "a unit of SI, such as V, N.m or rad/s";
     named.unit = read_text(*unit, fields.path("unit"), faults, expected).value_or("");
@@ -34,6 +33,12 @@ void read_quantity(Fields& fields, Faults& faults, Named& named) {
   }
   if (const Json* text = fields.find("text"))
     named.text = read_text(*text, fields.path("text"), faults, "a text").value_or("");
+}
+
+// The same and the start value, which inputs and element states have.
+template <class Named>
+void read_quantity(Fields& fields, Faults& faults, Named& named) {
+  read_unit_and_text(fields, faults, named);
   named.start = fields.number("start", 0, named.unit);
 }
 
@@ -66,17 +71,54 @@ void read_states(const Json& section, Reader& reader) {
              });
 }
 
-void read_rates(const Json& section, Reader& reader) {
-  const Field& field = ElementState::fields().front();
-  for (ElementState& state : reader.scene.states) {
-    const Json& value = section.at(state.name);
-    const std::string path = "states." + text::printable(state.name);
-    if (value.is_object() && value.contains("rate")) {
-      read_field(value.at("rate"), path + ".rate", reader.faults, field, &state, {}, reader.names);
+void read_expressions(const Json& section, Reader& reader) {
+  each_entry(section, "expressions", reader.faults,
+             [&](const std::string& name, const Json& value, const std::string& path) {
+               NamedExpression& of = reader.scene.expressions.emplace_back();
+               of.name = name;
+               if (value.is_string()) return;  // the value alone
+               Fields fields(value, path, reader.faults, "an expression, or a mapping with value, unit, text");
+               if (!fields.valid()) return;
+               fields.require("value", "an expression");
+               read_unit_and_text(fields, reader.faults, of);
+               fields.done();
+             });
+}
+
+namespace {
+
+// Reads the formula of each entry, alone or under its key.
+template <class Named>
+void read_formulas(const Json* section, const std::string& name, std::vector<Named>& all, Reader& reader) {
+  if (section == nullptr || !section->is_object()) return;
+  const Field& field = Named::fields().front();
+  const std::string key(field.name);
+  for (Named& named : all) {
+    const Json& value = section->at(named.name);
+    const std::string path = name + "." + text::printable(named.name);
+    if (value.is_object() && value.contains(key)) {
+      read_field(value.at(key), path + "." + key, reader.faults, field, &named, {}, reader.names);
     } else if (value.is_string()) {
-      read_field(value, path, reader.faults, field, &state, {}, reader.names);
+      read_field(value, path, reader.faults, field, &named, {}, reader.names);
     }
   }
+}
+
+// The texts of the named expressions, before these are read.
+void add_texts(const Json* section, FormulaNames& names) {
+  if (section == nullptr || !section->is_object()) return;
+  for (const auto& [name, value] : section->items()) {
+    const Json* const text = value.is_object() && value.contains("value") ? &value.at("value") : &value;
+    if (text->is_string()) names.expressions.push_back({name, text->get<std::string>()});
+    if (text->is_number()) names.expressions.push_back({name, text::number(text->get<double>())});
+  }
+}
+
+}  // namespace
+
+void read_formulas(const Json* states, const Json* expressions, Reader& reader) {
+  read_formulas(states, "states", reader.scene.states, reader);
+  read_formulas(expressions, "expressions", reader.scene.expressions, reader);
 }
 
 namespace {
@@ -93,14 +135,16 @@ void each_typed(const Json* section, Visit visit) {
 
 }  // namespace
 
-FormulaNames names_in(const Json* joints, const Json* sensors, const Scene& scene) {
+FormulaNames names_in(const SectionsNotRead& sections, const Scene& scene) {
   FormulaNames out = formula_names(scene);
+  out.expressions.clear();
+  add_texts(sections.expressions, out);
   const auto coordinates = std::make_shared<std::unordered_set<std::string>>();
-  each_typed(joints, [&](const std::string& name, const std::string& type) {
+  each_typed(sections.joints, [&](const std::string& name, const std::string& type) {
     const JointKind* kind = find_joint_kind(type);
     if (kind != nullptr) add_coordinate_names(name, *kind, *coordinates);
   });
-  each_typed(sensors, [&](const std::string& name, const std::string& type) {
+  each_typed(sections.sensors, [&](const std::string& name, const std::string& type) {
     const std::span<const ElementKind> kinds = element_kinds<AnySensor>();
     const auto kind = std::ranges::find(kinds, type, &ElementKind::kind);
     if (kind != kinds.end()) add_sensor_names(name, *kind, *coordinates);

@@ -107,9 +107,11 @@ void read_sections(Fields& fields, Scene& scene, SuspectNames& suspect_names) {
   if (const Json* constants = fields.find("constants")) read_constants(*constants, reader);
   if (const Json* inputs = fields.find("inputs")) read_inputs(*inputs, reader);
   const Json* states = fields.find("states");
+  const Json* expressions = fields.find("expressions");
   if (states != nullptr) read_states(*states, reader);
-  reader.names = names_in(joints, fields.find("sensors"), scene);
-  if (states != nullptr && states->is_object()) read_rates(*states, reader);
+  if (expressions != nullptr) read_expressions(*expressions, reader);
+  reader.names = names_in({.joints = joints, .sensors = fields.find("sensors"), .expressions = expressions}, scene);
+  read_formulas(states, expressions, reader);
   if (gravity != nullptr) read_gravity(*gravity, fields, reader);
   if (bodies != nullptr && bodies->is_object()) reader.bodies = {ground};
   for (std::string& name : keys(bodies)) reader.bodies.push_back(std::move(name));

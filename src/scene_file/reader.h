@@ -30,12 +30,16 @@ Scene scene_from_tree(const Json& tree, const std::string& file, Faults& faults)
 // Reads {name: number, ...} and {name: {unit, start, text}, ...}, which expressions may name.
 void read_constants(const Json& section, Reader& reader);
 void read_inputs(const Json& section, Reader& reader);
-// Reads {name: "rate", ...} or {name: {rate, start, unit, nominal, text}, ...}: first all but the rates, then these,
-// which may name each other.
+// Reads {name: "rate", ...} or {name: {rate, start, unit, nominal, text}, ...}, and {name: "value", ...} or {name: {value,
+// unit, text}, ...}: all but the formulas, then these, which may name each other.
 void read_states(const Json& section, Reader& reader);
-void read_rates(const Json& section, Reader& reader);
-// What expressions may name: of these sections, and of joints and sensors, which have not been read.
-FormulaNames names_in(const Json* joints, const Json* sensors, const Scene& scene);
+void read_expressions(const Json& section, Reader& reader);
+void read_formulas(const Json* states, const Json* expressions, Reader& reader);
+// What expressions may name: of the scene as far as it has been read, and of these sections.
+struct SectionsNotRead {
+  const Json *joints, *sensors, *expressions;
+};
+FormulaNames names_in(const SectionsNotRead& sections, const Scene& scene);
 void read_bodies(const Json& section, Reader& reader);
 // Reads the shapes of the ground: {shapes: {...}}.
 void read_ground(const Json& section, Reader& reader);

@@ -207,6 +207,11 @@ void add_names(Json& out, const Scene& scene) {
     if (of.nominal != 0) state["nominal"] = of.nominal;
     if (!of.text.empty()) state["text"] = of.text;
   }
+  for (const NamedExpression& of : scene.expressions) {
+    Json& expression = out["expressions"][of.name] = {{"value", std::string(of.value.text())}};
+    if (!of.unit.empty()) expression["unit"] = of.unit;
+    if (!of.text.empty()) expression["text"] = of.text;
+  }
 }
 
 // Formats JSON with one line per entry of a section: short, but suitable for reading and diffing.

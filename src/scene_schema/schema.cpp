@@ -277,6 +277,13 @@ std::string scene_schema() {
                       {"rate"});
   fields["states"] = section({{"anyOf", {rate, state}}},
                              "States of elements, such as currents and controllers, by their rates.", false);
+  const Json value = {{"type", "string"}, {"description", "Expression, in SI units"}};
+  Json expression = object({{"value", value},
+                            {"unit", {{"type", "string"}, {"description", "Unit of SI, such as W or N.m"}}},
+                            {"text", {{"type", "string"}, {"description", "Description"}}}},
+                           {"value"});
+  fields["expressions"] =
+      section({{"anyOf", {value, expression}}}, "Expressions with names: outputs, and parts of others.", false);
   fields["gravity"] = gravity();
   fields["bodies"] = section(body(), "Rigid bodies. The ground always exists.", true);
   fields["ground"] = object({{"shapes", reference("shapes")}}, {});

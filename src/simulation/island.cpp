@@ -40,6 +40,7 @@ Island::Island(const Scene& scene, PreparedIsland prepared, Loads loads, Inputs&
       y_(prepared_.start.q),
       vdot_(prepared_.mechanism.nv, 0.0),
       rates_(prepared_.states.size()),
+      values_(prepared_.mechanism.expressions.size()),
       inputs_of_scene_(u.signals()) {
   y_.insert(y_.end(), prepared_.start.v.begin(), prepared_.start.v.end());
   y_.insert(y_.end(), prepared_.states.begin(), prepared_.states.end());
@@ -305,15 +306,17 @@ void Island::realize(Stage stage) {
     dynamics_->set_position(y_.data());
     dynamics_->set_velocity(y_.data() + mechanism().nq);
   }
-  realize_rates();
+  realize_named();
   dynamics_->readings().set_root_poses();
   if (stage == Stage::acceleration) dynamics_->set_acceleration(vdot_.data());
   realized_ = stage;
 }
 
 // Under the inputs, with the position and the velocities, that have been set last.
-void Island::realize_rates() {
-  if (!rates_.empty()) dynamics_->readings().state_rates(equations_->drives().u().data(), rates_.data());
+void Island::realize_named() {
+  const double* const u = equations_->drives().u().data();
+  if (!rates_.empty()) dynamics_->readings().state_rates(u, rates_.data());
+  if (!values_.empty()) dynamics_->readings().expression_values(u, values_.data());
 }
 
 // Again when the integrator has decided whether steps are made with impulses.
@@ -322,7 +325,7 @@ void Island::make_reading() {
   EventModes& modes = equations_->modes();
   reading_.emplace(Reading{dynamics_->readings(), y_.data(), y_.data() + mechanism().nq, vdot_.data(),
                            turns.coordinates().data(), turns.speeds().data(),
-                           y_.data() + mechanism().nq + mechanism().nv, rates_.data(),
+                           y_.data() + mechanism().nq + mechanism().nv, rates_.data(), values_.data(),
                            modes.outputs().forces().data(),
                            modes.outputs().sides().data(), &equations_->contacts().readings()});
 }

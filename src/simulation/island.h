@@ -112,7 +112,7 @@ class Island {
   void reserve(std::size_t words);
   void keep_start();
   void evaluate_outputs();
-  void realize_rates();
+  void realize_named();
   void forget_outputs() {
     realized_ = Stage::position;
     evaluated_ = false;
@@ -133,7 +133,8 @@ class Island {
   std::unique_ptr<Formulation> equations_;
   std::unique_ptr<Integrator> integrator_;  // null if nothing can move
   double time_;
-  std::vector<double> y_, vdot_, rates_;  // rates_: of the element states, if they have been realized
+  std::vector<double> y_, vdot_;
+  std::vector<double> rates_, values_;  // of the element states and the named expressions, if they have been realized
   std::optional<Reading> reading_;
   bool follows_ = false;  // whether an input prescribes a coordinate
   // Prescribed motions up to which the state was advanced (Drives::targets_at).

@@ -130,7 +130,7 @@ void add_starts(std::vector<Parameter>& table, const Scene& scene) {
   }
   for (std::size_t i = 0; i < scene.states.size(); ++i) {
     const ElementState& state = scene.states[i];
-    table.push_back(real_parameter(state.name + ".start", state.unit, "start value of " + state.name,
+    table.push_back(real_parameter(start_parameter(state.name), state.unit, "start value of " + state.name,
                                    [i](auto& s) -> auto& { return s.states[i].start; }));
   }
 }

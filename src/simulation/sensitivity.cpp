@@ -99,6 +99,8 @@ void Sensitivity::read(int i, CarriedState<T>& at, Take take) const {
   const ResidualEvaluator<T>& e = *at.equations;
   std::vector<T> rates(islands_[i]->prepared().states.size());
   at.equations->state_rates(at.u.data(), rates.data());
+  std::vector<T> values(islands_[i]->prepared().mechanism.expressions.size());
+  at.equations->expression_values(at.u.data(), values.data());
   const ReadingOf<T> reading{.dynamics = e,
                              .q = at.q.data(),
                              .v = at.v.data(),
@@ -106,6 +108,7 @@ void Sensitivity::read(int i, CarriedState<T>& at, Take take) const {
                              .cut_q = at.equations->cut_coordinates().data(),
                              .states = at.u.data() + u_.signals(),
                              .state_rates = rates.data(),
+                             .expressions = values.data(),
                              .forces = at.forces.data(),
                              .modes = at.modes};
   const EnergyOf<T> energy = e.energy();

@@ -91,13 +91,15 @@ class PosedScene:
         self.settings: dict[str, Value] = {**kept, **dict.fromkeys(sorted(flags), False)}
         self.inputs = plant.input_values
         self._coordinates = [name for name in starts if ".Q[" in name or rates.get(name) in rates]
-        self._velocities = [name for name in starts if name not in self._coordinates]
+        self._elements = [name for name in starts if rates.get(name) == f"{name}.rate"]
+        self._velocities = [name for name in starts if name not in {*self._coordinates, *self._elements}]
         self._forces = plant.rest_forces()[0] if self._holds else []
 
     def starts(self, steady: bool = False) -> dict[str, Value]:
         """Return the present pose as start values, with its velocities in steady motion, else zero."""
         values = self.plant.values
-        out: dict[str, Value] = {start_parameter(name): values[name] for name in self._coordinates}
+        kept = [*self._coordinates, *self._elements]
+        out: dict[str, Value] = {start_parameter(name): values[name] for name in kept}
         return out | {start_parameter(name): values[name] if steady else 0.0 for name in self._velocities}
 
     def hold(self, hold: Mapping[str, float]) -> None:

@@ -63,14 +63,14 @@ def constant_speeds(
     if not isinstance(steady, Mapping):
         steady = dict.fromkeys(steady)
     given = {name: None if value is None else number(name, value, "real") for name, value in steady.items()}
-    known = [name for name in minimal.candidates if not minimal.is_coordinate(name)]
+    known = [name for name in minimal.candidates if minimal.is_velocity(name)]
     faults = [unknown(name, "velocity", known) for name in given if name not in known]
     if faults:
         raise UsageError("\n".join(faults))
-    free = [name for name in minimal.names if not minimal.is_coordinate(name)]
-    n = len(minimal.names) - len(free)
+    free = [name for name in minimal.names if minimal.is_velocity(name)]
+    columns = [minimal.names.index(name) for name in free]
     named = [name for name in given if not _is_driven(minimal, name, given[name])]
-    rows = np.array([minimal.row(name)[n:] for name in named]).reshape(len(named), len(free))
+    rows = np.array([minimal.row(name)[columns] for name in named]).reshape(len(named), len(free))
     _, size, V = np.linalg.svd(rows)
     rank = int((size > SINGULAR_VALUE_RATIO_LIMIT * size.max(initial=0.0)).sum())
     if rank < len(named):

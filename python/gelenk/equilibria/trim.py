@@ -211,7 +211,7 @@ def _at_rest(
         if not is_driven:
             return _result(posed, steps, {}, None, holding)
         minimal = realization(plant)
-        free = [name for name in minimal.names if not minimal.is_coordinate(name)]
+        free = [name for name in minimal.names if minimal.is_velocity(name)]
         check_steady(minimal, free)
         found = _result(posed, steps, advancing(minimal), None, holding)
         check_prescribed_motions(plant, minimal, free)

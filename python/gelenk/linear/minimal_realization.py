@@ -137,6 +137,10 @@ class MinimalRealization:
         """Whether a state is that of an element, whose rate is given by an expression."""
         return self.of.rates.get(name) == f"{name}.rate"
 
+    def is_velocity(self, name: str) -> bool:
+        """Whether a quantity with a rate is a velocity, neither a coordinate nor a state of an element."""
+        return not self.is_coordinate(name) and not self.is_of_element(name)
+
     def row(self, name: str) -> Array:
         """Return the derivatives of a reading or rotation coordinate with respect to the states, shape
         (states,).

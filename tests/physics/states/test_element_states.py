@@ -356,7 +356,7 @@ def test_steady_motion_finds_the_current() -> None:
     """At 7 rad/s with 0.3 N.m.s/rad of damping: k i = 2.1 N.m, u = R i + k w."""
     source = dc_motor()
     source["joints"]["A"]["damping"] = 0.3
-    found = gelenk.trimmed(source, {"A.w": 7.0}, solve_for=["u"])
+    found = gelenk.equilibrium(source, steady={"A.w": 7.0}, solve_for=["u"])
     assert found.inputs["u"] == pytest.approx(R * 2.1 / K + K * 7.0, abs=1e-9)
     assert found.values["i"] == pytest.approx(2.1 / K, abs=1e-9)
 
