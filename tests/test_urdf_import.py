@@ -107,8 +107,7 @@ def test_real_arms_become_fmus_that_run(name: str, tmp_path: Path) -> None:
 def test_panda_tells_what_it_left_out() -> None:
     report = gelenk.import_urdf(robot_file("panda")).report
     assert report[0] == (
-        "joint panda_finger_joint2: follows panda_finger_joint1 in the file (mimic); "
-        "here it moves freely and has a motor"
+        "joint panda_finger_joint2: follows panda_finger_joint1 (mimic) by a constraint, and has no motor"
     )
     assert report[1].startswith("joints with hard limits: panda_joint1, ")
     assert report[2] == "joint panda_joint4: starts at -1.5708 rad, since its limits do not contain 0"

@@ -240,11 +240,12 @@ class AlongOne {
           check_size(u, n, "inputs");
           AlongCoordinate<F> placed;
           placed.element = force;
-          Dual::Directions found = gelenk::derivatives_by_duals(placed, &q, &v, u.data(), n);
+          gelenk::DerivativesAlong found = gelenk::derivatives_by_duals(placed, &q, &v, u.data(), n);
           if constexpr (requires { force.excess(); }) {
             if (const auto part = force.excess()) {
               placed.element = *part;
-              found += gelenk::derivatives_by_duals(placed, &q, &v, u.data(), n);
+              const auto other = gelenk::derivatives_by_duals(placed, &q, &v, u.data(), n);
+              for (std::size_t i = 0; i < found.size(); ++i) found[i] += other[i];
             }
           }
           return std::vector<double>(found.data(), found.data() + 2 + n);

@@ -45,6 +45,7 @@ void bind_size(nb::module_& m) {
       .def_ro("degrees_of_freedom", &ModelSize::degrees_of_freedom, "velocities - rank.")
       .def_ro("free_coordinates", &ModelSize::free_coordinates,
               "Number of independent coordinates: degrees_of_freedom, and more where wheels roll.")
+      .def_prop_ro("states", &ModelSize::states, "Smallest number of states: of the motion, and of elements.")
       .def_ro("element_states", &ModelSize::element_states, "Number of states of elements, such as currents.")
       .def_ro("islands", &ModelSize::islands, "Number of islands: parts without coupling, integrated separately.")
       .def_ro("planar_islands", &ModelSize::planar_islands, "Number of islands that are computed in their plane.")

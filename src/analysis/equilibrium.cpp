@@ -218,15 +218,15 @@ class EquilibriumSearch {
 
   // Pseudo-transient continuation: implicit Euler on dq/dt = v': (s - A) dq = v', with s above all eigenvalues of A,
   // which are those of -M^-1 K, so that dq lowers the potential energy. Returns false if that makes no progress. What
-  // is held stays to first order. A steady motion, or one with states of elements, does not minimize a potential.
+  // is held stays to first order. Element states take part by their rates. A steady motion does not minimize a potential.
   bool descend_pseudo_transient(TrialState& here) {
-    if (steady_ || here.rates.size() > 0) return false;
+    if (steady_) return false;
     const bool repeated = descent_steps_ > 0;  // Newton's steps have led uphill again: descend to the minimum
     bool moved = false;
     for (; descent_steps_ < max_descent_steps; ++descent_steps_) {
       const MatrixXd free = free_velocities(here);
       if (free.cols() == 0) return moved;
-      const MatrixXd A = free.transpose() * here.A * here.coordinate_rates * free;
+      const MatrixXd A = free.transpose() * by_velocities(here) * free;
       const VectorXd a = free.transpose() * here.a;
       const double max_real_part = A.eigenvalues().real().maxCoeff();
       const bool stable = max_real_part < -zero_stiffness_tolerance * std::max(1.0, A.lpNorm<Eigen::Infinity>());
@@ -237,8 +237,12 @@ class EquilibriumSearch {
       Step step;
       for (int k = 0; k < max_shifts; ++k) {
         const MatrixXd shifted = shift * MatrixXd::Identity(A.rows(), A.cols()) - A;
-        const VectorXd z = here.velocity_jacobian * (free * shifted.partialPivLu().solve(a));
-        step.z = step_limit(states_.joint_rotations(here, z)) * z;
+        const VectorXd dx = free * shifted.partialPivLu().solve(a);
+        const VectorXd z = here.velocity_jacobian * dx.head(here.velocity_jacobian.cols());
+        const double limit = step_limit(states_.joint_rotations(here, z));
+        step.z = limit * z;
+        step.du = VectorXd::Zero(here.B.cols());
+        step.du.tail(here.rates.size()) = limit * dx.tail(here.rates.size());
         // Where a contact ends, the motion begins away from the bound, but a long step may lead back to it.
         if (room(here, step.z, 1).fraction > least_room) break;
         shift *= shift_growth;
@@ -253,11 +257,22 @@ class EquilibriumSearch {
     return moved;
   }
 
-  // Orthonormal columns: the independent velocities with which nothing moves that is held.
+  // Orthonormal columns: the independent velocities with which nothing moves that is held, and the element states.
   static MatrixXd free_velocities(const TrialState& here) {
     const Index m = here.coordinate_rates.cols();
-    if (here.hold_rows.rows() == 0) return MatrixXd::Identity(m, m);
-    return null_space(SingularValues(here.hold_rows.leftCols(here.A.cols()) * here.coordinate_rates));
+    const Index states = here.rates.size();
+    MatrixXd held = MatrixXd::Zero(here.hold_rows.rows(), m + states);
+    if (held.rows() == 0) return MatrixXd::Identity(m + states, m + states);
+    held.leftCols(m) = here.hold_rows.leftCols(here.A.cols()) * here.coordinate_rates;
+    return null_space(SingularValues(held));
+  }
+
+  // The derivatives of what has to vanish by the independent velocities, as displacements, and by element states.
+  static MatrixXd by_velocities(const TrialState& here) {
+    const Index states = here.rates.size();
+    MatrixXd out(here.A.rows(), here.coordinate_rates.cols() + states);
+    out << here.A * here.coordinate_rates, here.B.rightCols(states);
+    return out;
   }
 
   // Replaces the inputs by those of least norm with the same effect here.

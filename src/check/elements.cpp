@@ -50,6 +50,17 @@ struct Checker {
     faults.add(path, text::quoted(name) + ", a " + found->type + " joint", fitting_joints(port));
   }
 
+  // Whether a joint rotates or translates as the first one of the element does; both have one coordinate.
+  void alike(const ElementPlace& element, const std::string& name, const std::string& path) {
+    const JointKind* first = kind_of_joint(scene, element.joints.front());
+    const JointKind* second = kind_of_joint(scene, name);
+    if (first == nullptr || second == nullptr || first->nq != 1 || second->nq != 1) return;
+    if (first->q[0].unit == second->q[0].unit) return;
+    faults.add(path, text::quoted(name) + ", a " + std::string(second->name) + " joint",
+               "a joint that moves as " + element.joints.front() + ", a " + std::string(first->name) +
+                   " joint, does; a rack couples a rotation and a translation");
+  }
+
   void coordinate(const ElementPlace& element, const std::string& path) {
     const JointKind* kind = kind_of_joint(scene, element.joints.front());
     if (kind == nullptr || (partial && element.coordinate.empty())) return;
@@ -95,6 +106,7 @@ struct Checker {
         continue;
       }
       joint(port, element.joints.at(joints++), path + "." + std::string(port.name));
+      if (port.is_alike) alike(element, element.joints.at(joints - 1), path + "." + std::string(port.name));
       if (port.has_coordinate) coordinate(element, path);
     }
     if (section.name == sensors_section.name) return;

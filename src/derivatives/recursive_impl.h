@@ -261,10 +261,11 @@ void RecursiveJacobians<A>::tree_load_jacobians(const LinearizationPoint& at, Ja
         r_v(force.v, force.v) -= by_v;
       } else {
         const int inputs = force.input_count();
-        const Dual::Directions derivatives = derivatives_by_duals(force, at.q, at.v, at.u, inputs);
+        const DerivativesAlong derivatives = derivatives_by_duals(force, at.q, at.v, at.u, inputs);
         r_q(force.v, force.q) -= derivatives[0];
         r_v(force.v, force.v) -= derivatives[1];
-        for (int i = 0; out.of_inputs && i < inputs; ++i) out.r_u(force.v, force.input_at(i)) -= derivatives[2 + i];
+        for (int i = 0; out.of_inputs && i < inputs; ++i)
+          out.r_u(force.v, force.input_at(i)) -= derivatives[static_cast<std::size_t>(2 + i)];
       }
     }
   });

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 
 #include "derivatives/jacobians.h"
 #include "kinematics/loads.h"
@@ -22,15 +23,18 @@ inline bool names_beyond_tree(const Loads& loads) {
 inline void differentiate_states(const Loads& loads, const double* u, Jacobians& out) {
   for (int k = 0; k < loads.states(); ++k) {
     const Formula& rate = loads.rates[static_cast<std::size_t>(k)];
+    const std::span<const int> signals = rate.signals();
     std::array<Dual, Formula::max_signals> at;
-    int direction = 0;
-    for (const int signal : rate.signals()) {
-      Dual& x = at[static_cast<std::size_t>(direction)] = Dual(u[signal]);
-      x.derivatives()[direction++] = 1;
+    for (std::size_t i = 0; i < signals.size(); ++i) at[i] = Dual(u[signals[i]]);
+    for (std::size_t first = 0; first < signals.size(); first += dual_directions) {
+      const std::size_t width = std::min<std::size_t>(dual_directions, signals.size() - first);
+      for (std::size_t i = 0; i < width; ++i) at[first + i].derivatives()[static_cast<Eigen::Index>(i)] = 1;
+      const Dual value = rate.value<Dual>(nullptr, at.data());
+      for (std::size_t i = 0; i < width; ++i) {
+        out.rates_u(k, signals[first + i]) = value.derivatives()[static_cast<Eigen::Index>(i)];
+        at[first + i].derivatives()[static_cast<Eigen::Index>(i)] = 0;
+      }
     }
-    const Dual value = rate.value<Dual>(nullptr, at.data());
-    direction = 0;
-    for (const int signal : rate.signals()) out.rates_u(k, signal) = value.derivatives()[direction++];
   }
 }
 

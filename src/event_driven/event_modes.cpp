@@ -95,6 +95,7 @@ void EventModes::hold_mode(double t, const bool* positive) {
   held_ = positive != nullptr;
   held_from_ = t;
   mode_exit_time_ = INFINITY;
+  left_by_forces_.has = false;
   for (std::size_t i = 0; i < sides_.size(); ++i) {
     if (locks_.owns(static_cast<int>(i))) continue;
     sides_[i] = !held_ ? mode_of_state : positive[2 * i] ? 1 : positive[2 * i + 1] ? -1 : 0;
@@ -106,7 +107,10 @@ void EventModes::hold_mode(double t, const bool* positive) {
 
 void EventModes::check(double t, const double* v) {
   dynamics_.set_velocity(v);
-  if ((!locks_.all_at_rest() && is_in_other_mode(v)) || contacts_->any_penetrates()) mode_exit_time_ = t;
+  if ((!locks_.all_at_rest() && is_in_other_mode(v)) || contacts_->any_penetrates()) {
+    mode_exit_time_ = t;
+    left_by_forces_.has = false;
+  }
 }
 
 bool EventModes::is_in_other_mode(const double* v) {

@@ -54,10 +54,18 @@ class EventModes final : public EventSource {
   void watch(double t, const double* v) {
     if (held_ && t > held_from_ && t < mode_exit_time_) check(t, v);
   }
-  // The same after the accelerations have been solved for: whether what is kept at rest, or closed, can no longer be.
+  // The same after the accelerations have been solved for: whether what is kept at rest, or closed, can no longer be,
+  // or an expression is on another branch. An implicit method iterates on the state at t: its last iterate counts.
   void watch_forces(double t) {
-    if (held_ && t > held_from_ && t < mode_exit_time_ && (kinks_.are_passed() || are_overloaded()))
+    if (!held_ || t <= held_from_ || t > mode_exit_time_) return;
+    const bool is_outside = kinks_.are_passed() || are_overloaded();
+    if (is_outside && t < mode_exit_time_) {
+      left_by_forces_ = {true, mode_exit_time_};
       mode_exit_time_ = t;
+    } else if (!is_outside && t == mode_exit_time_ && left_by_forces_.has) {
+      left_by_forces_.has = false;
+      mode_exit_time_ = left_by_forces_.before;
+    }
   }
   double since_step_began(double t) const { return held_ ? t - held_from_ : 0; }
 
@@ -104,6 +112,10 @@ class EventModes final : public EventSource {
   bool held_ = false;                       // a mode is held
   double held_from_ = 0;                    // s: start of the held mode
   double mode_exit_time_ = INFINITY;        // s: see EventSource
+  struct LeftByForces {
+    bool has = false;   // watch_forces() has found mode_exit_time_
+    double before = 0;  // what it was before
+  } left_by_forces_;
   LockModes locks_;
   JointOutputs outputs_;
   std::unique_ptr<ContactModes> contacts_;

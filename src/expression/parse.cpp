@@ -198,7 +198,8 @@ class Parser {
     if (name.is("pi")) return {.term = graph_.constant(std::numbers::pi), .from = name};
     if (library_.has(name.text))
       fail(name, "found the function " + shown(name) + " without arguments; write " + std::string(name.text) + "(x)");
-    fail(name, "found " + shown(name) + ", " + advice_on_name(name.text, names_.known()));
+    const std::string advice = names_.advice ? names_.advice(name.text) : std::string();
+    fail(name, "found " + shown(name) + ", " + (advice.empty() ? advice_on_name(name.text, names_.known()) : advice));
   }
 
   Value call(const Token& name) {

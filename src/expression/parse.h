@@ -22,6 +22,8 @@ namespace gelenk::expression {
 struct Names {
   std::function<std::optional<Term>(std::string_view)> find;  // the term with a name
   std::function<std::vector<std::string>()> known;            // all of them, for suggestions
+  // What to say of a name that is unknown, instead of a suggestion; empty: nothing. May be empty itself.
+  std::function<std::string(std::string_view)> advice{};
 };
 
 inline constexpr std::size_t max_length = 10'000;  // of a text, in bytes

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "expression/parse.h"
+#include "util/text.h"
 
 namespace gelenk {
 namespace {
@@ -42,6 +43,7 @@ class FormulaReader {
     expression::Names names;
     names.known = [&] { return all_names(variables, known_, reads_signals_); };
     names.find = [&](std::string_view name) { return find(name, variables); };
+    names.advice = [&](std::string_view name) { return advice(name); };
     return expression::parse(graph_, text, names);
   }
 
@@ -63,6 +65,22 @@ class FormulaReader {
   bool is_signal(std::string_view name) const {
     if (name == time_signal || std::ranges::find(known_.signals, name) != known_.signals.end()) return true;
     return known_.coordinates != nullptr && known_.coordinates->contains(std::string(name));
+  }
+
+  // On a name with a point that nothing has, although there is a joint or a sensor before the point.
+  std::string advice(std::string_view name) const {
+    const std::size_t point = name.find('.');
+    if (point == name.npos || !reads_signals_ || known_.coordinates == nullptr) return {};
+    std::vector<std::string> of_owner;
+    for (const std::string& one : *known_.coordinates) {
+      if (one.starts_with(name.substr(0, point + 1))) of_owner.push_back(one);
+    }
+    if (of_owner.empty()) return {};
+    std::ranges::sort(of_owner);
+    const std::string near = text::nearest(name, of_owner);
+    return "expected one of " + text::list(of_owner) +
+           (near.empty() ? "" : "; did you mean '" + near + "'?") +
+           " (accelerations, forces, energies and the quaternions of joints cannot be named)";
   }
 
   // Of a named expression, which knows no variables of elements. A mistake in it is that of its own section.

@@ -48,8 +48,7 @@ struct HeldBranches {
 class Formula {
  public:
   static constexpr std::size_t max_variables = 9;
-  // Signals in one formula: derivatives with respect to them and to two variables are taken at once.
-  static constexpr std::size_t max_signals = dual_directions - 2;
+  static constexpr std::size_t max_signals = 2 * dual_directions - 2;  // in one formula
 
   Formula() = default;  // not given
   // reads_signals: whether it may also name the time t, the signals and the coordinates. Throws

@@ -67,7 +67,7 @@ bool ImpulseSteps::begin_states(double h, const double* y) {
   for (std::size_t k = 0; k < displacement_.size(); ++k) displacement_[k] = h / 2 * v[k];
   with_.dynamics.displace(displaced_.data(), displacement_.data());
   std::copy_n(v, at_rest_.size(), at_rest_.data());
-  return states_->find_middle(v + with_.mechanism.nv, h);
+  return states_->predict_middle(v + with_.mechanism.nv, h);
 }
 
 // Their step at the middle position and the mean velocity.
@@ -76,10 +76,7 @@ bool ImpulseSteps::finish_states(double h, double* y) {
   for (std::size_t k = 0; k < at_rest_.size(); ++k) at_rest_[k] = (at_rest_[k] + v[k]) / 2;
   with_.dynamics.set_position(displaced_.data());
   with_.dynamics.set_velocity(at_rest_.data());
-  double* const z = v + with_.mechanism.nv;
-  if (!states_->find_middle(z, h)) return false;
-  states_->finish(z);
-  return true;
+  return states_->advance(v + with_.mechanism.nv, h);
 }
 
 // displacement_ <- the accelerations at rest at y, displaced by x times small_displacement, minus at_rest_, divided by

@@ -2,6 +2,7 @@
 #include "formulation/state_steps.h"
 
 #include <cmath>
+#include <numbers>
 
 namespace gelenk {
 namespace {
@@ -10,14 +11,16 @@ namespace {
 // differentiated.
 constexpr double newton_tolerance = 1e-12;
 constexpr double relative_step = 1e-7;
-constexpr int most_iterations = 30;
+constexpr int most_newton_steps = 30;
+constexpr double gamma = 1 - 1 / std::numbers::sqrt2;  // of the method
 
 }  // namespace
 
 StateSteps::StateSteps(Dynamics& dynamics, Drives& drives, int states)
     : dynamics_(dynamics),
       drives_(drives),
-      middle_(states),
+      z_(states),
+      stage_(states),
       residual_(states),
       rates_(states),
       displaced_(states),
@@ -29,35 +32,52 @@ void StateSteps::rates(const Eigen::VectorXd& at) {
   dynamics_.readings().state_rates(drives_.u().data(), rates_.data());
 }
 
-bool StateSteps::find_middle(const double* z, double h) {
-  const Eigen::Index n = middle_.size();
-  const Eigen::Map<const Eigen::VectorXd> start(z, n);
-  middle_ = start;
-  for (int i = 0; i < most_iterations; ++i) {
-    rates(middle_);
-    residual_ = middle_ - start - h / 2 * rates_;
+// Solves stage_ = from + h f(stage_) by Newton's method; rates_ <- f there. Where that has no solution, as where a rate
+// jumps, or no derivative, it is the explicit step.
+bool StateSteps::solve(const Eigen::VectorXd& from, double h) {
+  stage_ = from;
+  for (int i = 0; i < most_newton_steps; ++i) {
+    rates(stage_);
+    residual_ = stage_ - from - h * rates_;
     J_.setIdentity();
-    displaced_ = middle_;
-    for (Eigen::Index k = 0; k < n; ++k) {
-      const double step = relative_step * (1 + std::abs(middle_[k]));
+    displaced_ = stage_;
+    for (Eigen::Index k = 0; k < stage_.size(); ++k) {
+      const double step = relative_step * (1 + std::abs(stage_[k]));
       displaced_[k] += step;
       rates(displaced_);
-      J_.col(k) += (displaced_ - start - h / 2 * rates_ - residual_) / step - Eigen::VectorXd::Unit(n, k);
-      displaced_[k] = middle_[k];
+      J_.col(k) += (displaced_ - from - h * rates_ - residual_) / step;
+      J_(k, k) -= 1;
+      displaced_[k] = stage_[k];
     }
     lu_.compute(J_);
     displaced_ = lu_.solve(residual_);
-    if (!displaced_.allFinite()) return false;
-    middle_ -= displaced_;
-    const double change = (displaced_.array().abs() / (1 + middle_.array().abs())).maxCoeff();
-    drives_.set_states(middle_.data());
-    if (change <= newton_tolerance) return true;
+    if (!displaced_.allFinite()) break;
+    stage_ -= displaced_;
+    const double change = (displaced_.array().abs() / (1 + stage_.array().abs())).maxCoeff();
+    if (change > newton_tolerance) continue;
+    rates(stage_);
+    return rates_.allFinite();
   }
-  return false;
+  rates(from);
+  stage_ = from + h * rates_;
+  return stage_.allFinite();
 }
 
-void StateSteps::finish(double* z) const {
-  for (Eigen::Index k = 0; k < middle_.size(); ++k) z[k] = 2 * middle_[k] - z[k];
+bool StateSteps::predict_middle(const double* z, double h) {
+  z_ = Eigen::Map<const Eigen::VectorXd>(z, z_.size());
+  if (!solve(z_, h / 2)) return false;
+  drives_.set_states(stage_.data());
+  return true;
+}
+
+bool StateSteps::advance(double* z, double h) {
+  Eigen::Map<Eigen::VectorXd> to(z, z_.size());
+  z_ = to;
+  if (!solve(z_, gamma * h)) return false;
+  z_ += (1 - gamma) * h * rates_;
+  if (!solve(z_, gamma * h)) return false;
+  to = stage_;
+  return true;
 }
 
 }  // namespace gelenk

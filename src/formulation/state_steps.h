@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Steps of element states beside those of a motion by impulses: the implicit midpoint rule, which is of order 2 and
-// stable for stiff circuits.
+// Steps of element states beside those of a motion by impulses, at one position and velocity: the two-stage SDIRK method
+// of order 2 that damps what is stiff (L-stable; Alexander 1977).
 #pragma once
 
 #include <Eigen/LU>
-#include <vector>
 
 #include "formulation/drives.h"
 
@@ -15,18 +14,19 @@ class StateSteps {
   // Both must outlive it.
   StateSteps(Dynamics& dynamics, Drives& drives, int states);
 
-  // Sets the element states of `drives` to those in the middle of a step of length h from z, at the present position
-  // and velocity of `dynamics` and with the inputs of `drives`. Returns false if Newton's method does not converge.
-  bool find_middle(const double* z, double h);
-  // Then advances z over that step.
-  void finish(double* z) const;
+  // Both take the position and velocity of `dynamics` and the inputs of `drives`, and return false if the result is not
+  // finite. The first sets the element states of `drives` to those in the middle of a step of length h from z, for
+  // forces; the second advances z by h.
+  bool predict_middle(const double* z, double h);
+  bool advance(double* z, double h);
 
  private:
+  bool solve(const Eigen::VectorXd& from, double h);
   void rates(const Eigen::VectorXd& at);
 
   Dynamics& dynamics_;
   Drives& drives_;
-  Eigen::VectorXd middle_, residual_, rates_, displaced_;
+  Eigen::VectorXd z_, stage_, residual_, rates_, displaced_;
   Eigen::MatrixXd J_;
   Eigen::PartialPivLU<Eigen::MatrixXd> lu_;
 };

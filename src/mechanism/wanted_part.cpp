@@ -49,6 +49,9 @@ class Pruner {
     WantedPart out{.scene = scene_, .islands = 0, .bodies = {}, .joints = {}};
     list_omitted(out);
     filter(out.scene);
+    // Element states without a mechanism: a scene has at least one body.
+    if (out.scene.bodies.empty() || out.scene.joints.empty())
+      return {.scene = scene_, .islands = 0, .bodies = {}, .joints = {}};
     if (!out.bodies.empty() || !out.joints.empty()) out.scene.left_out = sizes_of(rest(out.scene));
     return out;
   }

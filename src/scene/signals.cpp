@@ -122,6 +122,8 @@ void add_section(std::vector<Signal>& signals, const Scene& scene, int section,
   }
 }
 
+std::string shown_unit(const std::string& unit) { return unit.empty() ? "1" : unit; }
+
 }  // namespace
 
 std::vector<Signal> input_signals(const Scene& scene) {
@@ -135,7 +137,7 @@ std::vector<Signal> input_signals(const Scene& scene) {
   for (const SceneInput& input : scene.inputs) {
     Signal& signal = signals.emplace_back();
     signal.name = input.name;
-    signal.unit = input.unit;
+    signal.unit = shown_unit(input.unit);
     signal.description = input.text.empty() ? "input of expressions" : input.text;
     signal.start = input.start;
   }
@@ -182,7 +184,7 @@ std::vector<Signal> output_signals(const Scene& scene) {
     const ElementState& state = scene.states[i];
     Signal& signal = signals.emplace_back();
     signal.name = state.name;
-    signal.unit = state.unit;
+    signal.unit = shown_unit(state.unit);
     signal.description = state.text.empty() ? "state of expressions" : state.text;
     signal.section = sections::states;
     signal.element = static_cast<int>(i);
@@ -201,7 +203,7 @@ std::vector<Signal> output_signals(const Scene& scene) {
     const NamedExpression& of = scene.expressions[i];
     Signal& signal = signals.emplace_back();
     signal.name = of.name;
-    signal.unit = of.unit;
+    signal.unit = shown_unit(of.unit);
     signal.description = of.text.empty() ? "expression" : of.text;
     signal.stage = Stage::velocity;
     signal.section = sections::expressions;

@@ -99,6 +99,7 @@ struct Simulation::Impl {
   Trim trim(const EquilibriumRequest& request);
   Equilibrium found_from(const Island& island, const EquilibriumProblem& of,
                          const std::vector<std::string>& coordinates) const;
+  std::vector<int> mechanisms_of_input(int input) const;
   EquilibriumRequest part_of(const EquilibriumRequest& request, int island) const;
   std::vector<int> independent_accelerations(int island, EquilibriumRequest* request) const;
   EquilibriumProblem at_rest(const Island& island, const std::vector<MotionLaw::Derivatives>& targets) const;

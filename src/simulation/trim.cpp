@@ -2,6 +2,8 @@
 // Start at an equilibrium instead of at the start values, trim, and what keeps a position at rest.
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <numeric>
 #include <utility>
 
 #include "preparation/report.h"
@@ -33,6 +35,16 @@ EquilibriumProblem Simulation::Impl::at_rest(const Island& island,
           .time = natural_time(given, scene.units)};
 }
 
+// The islands on which an input acts: those with bodies that move if there are any, since the others only follow.
+std::vector<int> Simulation::Impl::mechanisms_of_input(int input) const {
+  const std::vector<int>& all = islands_of_input[static_cast<std::size_t>(input)];
+  std::vector<int> out;
+  std::ranges::copy_if(all, std::back_inserter(out), [this](int i) {
+    return islands[static_cast<std::size_t>(i)]->prepared().mechanism.nv > 0;
+  });
+  return out.empty() ? all : out;
+}
+
 // The part of a request that concerns an island, in natural units.
 EquilibriumRequest Simulation::Impl::part_of(const EquilibriumRequest& request, int island) const {
   EquilibriumRequest out{.steady = request.steady, .only_approach = request.only_approach};
@@ -43,7 +55,7 @@ EquilibriumRequest Simulation::Impl::part_of(const EquilibriumRequest& request, 
     out.held.push_back({held.output, held.value, signal.joint, signal.component, signal.level});
   }
   for (const auto& [input, size] : request.solve_for) {
-    const std::vector<int>& on = islands_of_input[static_cast<std::size_t>(input)];
+    const std::vector<int> on = mechanisms_of_input(input);
     if (on.size() > 1)
       throw UsageError("the equilibrium cannot be solved for the input " +
                        inputs[static_cast<std::size_t>(input)].name +
@@ -91,8 +103,12 @@ Trim Simulation::Impl::trim(const EquilibriumRequest& request) {
         std::abs(readings->constant(held.output) - natural) > immobile_tolerance)
       out.end = Equilibrium::End::unreachable;
   }
-  std::vector<Equilibrium> found;
-  for (int i = 0; i < static_cast<int>(islands.size()); ++i) {
+  std::vector<Equilibrium> found(islands.size());
+  std::vector<int> order(islands.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::ranges::stable_partition(
+      order, [this](int i) { return islands[static_cast<std::size_t>(i)]->prepared().mechanism.nv > 0; });
+  for (const int i : order) {
     const Island& island = *islands[static_cast<std::size_t>(i)];
     const Mechanism& mechanism = island.prepared().mechanism;
     const std::vector<MotionLaw::Derivatives> targets = island.targets();
@@ -103,7 +119,10 @@ Trim Simulation::Impl::trim(const EquilibriumRequest& request) {
       of.request.accelerations = independent_accelerations(i, &of.request);
     }
     out.is_driven = out.is_driven || mechanism.driven();
-    const Equilibrium& here = found.emplace_back(found_from(island, of, names_of_coordinates(i)));
+    const Equilibrium& here = found[static_cast<std::size_t>(i)] = found_from(island, of, names_of_coordinates(i));
+    for (const EquilibriumRequest::UnknownInput& solved : of.request.solve_for)
+      u.set(solved.input, here.u[static_cast<std::size_t>(solved.input)]);
+    u.go_to(time);
     out.end = std::max(out.end, here.end);
     out.steps += here.steps;
     const std::vector<int> accelerations =
@@ -124,10 +143,6 @@ Trim Simulation::Impl::trim(const EquilibriumRequest& request) {
   }
   if (out.end != Equilibrium::End::found) return out;
   for (std::size_t i = 0; i < islands.size(); ++i) {
-    for (const auto& [input, size] : request.solve_for) {
-      if (islands_of_input[static_cast<std::size_t>(input)] == std::vector{static_cast<int>(i)})
-        u.set(input, found[i].u[static_cast<std::size_t>(input)]);
-    }
     prepared.islands[i].start.q = std::move(found[i].q);
     prepared.islands[i].start.v = std::move(found[i].v);
     prepared.islands[i].cut_start = std::move(found[i].cut_q);
@@ -142,7 +157,15 @@ Trim Simulation::Impl::trim(const EquilibriumRequest& request) {
 Trim Simulation::trim(const EquilibriumRequest& request) {
   if (!impl_->initialized) throw UsageError("an equilibrium before initialize()");
   impl_->u.go_to(impl_->time);
-  Trim out = impl_->trim(request);
+  const Inputs before = impl_->u;
+  Trim out;
+  try {
+    out = impl_->trim(request);
+  } catch (...) {
+    impl_->u = before;
+    throw;
+  }
+  if (out.end != Equilibrium::End::found) impl_->u = before;
   impl_->runs = impl_->runs && out.end != Equilibrium::End::found;
   return out;
 }

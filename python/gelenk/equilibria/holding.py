@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from gelenk.errors import EquilibriumError, SceneError, UsageError
+from gelenk.linear.model import EQUILIBRIUM_RATE_TOLERANCE
 from gelenk.linear.operating_point import START, OperatingPoint
 from gelenk.model.values import Value, start_parameter, unknown
 from gelenk.simulation.scene_plant import ScenePlant
@@ -209,12 +210,25 @@ class PosedScene:
         values, rates = self.plant.values, self.plant.rates
         return {rates[name]: values[rates[name]] for name in self.plant.states if name in self._velocities}
 
+    def check_elements(self) -> None:
+        """Raise EquilibriumError if states of elements change in the present pose."""
+        values = self.plant.values
+        rates = {f"{name}.rate": values[f"{name}.rate"] for name in self._elements}
+        name, value = self.largest(rates)
+        size = 1 + abs(values.get(name.removesuffix(".rate"), 0.0))
+        if abs(value) > EQUILIBRIUM_RATE_TOLERANCE * size:
+            raise EquilibriumError(
+                f"states of elements change in this pose: {name} = {self.spelled(name, value)}; expected "
+                "start values at which they do not"
+            )
+
     def check_held(self, holding: Mapping[str, Holding]) -> None:
         """Raise EquilibriumError if friction and contact cannot hold the present pose.
 
         Args:
             holding: what has to hold it.
         """
+        self.check_elements()
         _, balanced, held = self.plant.rest_forces()
         if balanced and held:
             return

@@ -269,7 +269,8 @@ def without_dots(names: Sequence[str], what: str) -> list[str]:
 
 
 def _per_second(unit: str) -> str:
-    return {"rad": "rad/s", "m": "m/s", "rad/s": "rad/s2", "m/s": "m/s2"}.get(unit, f"{unit} per second")
+    otherwise = "1/s" if unit in ("", "1") else f"{unit} per second"
+    return {"rad": "rad/s", "m": "m/s", "rad/s": "rad/s2", "m/s": "m/s2"}.get(unit, otherwise)
 
 
 def _shown(model: LinearModel) -> str:

@@ -37,7 +37,10 @@ def animate(at: PoseEvaluator, mode: Mode, file: Path, amplitude: float | None =
     if file.suffix not in ENDINGS:
         raise UsageError(f"{file}: found {file.suffix or 'no ending'}, expected .gif, .html or .mp4")
     if not _moving(at, mode):
-        raise UsageError(f"mode {mode.number}: a conserved velocity, without a mode shape to draw")
+        raise UsageError(
+            f"mode {mode.number}: no mode shape to draw, since no joint is displaced in it: a velocity is "
+            "conserved, or only states of elements change"
+        )
     if amplitude is not None and not (np.isfinite(amplitude) and amplitude > 0):
         raise UsageError(f"amplitude: found {amplitude}, expected more than 0")
     if file.suffix == ".html":
@@ -53,7 +56,7 @@ def view_of_modes(at: PoseEvaluator, modes: Sequence[Mode], amplitude: float | N
     """Return a page of mode shapes; see `gelenk.modal.Modes.view`."""
     shown = [mode for mode in modes if _moving(at, mode)][:MAX_MODES]
     if not shown:
-        raise UsageError("found no mode with a shape to draw: velocities are conserved")
+        raise UsageError("found no mode with a shape to draw: no joint is displaced in any")
     rows: list[dict[str, Any]] = []
     for mode in shown:
         period = 2 * np.pi / mode.eigenvalue.imag if mode.is_oscillatory else STILL
@@ -66,8 +69,13 @@ def view_of_modes(at: PoseEvaluator, modes: Sequence[Mode], amplitude: float | N
 
 
 def _moving(at: PoseEvaluator, mode: Mode) -> dict[str, complex]:
-    """Return the part of a mode shape that consists of positions."""
-    return {name: x for name, x in mode.shape.items() if at.units.get(name, "rad") in ("rad", "m")}
+    """Return the part of a mode shape that consists of positions of joints; empty if none of them moves."""
+    positions = {
+        name: x
+        for name, x in mode.shape.items()
+        if "." in name and at.units.get(name, "rad") in ("rad", "m")  # states of elements have no point
+    }
+    return positions if any(abs(x) > 0 for x in positions.values()) else {}
 
 
 def _poses(at: PoseEvaluator, mode: Mode, amplitude: float | None, frames: int) -> Array:

@@ -100,7 +100,7 @@ def number(name: str, value: Value, kind: str, items: Iterable[str] = ()) -> flo
 
 
 def start_parameter(name: str) -> str:
-    """Return the start parameter of a coordinate, a velocity or a state: A.phi_start, F.r_start[1], i_start."""
+    """Return the start parameter of a coordinate, a velocity or a state: A.phi_start, i_start."""
     return name.replace("[", "_start[", 1) if "[" in name else f"{name}_start"
 
 

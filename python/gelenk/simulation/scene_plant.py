@@ -161,7 +161,7 @@ class ScenePlant(Plant):
             C.reshape((len(states), ny)).T, D.reshape((len(self.inputs), ny)).T,
             self.values | self.input_values, rates, self.quaternions,
             tuple(self.readings[i] for i in locked), self._units,
-            plant.size.degrees_of_freedom + plant.size.free_coordinates + plant.size.element_states, self._scales,
+            plant.size.states, self._scales,
         )  # fmt: skip
 
     @property

@@ -4,6 +4,7 @@
 
 #include <variant>
 
+#include "element/constraints/coupling.h"
 #include "element/constraints/gear.h"
 #include "element/constraints/knife_edge.h"
 #include "element/constraints/motion.h"
@@ -12,7 +13,7 @@
 
 namespace gelenk {
 
-struct AnyConstraint : std::variant<Motion, Gear, Rack, Rolling, KnifeEdge> {
+struct AnyConstraint : std::variant<Motion, Gear, Rack, Coupling, Rolling, KnifeEdge> {
   using variant::variant;
 };
 

@@ -238,7 +238,7 @@ def test_two_mechanisms_share_an_input() -> None:
     [
         (
             {"type": "line_force", **ENDS},
-            "tension.*expected an expression of length, rate, t, inputs, states and coordinates of joints in N",
+            "tension.*an expression of length, rate, t, inputs, states, coordinates of joints in N",
         ),
         ({"type": "line_force", **ENDS, "tension": "80*L"}, r"tension.*column 4: found 'L'"),
         ({"type": "body_force", **AT, "force": "x"}, r"force.*a list of 3"),

@@ -202,7 +202,7 @@ def test_law_is_part_of_the_state_machine_of_runs(tmp_path: Any) -> None:
         ("-100*phi", r"column 6: found 'phi'.*expected.* s, v"),
         ("-k*s", "column 2: found 'k'"),
         ("-100 s", r"-?100\*s"),
-        ({}, "an expression of s, v, t, inputs, states and coordinates of joints in N"),
+        ({}, "an expression of s, v, t, inputs, states, coordinates of joints in N"),
     ],
 )
 def test_mistakes_are_errors_of_the_scene(effort: Any, message: str) -> None:

@@ -77,7 +77,9 @@ def test_step_of_a_filter_and_of_a_motor(integrator: str, tolerance: float) -> N
     assert np.abs(found - exact).max() <= 10 * max(tolerance, finest) * np.abs(exact).max()
 
 
-@pytest.mark.parametrize(("integrator", "order"), [("rk4", 4), ("generalized-alpha", 2), ("hht", 2), ("euler", 1)])
+@pytest.mark.parametrize(
+    ("integrator", "order"), [("rk4", 4), ("generalized-alpha", 2), ("hht", 2), ("euler", 1)]
+)
 def test_fixed_steps_keep_their_order(integrator: str, order: int) -> None:
     errors = []
     for step in (2e-3, 1e-3, 5e-4):
@@ -127,7 +129,11 @@ def test_coordinates_of_any_joint_of_a_loop_are_named(name: str, reduced: bool) 
             for i, (side, sign) in enumerate((("parent", ""), ("child", "-"))):
                 on = at[side]["body"]
                 if on != "ground":
-                    forces[f"torque{i}"] = {"type": "body_force", "body": on, "torque": ["0", "0", f"{sign}({torque})"]}
+                    forces[f"torque{i}"] = {
+                        "type": "body_force",
+                        "body": on,
+                        "torque": ["0", "0", f"{sign}({torque})"],
+                    }
             source["forces"] = forces
         else:
             at.update({"stiffness": 3.0, "damping": 0.4, "spring_reference": 0.2})
@@ -141,7 +147,9 @@ def test_coordinates_of_any_joint_of_a_loop_are_named(name: str, reduced: bool) 
         found.append([simulation.output(f"{of}.{q}") for of in "ABCD" for q in ("phi", "w", "a")])
         found[-1] += list(np.asarray(model.A).ravel())
         evaluations.append(simulation.diagnostic("solver.evaluations"))
-    assert abs(evaluations[0] - evaluations[1]) < 0.05 * evaluations[1]  # Newton's method has exact derivatives
+    assert (
+        abs(evaluations[0] - evaluations[1]) < 0.05 * evaluations[1]
+    )  # Newton's method has exact derivatives
     np.testing.assert_allclose(found[0], found[1], rtol=0, atol=1e-8)
 
 
@@ -343,7 +351,14 @@ def test_equilibrium_finds_states_of_circuits_and_controllers() -> None:
     simulation = gelenk.Simulation(source)
     simulation.initialize(0.0, 1e-8)
     torque = 9.81 * 0.25 * math.cos(0.4)
-    expected = {"A.phi": 0.4, "A.w": 0.0, "i": torque / 0.5, "e": 2 * torque / 0.5 / 30, "A.a": 0, "i.rate": 0}
+    expected = {
+        "A.phi": 0.4,
+        "A.w": 0.0,
+        "i": torque / 0.5,
+        "e": 2 * torque / 0.5 / 30,
+        "A.a": 0,
+        "i.rate": 0,
+    }
     for name, value in expected.items():
         assert simulation.output(name) == pytest.approx(value, abs=1e-9), name
     simulation.step_to(1.0)
@@ -372,7 +387,9 @@ def test_distance_by_name_is_a_line_force(planar: bool) -> None:
         if by_names:
             # the line from the tip at (0.5 cos phi, 0.5 sin phi) to the point, about the crank's axis at the origin
             lever = "0.5*(1*cos(A.phi) - 2*sin(A.phi))/gap.d"
-            source["sensors"] = {"gap": {"type": "distance", "from": {"body": "ground", "position": point}, "to": tip}}
+            source["sensors"] = {
+                "gap": {"type": "distance", "from": {"body": "ground", "position": point}, "to": tip}
+            }
             source["joints"]["A"]["law"] = {"effort": f"(30*(gap.d - 1) + 2*gap.v)*{lever}"}
         else:
             source["forces"] = {
@@ -414,7 +431,9 @@ def test_what_an_expression_names_is_in_one_island() -> None:
     for small in (source, mean, difference):
         for name, phi in zip("AB", (3e-6, -2e-6), strict=True):
             small["joints"][name]["start"] = {"phi": phi}
-    coupled, free, stiff = (values(one, ["A.phi", "B.phi"], [0.7], 1e-12)[0] for one in (source, mean, difference))
+    coupled, free, stiff = (
+        values(one, ["A.phi", "B.phi"], [0.7], 1e-12)[0] for one in (source, mean, difference)
+    )
     modes = [(free[0] + free[1]) / 2, (stiff[0] - stiff[1]) / 2]
     np.testing.assert_allclose(coupled, [modes[0] + modes[1], modes[0] - modes[1]], rtol=0, atol=1e-11)
 
@@ -433,3 +452,83 @@ def test_wanted_outputs_keep_what_their_expressions_name() -> None:
     only.initialize(0.0, 1e-8)
     only.step_to(1.0)
     assert only.output("other") == pytest.approx(0.0, abs=1e-9)
+
+
+def test_equilibrium_against_a_limit() -> None:
+    """A joint is pushed onto its limit, and a state follows it."""
+    source = rotor(effort="-3", states={"e": "A.phi - e"})
+    source["joints"]["A"]["limit"] = {"lower": -0.2}
+    found = gelenk.equilibrium(source)
+    assert found.values["A.phi"] == pytest.approx(-0.2, abs=1e-9)
+    assert found.values["e"] == pytest.approx(-0.2, abs=1e-9)
+
+
+def test_input_is_found_where_a_filter_beside_the_mechanism_reads_it() -> None:
+    """The filter follows; an operating point contains its state."""
+    source = rotor(effort="u - 2*phi", states={"slow": "(u - slow)/0.2"}, inputs={"u": {}})
+    found = gelenk.equilibrium(source, hold={"A.phi": 0.7}, solve_for="u")
+    assert found.inputs["u"] == pytest.approx(1.4, abs=1e-9)
+    assert found.values["slow"] == pytest.approx(1.4, abs=1e-9)
+    model = gelenk.linearize(source, at=found.at)
+    np.testing.assert_allclose(sorted(model.poles().real), [-5, 0, 0], atol=1e-9)
+
+
+def test_operating_point_may_give_a_state() -> None:
+    with pytest.warns(gelenk.OperatingPointWarning):
+        model = gelenk.linearize(dc_motor(), at={"i": 2.0, "A.w": 3.0})
+    assert len(model.state_labels) == 3
+    with pytest.raises(gelenk.EquilibriumError, match="i.rate"):
+        source = dc_motor()
+        source["joints"]["A"]["friction"] = {"coulomb": 8.0}
+        gelenk.equilibrium(source, friction="present")
+
+
+@pytest.mark.parametrize("integrator", ["dirk", "cvode", "auto"])
+def test_kink_that_is_approached_and_not_passed_costs_nothing(integrator: str) -> None:
+    """A follower of the time, 0.01 s behind, near the limit of its rate: x = t - 0.01 (1 - exp(-100 t))."""
+    source = rotor(states={"lag": "min(100*(t - lag), 1.01)"}, solver={"integrator": integrator})
+    simulation = gelenk.Simulation(source)
+    simulation.initialize(0.0, 1e-6)
+    simulation.step_to(1.0)
+    assert simulation.output("lag") == pytest.approx(0.99, abs=1e-6)
+    assert simulation.diagnostic("solver.evaluations") < 2000
+
+
+def test_steps_with_impulses_damp_stiff_states_and_pass_jumps_of_rates() -> None:
+    """An input that jumps before a time constant of 10 us; a rate that jumps at 0.5, with the steps of an event-free method."""
+    source = rotor(
+        effort="fast", states={"fast": "(u - fast)/1e-5"}, inputs={"u": {}},
+        solver={"integrator": "moreau-jean", "step": 1e-3},
+    )  # fmt: skip
+    simulation = gelenk.Simulation(source)
+    simulation.initialize(0.0, 1e-6)
+    simulation.step_to(0.1)
+    simulation.set_input("u", 1.0)
+    simulation.step_to(0.103)
+    assert simulation.output("fast") == pytest.approx(1.0, abs=1e-3)
+    for start in (0.0, 0.3e-3, 0.5e-3, 0.7e-3):
+        states = {"q1": {"rate": "if(q1 > 0.5, 0.2, 1)", "start": start}}
+        found = values(
+            rotor(states=states, solver={"integrator": "moreau-jean", "step": 1e-3}), ["q1"], [1.0], 1e-6
+        )
+        reached = 0.5 - start
+        assert found[0, 0] == pytest.approx(0.5 + 0.2 * (1 - reached), abs=1e-3)
+
+
+def test_more_than_eight_names_in_one_expression() -> None:
+    """Full state feedback: twelve numbers of four joints, in a law and in a state; the linear model is exact."""
+    rotors = {f"rotor{k}": body(1.0, inertia=(1, 1, 1)) for k in range(4)}
+    joints = {
+        f"J{k}": joint("revolute", frame("ground"), frame(f"rotor{k}"), axis=[0, 0, 1]) for k in range(4)
+    }
+    gains = [1.5, 2.5, 3.5, 4.5]
+    terms = [f"{g}*J{k}.phi + {10 * g}*J{k}.w + {100 * g}*z{k}" for k, g in enumerate(gains)]
+    joints["J0"]["law"] = {"effort": " + ".join(terms)}
+    states = {f"z{k}": f"J{k}.phi" for k in range(4)} | {"all": " + ".join(terms)}
+    source = scene(rotors, joints, states=states)
+    model = gelenk.linearize(source, states=[f"J{k}.phi" for k in range(4)])
+    labels, A = list(model.state_labels), np.asarray(model.A)
+    for row in ("J0_w", "all"):
+        for k, g in enumerate(gains):
+            columns = [labels.index(name) for name in (f"J{k}_phi", f"J{k}_w", f"z{k}")]
+            np.testing.assert_allclose(A[labels.index(row), columns], [g, 10 * g, 100 * g], rtol=1e-14)

@@ -18,7 +18,11 @@ def motor(**more: Any) -> dict[str, Any]:
     law = {"effort": "k*i - d*w"}
     out = scene(
         {"rotor": body(2.0, inertia=(0.5, 0.5, 0.5))},
-        {"A": joint("revolute", frame("ground"), frame("rotor"), axis=[0, 0, 1], start={"phi": 0.0}, law=law)},
+        {
+            "A": joint(
+                "revolute", frame("ground"), frame("rotor"), axis=[0, 0, 1], start={"phi": 0.0}, law=law
+            )
+        },
         constants={"R": 1.0, "L": 0.05, "k": 0.4, "d": 0.02, "limit": 12.0},
         inputs={"target": {"unit": "rad/s", "start": 5.0}},
         expressions={
@@ -45,7 +49,9 @@ def test_energy_that_flows_in_is_stored_or_lost(integrator: str) -> None:
     simulation.initialize(0.0, 1e-9)
     for t in (0.1, 0.5, 1.0, 3.0):
         simulation.step_to(t)
-        at = {name: simulation.output(name) for name in ("i", "A.w", "heat", "work", "u", "electrical", "loss")}
+        at = {
+            name: simulation.output(name) for name in ("i", "A.w", "heat", "work", "u", "electrical", "loss")
+        }
         stored = 0.05 * at["i"] ** 2 / 2 + 0.5 * at["A.w"] ** 2 / 2
         assert at["work"] == pytest.approx(stored + at["heat"], rel=1e-7)
         assert at["electrical"] == pytest.approx(at["u"] * at["i"], rel=1e-14)
@@ -113,7 +119,9 @@ def test_units_of_other_sizes(size: float) -> None:
     simulation.initialize(0.0, 1e-10)
     simulation.step_to(1.3)
     assert simulation.output("energy") == pytest.approx(k * (0.5 * size) ** 2 / 2, rel=1e-8)
-    assert simulation.output("S.s") == pytest.approx(0.5 * size * math.cos(math.sqrt(40) * 1.3), abs=1e-8 * size)
+    assert simulation.output("S.s") == pytest.approx(
+        0.5 * size * math.cos(math.sqrt(40) * 1.3), abs=1e-8 * size
+    )
 
 
 @pytest.mark.parametrize(
