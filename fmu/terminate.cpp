@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What happens where an exception cannot be handled: the process ends. The handler of the GNU C++ library would print the
-// type of the exception first, for which each FMU would contain 30 kB that translate names of types.
+// What happens where an exception cannot be handled: the process ends. The handler of the GNU C++ library would print
+// the type of the exception first, for which each FMU would contain 30 kB that translate names of types.
 #include <cstdlib>
 #include <exception>
 

@@ -94,9 +94,9 @@ class DependencyAnalysis {
       if (v.source != Source::output) continue;
       const Signal& signal = signals_[static_cast<std::size_t>(v.index)];
       const auto variable = static_cast<int>(i);
-      out[i] = signal.joint >= 0                      ? of_joint(signal, variable)
+      out[i] = signal.joint >= 0                    ? of_joint(signal, variable)
                : signal.section >= sections::states ? of_named(signal, variable)
-                                                      : of_element(signal);
+                                                    : of_element(signal);
     }
     return out;
   }

@@ -64,6 +64,10 @@ def test_forward_dynamics_of_real_arms_equal_pinocchios(name: str) -> None:
     pin = pytest.importorskip("pinocchio", reason="pinocchio (PyPI: pin) is not installed")
     path = robot_file(name)
     scene = gelenk.import_urdf(path, limits=False)  # the random positions are beyond them
+    content = scene.to_dict()
+    followers = [entry["joint"] for entry in content.pop("constraints", {}).values()]  # free in pinocchio
+    content["motors"] |= {f"{name}_motor": {"joint": name} for name in followers}
+    scene = gelenk.load(content)
     model = pin.buildModelFromUrdf(str(path))
     data = model.createData()
     names = list(model.names)[1:]

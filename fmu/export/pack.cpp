@@ -136,8 +136,7 @@ void export_fmu(const Scene& scene, const std::vector<Runtime>& runtimes, const 
   simulation.assemble();
   catalog.declare_states(StateDerivatives(simulation).independent());
 
-  const FmuFacts facts{model_identifier(carried.name), fingerprint(json),
-                       simulation.size().states()};
+  const FmuFacts facts{model_identifier(carried.name), fingerprint(json), simulation.size().states()};
   const Picture picture = draw(simulation);
   Zip zip(compress);
   zip.add("modelDescription.xml",

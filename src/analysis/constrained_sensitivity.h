@@ -70,10 +70,9 @@ class ConstrainedSensitivity {
   ConstrainedSensitivity(const Mechanism& mechanism, const Loads& loads, const MobilityAnalysis& mobility,
                          const Independent& independent, int inputs);
 
-  // Sets the point of differentiation: q, v, these signals u, coordinates of cut joints with full turns counted, and the
-  // target of each coordinate row with its time derivatives.
-  // Throws SingularMass, and NotDifferentiablePoint if the constraint Jacobian has lost rank or the ends of a spring
-  // meet.
+  // Sets the point of differentiation: q, v, these signals u, coordinates of cut joints with full turns counted, and
+  // the target of each coordinate row with its time derivatives. Throws SingularMass, and NotDifferentiablePoint if the
+  // constraint Jacobian has lost rank or the ends of a spring meet.
   void set_point(const double* q, const double* v, const double* u, const double* cut_q,
                  const std::vector<MotionLaw::Derivatives>& targets);
 

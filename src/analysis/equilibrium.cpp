@@ -74,8 +74,7 @@ double length_of(const TrialState& at, const VectorXd& unknowns) { return larges
 
 class EquilibriumSearch {
  public:
-  explicit EquilibriumSearch(const EquilibriumProblem& of)
-      : of_(of), steady_(of.request.steady), states_(of) {}
+  explicit EquilibriumSearch(const EquilibriumProblem& of) : of_(of), steady_(of.request.steady), states_(of) {}
 
   Equilibrium run(const std::vector<double>& q, const std::vector<double>& cut_q, const std::vector<double>& v) {
     TrialState here{.q = q, .cut_q = cut_q, .v = v, .u = of_.u};
@@ -86,7 +85,9 @@ class EquilibriumSearch {
       states_.differentiate(here);
     } catch (const NotDifferentiablePoint&) {
       const bool asked = steady_ || !of_.request.held.empty();
-      if (asked || std::max(largest(here.vdot), largest(here.rates)) > equilibrium_rate_tolerance || !here.is_on_bounds() || lets_go(here)) throw;
+      if (asked || std::max(largest(here.vdot), largest(here.rates)) > equilibrium_rate_tolerance ||
+          !here.is_on_bounds() || lets_go(here))
+        throw;
       return result(here, Equilibrium::End::found);
     }
     if (!approach(here)) return result(here, Equilibrium::End::unreachable);
@@ -105,7 +106,7 @@ class EquilibriumSearch {
  private:
   Equilibrium result(const TrialState& at, Equilibrium::End end) const {
     const double square = of_.time * of_.time;
-    return {end,  steps_, at.q, at.cut_q, at.v, at.u, at.vdot / square, at.accelerations / square, at.rates / of_.time};
+    return {end, steps_, at.q, at.cut_q, at.v, at.u, at.vdot / square, at.accelerations / square, at.rates / of_.time};
   }
 
   static bool holds(const TrialState& at) { return largest(at.hold_gaps) <= converged_step; }
@@ -218,15 +219,16 @@ class EquilibriumSearch {
 
   // Pseudo-transient continuation: implicit Euler on dq/dt = v': (s - A) dq = v', with s above all eigenvalues of A,
   // which are those of -M^-1 K, so that dq lowers the potential energy. Returns false if that makes no progress. What
-  // is held stays to first order. Element states take part by their rates. A steady motion does not minimize a potential.
+  // is held stays to first order. Element states take part by their rates. A steady motion does not minimize a
+  // potential.
   bool descend_pseudo_transient(TrialState& here) {
     if (steady_) return false;
     const bool repeated = descent_steps_ > 0;  // Newton's steps have led uphill again: descend to the minimum
     bool moved = false;
     for (; descent_steps_ < max_descent_steps; ++descent_steps_) {
-      const MatrixXd free = free_velocities(here);
+      const MatrixXd free = null_space(SingularValues(here.held_by_velocities()));
       if (free.cols() == 0) return moved;
-      const MatrixXd A = free.transpose() * by_velocities(here) * free;
+      const MatrixXd A = free.transpose() * here.by_velocities() * free;
       const VectorXd a = free.transpose() * here.a;
       const double max_real_part = A.eigenvalues().real().maxCoeff();
       const bool stable = max_real_part < -zero_stiffness_tolerance * std::max(1.0, A.lpNorm<Eigen::Infinity>());
@@ -255,24 +257,6 @@ class EquilibriumSearch {
       moved = true;
     }
     return moved;
-  }
-
-  // Orthonormal columns: the independent velocities with which nothing moves that is held, and the element states.
-  static MatrixXd free_velocities(const TrialState& here) {
-    const Index m = here.coordinate_rates.cols();
-    const Index states = here.rates.size();
-    MatrixXd held = MatrixXd::Zero(here.hold_rows.rows(), m + states);
-    if (held.rows() == 0) return MatrixXd::Identity(m + states, m + states);
-    held.leftCols(m) = here.hold_rows.leftCols(here.A.cols()) * here.coordinate_rates;
-    return null_space(SingularValues(held));
-  }
-
-  // The derivatives of what has to vanish by the independent velocities, as displacements, and by element states.
-  static MatrixXd by_velocities(const TrialState& here) {
-    const Index states = here.rates.size();
-    MatrixXd out(here.A.rows(), here.coordinate_rates.cols() + states);
-    out << here.A * here.coordinate_rates, here.B.rightCols(states);
-    return out;
   }
 
   // Replaces the inputs by those of least norm with the same effect here.

@@ -59,20 +59,21 @@ struct Equilibrium {
   };
   End end = End::found;
   int steps = 0;
-  std::vector<double> q, cut_q, v, u;   // of the tree joints; of the cut joints, full turns counted; all inputs
+  std::vector<double> q, cut_q, v, u;  // of the tree joints; of the cut joints, full turns counted; all inputs
   // Residual: of all velocities; those requested in steady motion; rates of the element states.
   Eigen::VectorXd vdot, accelerations, rates;
 };
 
 // Finds an equilibrium without dry friction, or a steady motion, from the closed position q and velocities v by
-// Newton's method on the independent coordinates, velocities in steady motion, unknown inputs and element states. First it moves to
-// the values held; of several solutions, steps and inputs have minimum norm. Steps are limited so that loops stay on
-// their branch, and shortened until the next one would be shorter (natural monotonicity test: Deuflhard 2004, ch. 3).
-// If this fails at rest, for example at a maximum of the accelerations, pseudo-transient continuation descends to a
-// stable pose, from which Newton's method continues; the second time it descends to the minimum. Directions without
-// stiffness are left unchanged. The equilibrium may be unstable. Coordinates that meet a hard limit remain at it while
-// it has to push (active-set method: Nocedal & Wright 2006, ch. 16); where inputs are unknown, these bear what is held,
-// not its limit. Throws NotDifferentiablePoint or SingularMass if q has no derivatives and is no equilibrium.
+// Newton's method on the independent coordinates, velocities in steady motion, unknown inputs and element states. First
+// it moves to the values held; of several solutions, steps and inputs have minimum norm. Steps are limited so that
+// loops stay on their branch, and shortened until the next one would be shorter (natural monotonicity test: Deuflhard
+// 2004, ch. 3). If this fails at rest, for example at a maximum of the accelerations, pseudo-transient continuation
+// descends to a stable pose, from which Newton's method continues; the second time it descends to the minimum.
+// Directions without stiffness are left unchanged. The equilibrium may be unstable. Coordinates that meet a hard limit
+// remain at it while it has to push (active-set method: Nocedal & Wright 2006, ch. 16); where inputs are unknown, these
+// bear what is held, not its limit. Throws NotDifferentiablePoint or SingularMass if q has no derivatives and is no
+// equilibrium.
 Equilibrium find_equilibrium(const EquilibriumProblem& of, const std::vector<double>& q,
                              const std::vector<double>& cut_q, const std::vector<double>& v);
 

@@ -88,6 +88,20 @@ bool TrialState::is_balanced() const {
   return (a.array().abs() <= equilibrium_rate_tolerance + equilibrium_rounding_tolerance * terms.array()).all();
 }
 
+MatrixXd TrialState::by_velocities() const {
+  const Index states = rates.size();
+  MatrixXd out(A.rows(), coordinate_rates.cols() + states);
+  out << A * coordinate_rates, B.rightCols(states);
+  return out;
+}
+
+MatrixXd TrialState::held_by_velocities() const {
+  const Index velocities = coordinate_rates.cols();
+  MatrixXd out = MatrixXd::Zero(hold_rows.rows(), velocities + rates.size());
+  if (out.rows() > 0) out.leftCols(velocities) = hold_rows.leftCols(A.cols()) * coordinate_rates;
+  return out;
+}
+
 TrialStates::TrialStates(const EquilibriumProblem& of)
     : of_(of),
       mechanism_(of.mechanism),
@@ -258,9 +272,9 @@ void TrialStates::differentiate(TrialState& at) {
   const auto outputs_moved = [&](const std::vector<int>& outputs) {
     return of_unknowns(derivatives_of(outputs, of_.outputs, sensitivity, along, moved));
   };
-  MatrixXd A = time_squared_ *
-               (request.steady ? outputs_moved(request.accelerations)
-                               : of_unknowns(moved.middleRows(mechanism_.nq + nv, nv)(by.speeds, Eigen::all)));
+  MatrixXd A =
+      time_squared_ * (request.steady ? outputs_moved(request.accelerations)
+                                      : of_unknowns(moved.middleRows(mechanism_.nq + nv, nv)(by.speeds, Eigen::all)));
   if (const Index states = at.rates.size(); states > 0) {
     A.conservativeResize(A.rows() + states, Eigen::NoChange);
     A.bottomRows(states) = time_ * of_unknowns(all_moved.state_rates);

@@ -16,7 +16,8 @@ namespace gelenk {
 
 // The unknowns x are the independent coordinates that determine the others best there (the acceleration of another one
 // would vanish at its dead center, too, regardless of the other joints), in steady motion followed by the independent
-// velocities; after them come the unknown inputs and the element states. All but q, v and u is in the mechanism's time scale.
+// velocities; after them come the unknown inputs and the element states. All but q, v and u is in the mechanism's time
+// scale.
 struct TrialState {
   std::vector<double> q, cut_q, v, u;
   std::vector<int>
@@ -29,7 +30,7 @@ struct TrialState {
   Eigen::VectorXd hold_gaps{};                                  // by value held, what it lacks
   std::vector<std::array<SwitchingForces::Depth, 2>> depths{};  // by lock: beyond its upper and its lower bound
   // Set by differentiate():
-  std::vector<int> speeds{};                // indices of the independent velocities
+  std::vector<int> speeds{};  // indices of the independent velocities
   // What has to vanish: their accelerations, or those requested, and the rates of the element states.
   Eigen::VectorXd a{};
   Eigen::MatrixXd A{}, B{};                 // Jacobians of a with respect to x and the unknown inputs
@@ -46,6 +47,10 @@ struct TrialState {
   const SwitchingForces::Depth& depth(int lock, int side) const {
     return depths[static_cast<std::size_t>(lock)][side > 0 ? 0 : 1];
   }
+  // The derivatives of `a`, and of the values held, by displacements along the independent velocities and by element
+  // states.
+  Eigen::MatrixXd by_velocities() const;
+  Eigen::MatrixXd held_by_velocities() const;
   bool is_balanced() const;   // nothing accelerates
   bool is_on_bounds() const;  // all contacts are at their bounds
 };
@@ -93,8 +98,8 @@ class TrialStates {
   const Mechanism& mechanism_;
   std::unique_ptr<Dynamics> dynamics_;
   std::vector<EquilibriumRequest::UnknownInput> unknown_;  // those of the request, and the element states
-  std::vector<int> sides_;   // held modes of all forces with modes
-  std::vector<bool> borne_;  // by lock
+  std::vector<int> sides_;                                 // held modes of all forces with modes
+  std::vector<bool> borne_;                                // by lock
   bool friction_holds_ = false;
   double time_, time_squared_;  // s, s2
 };

@@ -19,8 +19,8 @@ struct Jacobians {
   // Set by the caller: whether Phi_q and rate_q are computed, and r_u.
   bool of_rows = true, of_inputs = false;
 
-  RowMatrix r, c;                  // nv x (nq + nv), rows x (nq + nv): with respect to q, then to v
-  RowMatrix r_u;                   // nv x signals, or more; also set if there are element states
+  RowMatrix r, c;  // nv x (nq + nv), rows x (nq + nv): with respect to q, then to v
+  RowMatrix r_u;   // nv x signals, or more; also set if there are element states
   // Of the rates of the element states: states x (nq + nv), with respect to q, then to v, and states x signals.
   RowMatrix rates, rates_u;
   RowMatrix Phi_q, rate_q;         // rows x nq: of Phi and of J v; the derivative of J v in v is J

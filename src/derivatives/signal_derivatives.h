@@ -14,9 +14,8 @@ namespace gelenk {
 
 // What is read beyond the coordinates of the tree has derivatives by automatic differentiation only.
 inline bool names_beyond_tree(const Loads& loads) {
-  return std::ranges::any_of(loads.named, [](const NamedQuantity& of) {
-    return of.reading != nullptr || (of.moves && of.cut >= 0);
-  });
+  return std::ranges::any_of(
+      loads.named, [](const NamedQuantity& of) { return of.reading != nullptr || (of.moves && of.cut >= 0); });
 }
 
 // Sets the derivatives of the rates of the element states with respect to all signals, u.

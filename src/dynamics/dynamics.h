@@ -4,8 +4,8 @@
 //   M(q) vdot + h(q, v) + J(q)^T lambda = tau(q, v, u)      Phi(q, t) = 0,   J v = b(t),   J vdot = gamma(q, v, t)
 //
 // One object per instance and thread. No function allocates memory unless its comment says so. Arrays: q (nq), v, vdot,
-// tau (nv), lambda and constraint equations (rows), u (the inputs of the scene and its clock, and the element states), in
-// the mechanism's signs and order.
+// tau (nv), lambda and constraint equations (rows), u (the inputs of the scene and its clock, and the element states),
+// in the mechanism's signs and order.
 #pragma once
 
 #include <memory>

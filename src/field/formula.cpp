@@ -78,15 +78,15 @@ class FormulaReader {
     if (of_owner.empty()) return {};
     std::ranges::sort(of_owner);
     const std::string near = text::nearest(name, of_owner);
-    return "expected one of " + text::list(of_owner) +
-           (near.empty() ? "" : "; did you mean '" + near + "'?") +
+    return "expected one of " + text::list(of_owner) + (near.empty() ? "" : "; did you mean '" + near + "'?") +
            " (accelerations, forces, energies and the quaternions of joints cannot be named)";
   }
 
   // Of a named expression, which knows no variables of elements. A mistake in it is that of its own section.
   expression::Term inserted(const FormulaNames::Expression& expression) {
     if (depth_ == max_depth) {
-      throw expression::SyntaxError(0, 1, "found expressions that name each other in a circle, or 50 within each other");
+      throw expression::SyntaxError(0, 1,
+                                    "found expressions that name each other in a circle, or 50 within each other");
     }
     ++depth_;
     const expression::Term out = read(expression.text, {});

@@ -34,7 +34,7 @@ struct FormulaNames {
   };
   std::vector<Constant> constants;
   std::vector<std::string> signals;     // inputs of the scene and states of elements
-  std::vector<Expression> expressions;  // of these, which stand in for their names
+  std::vector<Expression> expressions;  // of these, in place of which names are used
   // Coordinates of joints and their rates, such as "A.phi", in any order; null: none.
   std::shared_ptr<const std::unordered_set<std::string>> coordinates;
 };

@@ -20,6 +20,9 @@ class Drives {
   void go_to(double t);
   // The same, and sets the element states to those in y = (q, v, states).
   void go_to(double t, const double* y);
+  // Number of element states, which follow (q, v) in y, and the index of the first one in u().
+  int states() const { return states_; }
+  int first_state() const { return count() - states_; }
   void set_states(const double* states) { std::copy_n(states, states_, signals_.end() - states_); }
   // The same for outputs at the present time of the run: derivatives are those of the motion that has led there
   // (Inputs::rate).
@@ -54,7 +57,7 @@ class Drives {
   Inputs& inputs_;
   Targets targets_;
   std::size_t rows_;
-  int states_, first_;  // number of element states, and the index of the first one in y
+  int states_, first_;                    // number of element states, and the index of the first one in y
   std::vector<double> signals_, others_;  // empty if there are no element states
   bool is_at_end_of_step_ = false;
 };

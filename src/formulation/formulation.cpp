@@ -43,9 +43,8 @@ bool all_finite(const double* x, int n) {
 
 Formulation::Formulation(const FormulationContext& context)
     : mechanism_(context.mechanism),
-      states_(context.loads.states()),
       dynamics_(context.dynamics),
-      drives_(mechanism_, dynamics_, context.inputs, states_),
+      drives_(mechanism_, dynamics_, context.inputs, context.loads.states()),
       events_(context.events),
       projector_(mechanism_, dynamics_),
       modes_({mechanism_, dynamics_, context.loads, *this, events_, locates_contacts(context)}),
@@ -103,7 +102,7 @@ bool Formulation::evaluate(double t, const double* y, double* ydot) {
   if (!takes_differences_) modes_.watch_forces(t);
   if (mechanism_.rows > 0 && factorizes_constraints()) singularity_monitor_.observe(t, dynamics_.pivot_ratio());
   dynamics_.qdot_from_v(y, v, ydot);
-  if (states_ > 0) dynamics_.readings().state_rates(drives_.u().data(), ydot + motion_size());
+  if (drives_.states() > 0) dynamics_.readings().state_rates(drives_.u().data(), ydot + motion_size());
   return all_finite(ydot, size());
 }
 
@@ -202,8 +201,8 @@ bool Formulation::jacobian(double t, const double* y, double* J) {
   differentiate(ydot_.data() + nq, out);
   out.topLeftCorner(nq, nq) = jacobians_.qdot_q;
   out.block(0, nq, nq, mechanism_.nv) = jacobians_.qdot_v;
-  out.topRightCorner(nq, states_).setZero();
-  state_jacobian(out.bottomRows(states_));
+  out.topRightCorner(nq, drives_.states()).setZero();
+  state_jacobian(out.bottomRows(drives_.states()));
   return out.allFinite();
 }
 
@@ -244,11 +243,11 @@ void Formulation::differentiate(const double* vdot, Eigen::Map<Eigen::MatrixXd>&
 void Formulation::acceleration_jacobian(Eigen::Map<Eigen::MatrixXd>& out) {
   dynamics_.solve_linear_columns(jacobians_.r.data(), jacobians_.c.data(), motion_size());
   out.block(mechanism_.nq, 0, mechanism_.nv, motion_size()) = -jacobians_.r;
-  if (states_ == 0) return;
-  by_states_ = force_by_states();
-  no_rows_.setZero(mechanism_.rows, states_);
-  dynamics_.solve_linear_columns(by_states_.data(), no_rows_.data(), states_);
-  out.block(mechanism_.nq, motion_size(), mechanism_.nv, states_) = -by_states_;
+  if (drives_.states() == 0) return;
+  by_states_ = jacobians_.r_u.middleCols(drives_.first_state(), drives_.states());
+  no_rows_.setZero(mechanism_.rows, drives_.states());
+  dynamics_.solve_linear_columns(by_states_.data(), no_rows_.data(), drives_.states());
+  out.block(mechanism_.nq, motion_size(), mechanism_.nv, drives_.states()) = -by_states_;
 }
 
 bool Formulation::project(double, double* y) {
@@ -273,7 +272,7 @@ bool Formulation::bring_inputs(double t, const double* y) {
   drives_.go_to(t, y);
   const std::span<double> inputs = dynamics_.switching_forces().inputs();
   std::copy_n(drives_.u().begin(), std::min(drives_.u().size(), inputs.size()), inputs.begin());
-  return drives_.inputs().moving() || states_ > 0;
+  return drives_.inputs().moving() || drives_.states() > 0;
 }
 
 // Does not use the factors of the projector: reading outputs must not change the run.

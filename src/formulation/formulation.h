@@ -55,7 +55,7 @@ class Formulation : public Equations, private ModeEquations {
  public:
   explicit Formulation(const FormulationContext& context);
 
-  int size() const final { return motion_size() + states_; }
+  int size() const final { return motion_size() + drives_.states(); }
   int coordinates() const final { return mechanism_.nq; }
   int velocities() const final { return mechanism_.nv; }
   bool rhs(double t, const double* y, double* ydot) override;
@@ -111,21 +111,18 @@ class Formulation : public Equations, private ModeEquations {
   // factors.
   void acceleration_jacobian(Eigen::Map<Eigen::MatrixXd>& out);
   int motion_size() const { return mechanism_.nq + mechanism_.nv; }
-  // The derivatives of the forces (nv) with respect to the element states, with the other sign, in jacobians_.
-  auto force_by_states() { return jacobians_.r_u.middleCols(drives_.count() - states_, states_); }
   // Their derivatives into the last rows of `out`, from jacobians_.
   template <class Out>
   void state_jacobian(Out&& out) const {
-    if (states_ == 0) return;
+    if (drives_.states() == 0) return;
     out.leftCols(motion_size()) = jacobians_.rates;
-    out.middleCols(motion_size(), states_) = jacobians_.rates_u.middleCols(drives_.count() - states_, states_);
+    out.middleCols(motion_size(), drives_.states()) = jacobians_.rates_u.middleCols(drives_.first_state(), drives_.states());
   }
 
   void count_jacobian() { ++jacobian_count_; }
   virtual ConstraintProjector& projector() { return projector_; }
 
   const Mechanism& mechanism_;
-  const int states_;  // number of element states, which follow (q, v) in y
   Dynamics& dynamics_;
   Drives drives_;
   Jacobians jacobians_;
@@ -156,7 +153,7 @@ class Formulation : public Equations, private ModeEquations {
   bool takes_differences_ = false;
   bool reads_outputs_ = false;  // targets are as outputs show them
   std::vector<double> dv_, ydot_;
-  RowMatrix by_states_, no_rows_;  // workspace
+  RowMatrix by_states_, no_rows_;         // workspace
   std::vector<Spatial::Force> wrenches_;  // of contacts, by link
 };
 

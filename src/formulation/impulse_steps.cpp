@@ -44,9 +44,7 @@ void ImpulseSteps::start(double t, double h, const double* y) {
 }
 
 bool ImpulseSteps::step(double t, double h, double* y) {
-  const auto finite = [&] {
-    return std::all_of(y, y + size_, [](double x) { return std::abs(x) < largest_number; });
-  };
+  const auto finite = [&] { return std::all_of(y, y + size_, [](double x) { return std::abs(x) < largest_number; }); };
   if (!finite()) return false;
   with_.drives.go_to(t + h / 2);
   if (states_ && !begin_states(h, y)) return false;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Steps of element states beside those of a motion by impulses, at one position and velocity: the two-stage SDIRK method
-// of order 2 that damps what is stiff (L-stable; Alexander 1977).
+// Steps of element states beside those of a motion by impulses, at one position and velocity: the two-stage SDIRK
+// method of order 2 that damps what is stiff (L-stable; Alexander 1977).
 #pragma once
 
 #include <Eigen/LU>

@@ -67,10 +67,10 @@ bool WithMultipliers::equations_of_motion(double t, const double* x, const doubl
   balance = -f_;
   balance.noalias() += M_ * vdot;
   if (mechanism_.rows > 0) balance.noalias() += dynamics_.J().transpose() * lambda;
-  if (states_ == 0) return true;
+  if (drives_.states() == 0) return true;
   double* const rates = r.data() + motion_size();
   dynamics_.readings().state_rates(drives_.u().data(), rates);
-  for (int k = 0; k < states_; ++k) rates[k] = xdot[motion_size() + k] - rates[k];
+  for (int k = 0; k < drives_.states(); ++k) rates[k] = xdot[motion_size() + k] - rates[k];
   return true;
 }
 
@@ -84,14 +84,14 @@ bool WithMultipliers::motion_jacobian(double t, const double* x, const double* x
   F_x.block(mechanism_.nq, 0, mechanism_.nv, mechanism_.nq) = jacobians_.r_q();
   F_x.block(mechanism_.nq, mechanism_.nq, mechanism_.nv, mechanism_.nv) = jacobians_.r_v();
   if (mechanism_.rows > 0) F_x.block(mechanism_.nq, size(), mechanism_.nv, mechanism_.rows) = dynamics_.J().transpose();
-  if (states_ > 0) {
-    F_x.block(mechanism_.nq, motion_size(), mechanism_.nv, states_) = force_by_states();
-    auto rates = F_x.middleRows(motion_size(), states_);
+  if (drives_.states() > 0) {
+    F_x.block(mechanism_.nq, motion_size(), mechanism_.nv, drives_.states()) = jacobians_.r_u.middleCols(drives_.first_state(), drives_.states());
+    auto rates = F_x.middleRows(motion_size(), drives_.states());
     state_jacobian(rates);
     rates = -rates;
   }
   F_xdot.setZero();
-  F_xdot.block(motion_size(), motion_size(), states_, states_).setIdentity();
+  F_xdot.block(motion_size(), motion_size(), drives_.states(), drives_.states()).setIdentity();
   F_xdot.topLeftCorner(mechanism_.nq, mechanism_.nq).setIdentity();
   F_xdot.block(mechanism_.nq, mechanism_.nq, mechanism_.nv, mechanism_.nv) = M_;
   return F_x.allFinite();

@@ -64,8 +64,7 @@ std::vector<BranchPlace> branch_places(const Loads& loads) {
   each_formula(std::as_const(*loads.forces), [&](const Formula& formula, int force) {
     add(formula, {force < 0 ? BranchPlace::Of::gravity : BranchPlace::Of::force, force});
   });
-  for (int k = 0; k < loads.states(); ++k)
-    add(loads.rates[static_cast<std::size_t>(k)], {BranchPlace::Of::state, k});
+  for (int k = 0; k < loads.states(); ++k) add(loads.rates[static_cast<std::size_t>(k)], {BranchPlace::Of::state, k});
   return out;
 }
 

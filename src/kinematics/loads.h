@@ -30,16 +30,16 @@ struct Loads {
   Eigen::Vector3d p_W0 = Eigen::Vector3d::Zero();      // m, position of the root in the world
   Stored<PlacedForces> forces;
   JointLoads tree;
-  std::vector<JointLoads> cuts;            // by cut
-  std::vector<double> added_inertia;       // kg m2 (kg), by velocity: of motors
-  std::vector<ContactLaw> contacts;        // by contact of the scene
-  std::vector<int> inputs;                 // indices of the signals that act on this island
+  std::vector<JointLoads> cuts;       // by cut
+  std::vector<double> added_inertia;  // kg m2 (kg), by velocity: of motors
+  std::vector<ContactLaw> contacts;   // by contact of the scene
+  std::vector<int> inputs;            // indices of the signals that act on this island
   // All signals: the inputs of the scene and its clock, the element states of the island, and what its expressions name
   // of the motion, which the kernels add.
   int first_state = 0;
-  std::vector<Formula> rates;        // of the element states
-  std::vector<Formula> values;       // of the named expressions, as outputs
-  std::vector<NamedQuantity> named;  // after those
+  std::vector<Formula> rates;              // of the element states
+  std::vector<Formula> values;             // of the named expressions, as outputs
+  std::vector<NamedQuantity> named;        // after those
   std::shared_ptr<HeldBranches> branches;  // of its expressions
   bool only_along_tree = false;            // no force acts on links or along cuts
   // J: the part of gravity's potential energy that the kernels omit, between the origins of the world and the root

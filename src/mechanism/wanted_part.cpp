@@ -181,7 +181,8 @@ class Pruner {
   // A sensor of a reaction is kept with its island even if it is not requested, since it makes the island spatial.
   bool is_kept(const Sensor& sensor) const {
     const auto kept = [&](int part) { return is_kept(part); };
-    return sensors_.contains(sensor.name) || (named_.contains(sensor.name) && std::ranges::any_of(touched(sensor), kept)) ||
+    return sensors_.contains(sensor.name) ||
+           (named_.contains(sensor.name) && std::ranges::any_of(touched(sensor), kept)) ||
            (kind_of(*sensor.is).reads_reaction && std::ranges::any_of(touched(sensor), kept));
   }
 
@@ -242,9 +243,9 @@ class Pruner {
   int islands_ = 0, parts_ = 0;                    // islands first, then immobile parts
   std::vector<int> part_of_body_, part_of_joint_;  // none: only a weld of the ground to itself
   std::vector<int> part_of_state_, part_of_expression_;
-  std::vector<bool> kept_;                         // by part
-  std::unordered_set<std::string> named_;          // by expressions
-  std::unordered_set<std::string_view> sensors_;   // with a requested output
+  std::vector<bool> kept_;                        // by part
+  std::unordered_set<std::string> named_;         // by expressions
+  std::unordered_set<std::string_view> sensors_;  // with a requested output
 };
 
 }  // namespace

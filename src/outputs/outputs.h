@@ -51,8 +51,8 @@ class Outputs {
   template <class T>
   T of_energy(int output, const EnergyOf<T>& energy) const;
 
-  // For outputs that are `sign` times an entry of (q, v, vdot, element states) of their island: the index of the entry. For all others
-  // the index is `none`.
+  // For outputs that are `sign` times an entry of (q, v, vdot, element states) of their island: the index of the entry.
+  // For all others the index is `none`.
   struct Entry {
     int index;
     double sign;

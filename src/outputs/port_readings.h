@@ -59,7 +59,8 @@ class SeenPorts {
 
   // dynamics: of the island of the ports; nullptr if they are fixed in the world.
   SeenPorts(const PortPlaces& places, const ReducedScene& reduced, const Readings<T>* dynamics)
-      : SeenPorts(places, places.island < 0 ? at_origin() : reduced.islands[static_cast<std::size_t>(places.island)].X_W0,
+      : SeenPorts(places,
+                  places.island < 0 ? at_origin() : reduced.islands[static_cast<std::size_t>(places.island)].X_W0,
                   dynamics) {}
   // X_W0: of that island, which must outlive it.
   SeenPorts(const PortPlaces& places, const Pose3& X_W0, const Readings<T>* dynamics)

@@ -128,8 +128,7 @@ void BodyWrenches::add_along_joints(const Reading& reading, const Mechanism& mec
       std::string_view group;
       if constexpr (requires { E::group; }) group = E::group;
       for (const auto& force : list) {
-        add_along(force.joint, force.component, force.motor, group, effort_of(force, q, v, u, recorded),
-                  reading);
+        add_along(force.joint, force.component, force.motor, group, effort_of(force, q, v, u, recorded), reading);
       }
     });
   };

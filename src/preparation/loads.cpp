@@ -246,9 +246,8 @@ LoadAssembler::LoadAssembler(const Scene& scene, const ReducedScene& reduced)
 }
 
 void LoadAssembler::fill(std::vector<Loads>& loads) const {
-  LoadCollector collector{scene_,         reduced_,
-                          body_number_,   joint_number_,
-                          SignalBinder(scene_, reduced_, inputs_.back().front()), loads};
+  LoadCollector collector{
+      scene_, reduced_, body_number_, joint_number_, SignalBinder(scene_, reduced_, inputs_.back().front()), loads};
   collector.prepare();
   collector.states();
   for (std::size_t m = 0; m < scene_.motors.size(); ++m)

@@ -30,9 +30,8 @@ void each_formula(Scene& scene, Visit visit) {
       const auto nowhere = [&] {
         return ElementPlace{.name = named.name, .frames = {}, .joints = {}, .coordinate = {}};
       };
-      each_of(named.fields(), &named, {}, [&](Formula& formula, const Field& field, const Coordinate& at) {
-        visit(formula, field, at, nowhere);
-      });
+      each_of(named.fields(), &named, {},
+              [&](Formula& formula, const Field& field, const Coordinate& at) { visit(formula, field, at, nowhere); });
     }
   };
   of_none(scene.states);

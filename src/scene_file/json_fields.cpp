@@ -83,6 +83,10 @@ Fields::Fields(const Json& value, std::string path, Faults& faults, const std::s
 
 const Json* Fields::find(const std::string& key) {
   if (std::ranges::find(known_, key) == known_.end()) known_.push_back(key);
+  return peek(key);
+}
+
+const Json* Fields::peek(const std::string& key) const {
   if (!valid_) return nullptr;
   const auto found = value_->find(key);
   return found == value_->end() ? nullptr : &*found;

@@ -48,7 +48,9 @@ class Fields {
 
   // Returns the value of a field, or nullptr if it is missing; the key is known from now on.
   const Json* find(const std::string& key);
-  // The same, but adds the error "found nothing, expected ..." if the field is missing.
+  // The same, but the key remains unknown.
+  const Json* peek(const std::string& key) const;
+  // As find(), but adds the error "found nothing, expected ..." if the field is missing.
   const Json* require(const std::string& key, const std::string& expected);
 
   // These return the value of a field, or `otherwise` if it is missing or wrong.

@@ -110,7 +110,7 @@ void read_sections(Fields& fields, Scene& scene, SuspectNames& suspect_names) {
   const Json* expressions = fields.find("expressions");
   if (states != nullptr) read_states(*states, reader);
   if (expressions != nullptr) read_expressions(*expressions, reader);
-  reader.names = names_in({.joints = joints, .sensors = fields.find("sensors"), .expressions = expressions}, scene);
+  reader.names = names_in({.joints = joints, .sensors = fields.peek("sensors"), .expressions = expressions}, scene);
   read_formulas(states, expressions, reader);
   if (gravity != nullptr) read_gravity(*gravity, fields, reader);
   if (bodies != nullptr && bodies->is_object()) reader.bodies = {ground};

@@ -323,11 +323,10 @@ void Island::realize_named() {
 void Island::make_reading() {
   const RevolutionCounter& turns = equations_->revolutions();
   EventModes& modes = equations_->modes();
-  reading_.emplace(Reading{dynamics_->readings(), y_.data(), y_.data() + mechanism().nq, vdot_.data(),
-                           turns.coordinates().data(), turns.speeds().data(),
-                           y_.data() + mechanism().nq + mechanism().nv, rates_.data(), values_.data(),
-                           modes.outputs().forces().data(),
-                           modes.outputs().sides().data(), &equations_->contacts().readings()});
+  reading_.emplace(
+      Reading{dynamics_->readings(), y_.data(), y_.data() + mechanism().nq, vdot_.data(), turns.coordinates().data(),
+              turns.speeds().data(), y_.data() + mechanism().nq + mechanism().nv, rates_.data(), values_.data(),
+              modes.outputs().forces().data(), modes.outputs().sides().data(), &equations_->contacts().readings()});
 }
 
 std::vector<MotionLaw::Derivatives> Island::targets() const {

@@ -15,9 +15,9 @@ Sensitivity::Sensitivity(const ReducedScene& reduced, const Islands& islands, co
     : reduced_(reduced), islands_(islands), readings_(readings), signals_(outputs), states_(states), u_(u) {
   for (std::size_t i = 0; i < islands.size(); ++i) {
     const Island& island = *islands[i];
-    sensitivities_.push_back(std::make_unique<ConstrainedSensitivity>(
-        island.prepared().mechanism, island.loads(), island.prepared().mobility, independent[i],
-        island.formulation().drives().count()));
+    sensitivities_.push_back(std::make_unique<ConstrainedSensitivity>(island.prepared().mechanism, island.loads(),
+                                                                      island.prepared().mobility, independent[i],
+                                                                      island.formulation().drives().count()));
   }
 }
 

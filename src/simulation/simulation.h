@@ -56,9 +56,9 @@ struct ModelSize {
   int element_states = 0;
 
   int states() const { return degrees_of_freedom + free_coordinates + element_states; }  // the smallest number
-  int islands = 0;             // parts without coupling, integrated separately
-  int planar_islands = 0;      // islands computed in their plane
-  bool planar = false;         // whether all islands are
+  int islands = 0;         // parts without coupling, integrated separately
+  int planar_islands = 0;  // islands computed in their plane
+  bool planar = false;     // whether all islands are
 };
 
 // Sizes before initialize(): rank and degrees_of_freedom are 0, since they are not known yet.

@@ -24,8 +24,8 @@ class StateDerivatives {
   // velocities, then all element states.
   const std::vector<int>& states() const;
 
-  // Selects other coordinates and velocities, the same number as above. Throws UsageError for an output that is not a tree coordinate or
-  // velocity.
+  // Selects other coordinates and velocities, the same number as above. Throws UsageError for an output that is not a
+  // tree coordinate or velocity.
   void take_states(const IndependentOutputs& independent);
 
   // Allocates what all of the following use. Throws UsageError before initialize().

@@ -39,9 +39,8 @@ EquilibriumProblem Simulation::Impl::at_rest(const Island& island,
 std::vector<int> Simulation::Impl::mechanisms_of_input(int input) const {
   const std::vector<int>& all = islands_of_input[static_cast<std::size_t>(input)];
   std::vector<int> out;
-  std::ranges::copy_if(all, std::back_inserter(out), [this](int i) {
-    return islands[static_cast<std::size_t>(i)]->prepared().mechanism.nv > 0;
-  });
+  std::ranges::copy_if(all, std::back_inserter(out),
+                       [this](int i) { return islands[static_cast<std::size_t>(i)]->prepared().mechanism.nv > 0; });
   return out.empty() ? all : out;
 }
 

@@ -163,7 +163,7 @@ std::string one_of(std::string_view found, const std::vector<std::string>& names
   const std::string canonical = canonical_name(found, names);
   const std::string near = canonical.empty() ? nearest(found, names) : canonical;
   const std::string hint = near.empty() ? "" : "; did you mean '" + near + "'?";
-  if (names.size() > 24) return "one of " + std::to_string(names.size()) + " " + std::string(many) + hint;
+  if (names.size() > 30) return "one of " + std::to_string(names.size()) + " " + std::string(many) + hint;
   // A list of up to four names needs no suggestion for a misspelled one.
   return "one of " + list(names) + (names.size() > 4 || !canonical.empty() ? hint : "");
 }

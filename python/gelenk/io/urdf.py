@@ -11,7 +11,7 @@ from __future__ import annotations
 import logging
 import re
 import xml.etree.ElementTree as ET
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -25,19 +25,11 @@ from gelenk.file_reading import read_bytes, usable_name
 from gelenk.io.urdf_ignored import ignored
 from gelenk.io.urdf_inertia import impossible_inertias, notes_on_missing, repaired
 from gelenk.io.urdf_limits import bounds_of, limit_notes, start_within
+from gelenk.io.urdf_mimic import DRIVEN, KINDS, coupling_of, mimicry
 from gelenk.model import other_formats
 from gelenk.model.scene import Scene, from_dict
 from gelenk.model.values import is_number
 
-KINDS = {
-    "revolute": "revolute",
-    "continuous": "revolute",
-    "prismatic": "prismatic",
-    "fixed": "weld",
-    "floating": "free",
-    "planar": "planar",
-}
-DRIVEN = ("revolute", "prismatic")
 MAX_BYTES = 16_000_000  # of a file; robots have up to 1 MB
 GRAVITY = 9.81  # m/s2 along -z; URDF does not specify gravity, its tools assume this value
 
@@ -203,9 +195,9 @@ def _convert(file: Path, robot: Any, floating: bool, limits: bool) -> tuple[dict
     couplings = {
         names.take("constraint", f"{joints[j.name]}_mimic", "constraint", noted=False): coupling
         for j in robot.joints
-        if (coupling := _coupling(j, by_name, joints)) is not None
+        if (coupling := coupling_of(j, by_name, joints)) is not None
     }
-    driven = [j for j in robot.joints if KINDS[j.type] in DRIVEN and _coupling(j, by_name, joints) is None]
+    driven = [j for j in robot.joints if KINDS[j.type] in DRIVEN and coupling_of(j, by_name, joints) is None]
     scene["motors"] = {
         names.take("motor", f"{joints[j.name]}_motor", "motor"): {"joint": joints[j.name]} for j in driven
     }
@@ -277,32 +269,6 @@ def _joint(joint: Any, bodies: dict[str, str], limits: bool) -> dict[str, Any]:
     return entry
 
 
-def _coupling(joint: Any, by_name: Mapping[str, Any], joints: Mapping[str, str]) -> dict[str, Any] | None:
-    """Return the constraint of a joint that follows another one, or None if it does not or cannot.
-
-    Args:
-        joint: the joint in the URDF file.
-        by_name: all joints of the file.
-        joints: their names in the scene.
-    """
-    leader = None if joint.mimic is None else by_name.get(joint.mimic.joint)
-    if leader is None or leader is joint or {KINDS[joint.type], KINDS[leader.type]} - {*DRIVEN}:
-        return None
-    given = joint.mimic.multiplier, joint.mimic.offset
-    ratio, offset = (float(otherwise if x is None else x) for x, otherwise in zip(given, (1, 0), strict=True))
-    if ratio == 0:
-        return None
-    here, there = joints[joint.name], joints[leader.name]
-    if KINDS[joint.type] == KINDS[leader.type]:
-        entry: dict[str, Any] = {"type": "coupling", "joint": here, "with": there, "ratio": ratio}
-    elif KINDS[joint.type] == "prismatic":
-        entry = {"type": "rack", "rack": here, "pinion": there, "radius": ratio}
-    else:  # the angle is ratio * travel + offset
-        entry = {"type": "rack", "rack": there, "pinion": here, "radius": 1 / ratio}
-        offset = -offset / ratio
-    return entry | ({"offset": offset} if offset else {})
-
-
 def _rotation(R: NDArray[np.float64]) -> dict[str, Any]:
     """Return roll, pitch and yaw of a rotation if they reproduce it to rounding, else its matrix."""
     if np.array_equal(R, np.eye(3)):
@@ -330,7 +296,7 @@ def _remarks(robot: Any, limits: bool) -> list[str]:
     """Return the notes on what the scene does not contain, and on what limits its use."""
     movable = [j for j in robot.joints if j.type != "fixed"]
     by_name = {joint.name: joint for joint in robot.joints}
-    notes = [_mimicry(j, by_name) for j in movable if j.mimic is not None]
+    notes = [mimicry(j, by_name) for j in movable if j.mimic is not None]
     notes += _losses(movable)
     rubbing = [j.name for j in movable if KINDS[j.type] in DRIVEN and _loss(j, "friction")]
     if rubbing:
@@ -349,13 +315,6 @@ def _remarks(robot: Any, limits: bool) -> list[str]:
     if robot.transmission:
         notes.append("transmissions are not converted: every motor has gear ratio 1")
     return notes
-
-
-def _mimicry(joint: Any, by_name: Mapping[str, Any]) -> str:
-    if _coupling(joint, by_name, {name: name for name in by_name}) is not None:
-        return f"joint {joint.name}: follows {joint.mimic.joint} (mimic) by a constraint, and has no motor"
-    free = "here it moves freely" + (" and has a motor" if KINDS[joint.type] in DRIVEN else "")
-    return f"joint {joint.name}: follows {joint.mimic.joint} in the file (mimic); {free}"
 
 
 def _losses(movable: Sequence[Any]) -> list[str]:

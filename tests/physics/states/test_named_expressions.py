@@ -109,7 +109,8 @@ def test_units_of_other_sizes(size: float) -> None:
         {"mass": body(m)},
         {
             "S": joint(
-                "prismatic", frame("ground"), frame("mass", (size, 0, 0)), axis=[1, 0, 0], start={"s": 0.5 * size},
+                "prismatic", frame("ground"), frame("mass", (size, 0, 0)), axis=[1, 0, 0],
+                start={"s": 0.5 * size},
                 law={"effort": f"-{k}*s"},
             )
         },
