@@ -31,6 +31,15 @@ struct Jacobians {
   auto c_q() { return c.leftCols(qdot_q.rows()); }
   auto c_v() { return c.rightCols(r.rows()); }
 
+  // Writes the derivatives of the rates of the element states with respect to (q, v) and to these states, of which the
+  // signals begin at `first`.
+  template <class Out>
+  void put_rates(int first, Out&& out) const {
+    if (rates.rows() == 0) return;
+    out.leftCols(rates.cols()) = rates;
+    out.middleCols(rates.cols(), rates.rows()) = rates_u.middleCols(first, rates.rows());
+  }
+
   // Resizes all matrices and sets them to zero; those of element states have `states` rows.
   void clear(int nq, int nv, int rows, int inputs, int states = 0);
 };

@@ -92,6 +92,7 @@ class ResidualEvaluatorOf final : public WithReadings<A, ResidualEvaluator<typen
     if (!friction_loads_.empty()) add_loaded_friction(u, lambda);
   }
 
+  const T* all_signals(const T* u) override { return this->with_named(u); }
   void set_cut_reference(const double* q) override { std::copy(q, q + model_.cut_nq, cut_reference_.begin()); }
 
   const std::vector<T>& Phi() const override { return ws_.Phi; }

@@ -28,6 +28,9 @@ class ResidualEvaluator : public Readings<T> {
   // u: the inputs of the scene and its clock, and the element states.
   virtual void set_acceleration(const T* u, const T* vdot, const T* lambda) = 0;
 
+  // u, followed by what expressions name of the motion (kinematics/loads.h); after set_velocity.
+  virtual const T* all_signals(const T* u) = 0;
+
   // Sets the coordinates of cut joints with full revolutions; cut_nq numbers.
   virtual void set_cut_reference(const double* q) = 0;
 

@@ -64,7 +64,7 @@ class DynamicsOf final : public WithKinematics<A, AllOfDynamics> {
         M_(model_, ws_, loads.added_inertia, [this](int k) { throw_singular(mechanism_, k); }),
         Y_(M_, ws_.J, model_.nv),
         modes_({model_, loads_, ws_, q_, v_, cut_reference_}, M_, Y_),
-        kinks_({model_, loads_, ws_, q_, v_, cut_reference_}, modes_.laws(),
+        kinks_({model_, loads_, ws_, q_, v_, cut_reference_}, modes_.laws(), mechanism, *this,
                [this](const double* u) { return this->with_named(u); }),
         max_rank_(model_.rows),
         w_(model_.nv),

@@ -7,12 +7,15 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
 
+#include "derivatives/signal_derivatives.h"
 #include "dynamics/joint_laws.h"
 #include "dynamics/law_kinks.h"
+#include "dynamics/named_rates.h"
 #include "math/dual.h"
 
 namespace gelenk {
@@ -20,10 +23,10 @@ namespace gelenk {
 template <class A>
 class LawKinksOf final : public LawKinks {
  public:
-  // with_named: see WithReadings.
-  LawKinksOf(const typename JointLaws<A>::State& state, const JointLaws<A>& laws,
-             std::function<const double*(const double*)> with_named)
-      : state_(state), laws_(laws), with_named_(std::move(with_named)) {
+  // kinematics: of the same state. with_named: see WithReadings.
+  LawKinksOf(const typename JointLaws<A>::State& state, const JointLaws<A>& laws, const Mechanism& mechanism,
+             const Kinematics& kinematics, std::function<const double*(const double*)> with_named)
+      : state_(state), laws_(laws), kinematics_(kinematics), with_named_(std::move(with_named)) {
     const auto look = [&](const Formula& formula) {
       count_ = std::max(count_, formula.first_branch() + formula.branches());
     };
@@ -39,8 +42,9 @@ class LawKinksOf final : public LawKinks {
     if (count_ > 0 && state_.loads.signals() > state_.loads.first_state) {
       signals_.resize(static_cast<std::size_t>(state_.loads.signals()));
       rates_.resize(signals_.size(), NAN);
-      const auto is_rate = [](const NamedQuantity& of) { return of.is_rate; };
-      depends_on_speed_ = depends_on_speed_ || std::ranges::any_of(state_.loads.named, is_rate);
+      const auto moves = [](const NamedQuantity& of) { return of.is_rate || of.reading != nullptr; };
+      depends_on_speed_ = depends_on_speed_ || std::ranges::any_of(state_.loads.named, moves);
+      if (names_beyond_tree(state_.loads)) named_rates_.emplace(mechanism, state_.loads);
     }
     courses_.resize(static_cast<std::size_t>(count_));
     values_.resize(courses_.size());
@@ -126,10 +130,13 @@ class LawKinksOf final : public LawKinks {
     if (rates_.empty()) return;
     double* out = rates_.data() + state_.loads.first_state;
     for (const Formula& rate : state_.loads.rates) *out++ = rate.value_among<double>(nullptr, all);
+    if (named_rates_) {
+      named_rates_->find(kinematics_, state_.q, state_.v, vdot, state_.cut_reference.data(), out);
+      return;
+    }
     for (const NamedQuantity& of : state_.loads.named) {
-      const bool in_tree = of.cut < 0 && of.reading == nullptr;
       const double* const rates = of.is_rate ? vdot : state_.v.data();
-      *out++ = !of.moves ? 0 : in_tree && rates != nullptr ? of.sign * rates[of.v] : NAN;
+      *out++ = !of.moves ? 0 : rates == nullptr ? NAN : of.sign * rates[of.v];
     }
   }
 
@@ -172,7 +179,9 @@ class LawKinksOf final : public LawKinks {
 
   typename JointLaws<A>::State state_;
   const JointLaws<A>& laws_;
+  const Kinematics& kinematics_;
   std::function<const double*(const double*)> with_named_;
+  std::optional<NamedRates> named_rates_;  // of what is beyond the tree
   int count_ = 0;
   bool between_bodies_ = false;  // some are of forces between bodies
   bool depends_on_speed_ = false;

@@ -22,6 +22,7 @@ class Drives {
   void go_to(double t, const double* y);
   // Number of element states, which follow (q, v) in y, and the index of the first one in u().
   int states() const { return states_; }
+  int motion_size() const { return first_; }  // of (q, v)
   int first_state() const { return count() - states_; }
   void set_states(const double* states) { std::copy_n(states, states_, signals_.end() - states_); }
   // The same for outputs at the present time of the run: derivatives are those of the motion that has led there

@@ -16,6 +16,10 @@ namespace {
 // failed step.
 constexpr double dead_center_pivot_ratio = 0.1;
 
+// An element state on its way to infinity: its size, in its nominal size, and its rate of growth [1/s].
+constexpr double lost_state = 1e4;
+constexpr double lost_state_growth = 1e3;
+
 // Sets a flag during its lifetime, also where that is ended by an exception.
 class Raised {
  public:
@@ -81,7 +85,27 @@ std::string Formulation::obstacle(const double* y) {
   std::string reason = row_domain_.undefined_reason();
   if (reason.empty()) reason = modes_.indeterminacy();
   if (reason.empty()) reason = describe_dead_center();
-  return reason.empty() ? contacts_.steps().failure() : reason;
+  if (reason.empty()) reason = contacts_.steps().failure();
+  return reason.empty() ? describe_lost_state(y) : reason;
+}
+
+// Describes an element state of which the value or the rate is no number, or soon will be; `dynamics` is at the
+// position of y.
+std::string Formulation::describe_lost_state(const double* y) {
+  if (drives_.states() == 0) return {};
+  const double* const states = y + drives_.motion_size();
+  std::vector<double> rates(static_cast<std::size_t>(drives_.states()));
+  drives_.set_states(states);
+  dynamics_.set_velocity(y + mechanism_.nq);
+  dynamics_.readings().state_rates(drives_.u().data(), rates.data());
+  for (std::size_t k = 0; k < rates.size(); ++k) {
+    const std::string& name = mechanism_.state_names[k];
+    const double size = std::abs(states[k]);
+    if (size > lost_state && !(std::abs(rates[k]) < lost_state_growth * size))
+      return "the state " + name + " grows without bound";
+    if (!std::isfinite(rates[k])) return "the rate of the state " + name + " is not finite";
+  }
+  return {};
 }
 
 bool Formulation::rhs(double t, const double* y, double* ydot) {
@@ -102,7 +126,7 @@ bool Formulation::evaluate(double t, const double* y, double* ydot) {
   if (!takes_differences_) modes_.watch_forces(t);
   if (mechanism_.rows > 0 && factorizes_constraints()) singularity_monitor_.observe(t, dynamics_.pivot_ratio());
   dynamics_.qdot_from_v(y, v, ydot);
-  if (drives_.states() > 0) dynamics_.readings().state_rates(drives_.u().data(), ydot + motion_size());
+  if (drives_.states() > 0) dynamics_.readings().state_rates(drives_.u().data(), ydot + drives_.motion_size());
   return all_finite(ydot, size());
 }
 
@@ -202,7 +226,7 @@ bool Formulation::jacobian(double t, const double* y, double* J) {
   out.topLeftCorner(nq, nq) = jacobians_.qdot_q;
   out.block(0, nq, nq, mechanism_.nv) = jacobians_.qdot_v;
   out.topRightCorner(nq, drives_.states()).setZero();
-  state_jacobian(out.bottomRows(drives_.states()));
+  jacobians_.put_rates(drives_.first_state(), out.bottomRows(drives_.states()));
   return out.allFinite();
 }
 
@@ -241,13 +265,13 @@ void Formulation::differentiate(const double* vdot, Eigen::Map<Eigen::MatrixXd>&
 
 // With r = 0 and c = 0 along the solution, [M J^T; J 0] d(vdot, lambda) = -(dr, dc). Overwrites jacobians_.r.
 void Formulation::acceleration_jacobian(Eigen::Map<Eigen::MatrixXd>& out) {
-  dynamics_.solve_linear_columns(jacobians_.r.data(), jacobians_.c.data(), motion_size());
-  out.block(mechanism_.nq, 0, mechanism_.nv, motion_size()) = -jacobians_.r;
+  dynamics_.solve_linear_columns(jacobians_.r.data(), jacobians_.c.data(), drives_.motion_size());
+  out.block(mechanism_.nq, 0, mechanism_.nv, drives_.motion_size()) = -jacobians_.r;
   if (drives_.states() == 0) return;
   by_states_ = jacobians_.r_u.middleCols(drives_.first_state(), drives_.states());
   no_rows_.setZero(mechanism_.rows, drives_.states());
   dynamics_.solve_linear_columns(by_states_.data(), no_rows_.data(), drives_.states());
-  out.block(mechanism_.nq, motion_size(), mechanism_.nv, drives_.states()) = -by_states_;
+  out.block(mechanism_.nq, drives_.motion_size(), mechanism_.nv, drives_.states()) = -by_states_;
 }
 
 bool Formulation::project(double, double* y) {

@@ -55,7 +55,7 @@ class Formulation : public Equations, private ModeEquations {
  public:
   explicit Formulation(const FormulationContext& context);
 
-  int size() const final { return motion_size() + drives_.states(); }
+  int size() const final { return drives_.motion_size() + drives_.states(); }
   int coordinates() const final { return mechanism_.nq; }
   int velocities() const final { return mechanism_.nv; }
   bool rhs(double t, const double* y, double* ydot) override;
@@ -110,15 +110,6 @@ class Formulation : public Equations, private ModeEquations {
   // These rows of `out` <- derivatives of vdot if J vdot = gamma is satisfied exactly, from jacobians_ and the last
   // factors.
   void acceleration_jacobian(Eigen::Map<Eigen::MatrixXd>& out);
-  int motion_size() const { return mechanism_.nq + mechanism_.nv; }
-  // Their derivatives into the last rows of `out`, from jacobians_.
-  template <class Out>
-  void state_jacobian(Out&& out) const {
-    if (drives_.states() == 0) return;
-    out.leftCols(motion_size()) = jacobians_.rates;
-    out.middleCols(motion_size(), drives_.states()) = jacobians_.rates_u.middleCols(drives_.first_state(), drives_.states());
-  }
-
   void count_jacobian() { ++jacobian_count_; }
   virtual ConstraintProjector& projector() { return projector_; }
 
@@ -131,6 +122,7 @@ class Formulation : public Equations, private ModeEquations {
   bool jacobian_is_outdated() final;
   void displace(double* q, const double* dv) const final { dynamics_.displace(q, dv); }
   std::string describe_dead_center();
+  std::string describe_lost_state(const double* y);
   void mode_changed() override {}
   bool bring_inputs(double t, const double* y) final;
   void accelerations_at(double t, const double* y, double* vdot) final;

@@ -15,7 +15,7 @@ class Index3 final : public WithMultipliers {
 
   int multipliers() const override { return mechanism_.rows; }
   int index(int i) const override {
-    const bool is_state = i >= motion_size() && i < size();
+    const bool is_state = i >= drives_.motion_size() && i < size();
     if (mechanism_.rows == 0 || i < mechanism_.nq || is_state) return 1;
     return i < size() || !holds_position(i - size()) ? 2 : 3;
   }

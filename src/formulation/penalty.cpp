@@ -38,7 +38,8 @@ class Penalty final : public Penalized {
       by_q.noalias() -= a_ * dynamics_.J().transpose() * jacobians_.c_q();
       by_v.noalias() -= a_ * dynamics_.J().transpose() * jacobians_.c_v();
     }
-    if (drives_.states() > 0) rows.rightCols(drives_.states()) = -jacobians_.r_u.middleCols(drives_.first_state(), drives_.states());
+    if (drives_.states() > 0)
+      rows.rightCols(drives_.states()) = -jacobians_.r_u.middleCols(drives_.first_state(), drives_.states());
     factor_.solveInPlace(rows);
   }
 };

@@ -68,9 +68,9 @@ bool WithMultipliers::equations_of_motion(double t, const double* x, const doubl
   balance.noalias() += M_ * vdot;
   if (mechanism_.rows > 0) balance.noalias() += dynamics_.J().transpose() * lambda;
   if (drives_.states() == 0) return true;
-  double* const rates = r.data() + motion_size();
+  double* const rates = r.data() + drives_.motion_size();
   dynamics_.readings().state_rates(drives_.u().data(), rates);
-  for (int k = 0; k < drives_.states(); ++k) rates[k] = xdot[motion_size() + k] - rates[k];
+  for (int k = 0; k < drives_.states(); ++k) rates[k] = xdot[drives_.motion_size() + k] - rates[k];
   return true;
 }
 
@@ -85,13 +85,14 @@ bool WithMultipliers::motion_jacobian(double t, const double* x, const double* x
   F_x.block(mechanism_.nq, mechanism_.nq, mechanism_.nv, mechanism_.nv) = jacobians_.r_v();
   if (mechanism_.rows > 0) F_x.block(mechanism_.nq, size(), mechanism_.nv, mechanism_.rows) = dynamics_.J().transpose();
   if (drives_.states() > 0) {
-    F_x.block(mechanism_.nq, motion_size(), mechanism_.nv, drives_.states()) = jacobians_.r_u.middleCols(drives_.first_state(), drives_.states());
-    auto rates = F_x.middleRows(motion_size(), drives_.states());
-    state_jacobian(rates);
+    F_x.block(mechanism_.nq, drives_.motion_size(), mechanism_.nv, drives_.states()) =
+        jacobians_.r_u.middleCols(drives_.first_state(), drives_.states());
+    auto rates = F_x.middleRows(drives_.motion_size(), drives_.states());
+    jacobians_.put_rates(drives_.first_state(), rates);
     rates = -rates;
   }
   F_xdot.setZero();
-  F_xdot.block(motion_size(), motion_size(), drives_.states(), drives_.states()).setIdentity();
+  F_xdot.block(drives_.motion_size(), drives_.motion_size(), drives_.states(), drives_.states()).setIdentity();
   F_xdot.topLeftCorner(mechanism_.nq, mechanism_.nq).setIdentity();
   F_xdot.block(mechanism_.nq, mechanism_.nq, mechanism_.nv, mechanism_.nv) = M_;
   return F_x.allFinite();

@@ -39,6 +39,7 @@ struct MechanismBuilder {
     std::ranges::sort(out.joints);
     out.states = graph.states;
     out.expressions = graph.expressions;
+    for (const int state : out.states) out.state_names.push_back(scene.states[static_cast<std::size_t>(state)].name);
   }
 
   void add_ground() {

@@ -114,6 +114,7 @@ struct Mechanism {
   std::vector<int> joints;                     // its joints of the scene, in file order
   std::vector<int> states;                     // its element states of the scene, in file order
   std::vector<int> expressions;                // its named expressions of the scene, in file order
+  std::vector<std::string> state_names;        // of the element states
   int nq = 0, nv = 0, rows = 0;
   int cut_nq = 0, cut_nv = 0;
   bool planar = false;

@@ -185,3 +185,14 @@ def test_kink_that_is_approached_and_not_passed_costs_nothing(integrator: str) -
     simulation.step_to(1.0)
     assert simulation.output("lag") == pytest.approx(0.99, abs=1e-6)
     assert simulation.diagnostic("solver.evaluations") < 2000
+
+
+@pytest.mark.parametrize("integrator", ["auto", "dirk", "cvode", "ida"])
+def test_state_that_grows_without_bound_is_named(integrator: str) -> None:
+    """The solution 1/(1 - t) ends at 1 s; and a rate that is not defined at the start."""
+    source = rotor(states={"q1": {"rate": "q1^2", "start": 1.0}}, solver={"integrator": integrator})
+    with pytest.raises(gelenk.StepError, match=r"the state q1 grows without bound"):
+        values(source, ["q1"], [2.0], 1e-6)
+    source = rotor(states={"q1": "1/q1"}, solver={"integrator": integrator})
+    with pytest.raises(gelenk.GelenkError, match=r"the rate of the state q1 is not finite"):
+        values(source, ["q1"], [2.0], 1e-6)

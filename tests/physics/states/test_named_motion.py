@@ -3,11 +3,12 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
 import pytest
-from circuits import dc_exact, dc_motor, values
+from circuits import dc_exact, dc_motor, rotor, values
 from mechanisms import body, four_bar, frame, joint, scene
 
 import gelenk
@@ -127,3 +128,24 @@ def test_wanted_outputs_keep_what_their_expressions_name() -> None:
     only.initialize(0.0, 1e-8)
     only.step_to(1.0)
     assert only.output("other") == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.mark.parametrize("integrator", ["auto", "dirk", "cvode", "ida"])
+def test_thresholds_of_sensors_are_found_in_slow_motion(integrator: str) -> None:
+    """An oscillation sin t: the times below a distance and above a speed of a point, in one step."""
+    source = rotor(
+        effort="-0.5*phi", start={"phi": 0.0, "w": 1.0},
+        states={"near": "if(gap.d < 1.0005, 1, 0)", "fast": "if(tip.v[2] > 0.999, 1, 0)"},
+        sensors={
+            "gap": {"type": "distance", "from": {"body": "ground", "position": [2, 0, 0]},
+                    "to": {"body": "rotor", "position": [1, 0, 0]}},
+            "tip": {"type": "frame", "body": "rotor", "position": [1, 0, 0]},
+        },
+        solver={"integrator": integrator},
+    )  # fmt: skip
+    found = values(source, ["near", "fast"], [10 * math.pi], 1e-8)[0]
+    t = np.linspace(0, 10 * math.pi, 2_000_001)
+    phi, w = np.sin(t), np.cos(t)
+    near = np.mean((2 - np.cos(phi)) ** 2 + np.sin(phi) ** 2 < 1.0005**2) * 10 * math.pi
+    fast = np.mean(np.cos(phi) * w > 0.999) * 10 * math.pi
+    np.testing.assert_allclose(found, [near, fast], rtol=0, atol=1e-4)  # of the sum over so many instants
