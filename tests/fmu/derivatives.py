@@ -93,8 +93,9 @@ def slopes_by_the_states_are_those_of_instances_set_beside(fmu: Fmu) -> None:
             other = Slave(fmu)
             at = dict(start)
             at[state] += by
-            joints = [f"{j}.{x}" for j in "ABCD" for x in ("phi", "w")]
-            assert other.set({f"{name}_start": at[name] for name in joints}) == OK, other.said
+            states = [f"{j}.{x}" for j in "ABCD" for x in ("phi", "w")]
+            states += [name for name in names if f"{name}.rate" in names]  # of elements
+            assert other.set({f"{name}_start": at[name] for name in states}) == OK, other.said
             other.set_real(drive__tau=1.5)
             out = other.start().outputs()
             other.free()

@@ -17,6 +17,31 @@ def crank_rocker() -> Scene:
     return out
 
 
+def with_circuit() -> Scene:
+    """The crank-rocker with a current at the crank, a limited controller of the rocker's angle, a damper by a
+    sensor, and heat; expressions name the joint that closes the loop.
+    """
+    out = crank_rocker()
+    out["sensors"]["gap"] = {
+        "type": "distance",
+        "from": frame("crank", (0.5, 0, 0)),
+        "to": frame("ground", (2, 1, 0)),
+    }
+    out["constants"] = {"R": 1.0, "k": 0.6}
+    out["states"] = {
+        "i": {"rate": "(voltage - R*i - k*A.w)/0.02", "unit": "A", "start": 0.2},
+        "sum": "D.phi - 1.9 + (voltage - wanted)/0.1",
+        "heat": {"rate": "loss", "unit": "J", "nominal": 10.0},
+    }
+    out["expressions"] = {
+        "wanted": "8*(1.9 - D.phi) - 2*C.w - 3*sum",
+        "voltage": {"value": "clip(wanted, -6, 6)", "unit": "V"},
+        "loss": {"value": "R*i^2", "unit": "W"},
+    }
+    out["joints"]["A"]["law"] = {"effort": "k*i - 0.1*gap.v"}
+    return out
+
+
 def gyroscope() -> Scene:
     """Quaternions: a top on a spherical joint, a free body tied to it by a spring, a wrench as input."""
     return scene(

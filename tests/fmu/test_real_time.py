@@ -18,7 +18,7 @@ import gelenk
 
 from .c_hosts import extracted
 from .host import Fmu
-from .plants import crank_rocker, cranked, driven, touching, weightless
+from .plants import crank_rocker, cranked, driven, touching, weightless, with_circuit
 from .states import choice
 
 HOST = "no_allocation_host"
@@ -55,6 +55,7 @@ PLANTS = [
     (crank_rocker, "A.damping", 0),
     pytest.param(driven, "bobs.damping", 6, marks=pytest.mark.study),
     (cranked, "bobs.damping", 0),
+    pytest.param(with_circuit, "A.damping", 0, marks=pytest.mark.study),
     pytest.param(weightless, "bobs.damping", 0, marks=pytest.mark.study),
 ]
 
@@ -81,6 +82,14 @@ def test_running_asks_nothing_of_the_heap(
     assert len(found) > 30
     noisy = {name: calls for name, calls in found.items() if any(calls.values())}
     assert not noisy, "\n".join(f"{name}: {calls}" for name, calls in noisy.items())
+
+
+@pytest.mark.parametrize("integrator", ["auto", "dirk", "rk4"])
+def test_element_states_ask_nothing_of_the_heap(integrator: str, host: Path, tmp_path: Path) -> None:
+    """Through kinks, and with the joint that closes the loop and a sensor in expressions."""
+    fmu = gelenk.export_fmu({**with_circuit(), "solver": {"integrator": integrator}}, tmp_path / "x.fmu")
+    calls = heap_calls(host, fmu, tmp_path / "x", "A.damping")
+    assert not any(calls.values()), calls
 
 
 @pytest.mark.parametrize("boxes", [2, 10])
