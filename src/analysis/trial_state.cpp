@@ -9,6 +9,7 @@
 #include "assembly/loop_closure.h"
 #include "element/constraints/cut_joint.h"
 #include "kinematics/force_modes.h"
+#include "kinematics/loads.h"
 #include "kinematics/switching_force.h"
 #include "mechanism/mechanism.h"
 
@@ -281,14 +282,7 @@ void TrialStates::differentiate(TrialState& at) {
   }
   at.A = A.leftCols(x);
   at.B = A.rightCols(inputs);
-  at.sizes.setOnes(x + inputs);
-  if (request.steady) {
-    for (Index k = 0; k < m; ++k) at.sizes[n + k] += time_ * std::abs(at.v[by.speeds[static_cast<std::size_t>(k)]]);
-  }
-  for (Index k = 0; k < inputs; ++k) {
-    const EquilibriumRequest::UnknownInput& unknown = unknown_[static_cast<std::size_t>(k)];
-    at.sizes[x + k] += std::abs(at.u[static_cast<std::size_t>(unknown.input)] / unknown.size);
-  }
+  find_sizes(at);
   at.displacement_jacobian = of_unknowns(displacements(mechanism_, at.q.data(), moved.topRows(mechanism_.nq)));
   if (request.steady) at.velocity_change = of_unknowns(moved.middleRows(mechanism_.nq, nv));
   std::vector<int> outputs;
@@ -298,6 +292,21 @@ void TrialStates::differentiate(TrialState& at) {
     if (request.held[i].order == 1) at.hold_rows.row(static_cast<Index>(i)) *= time_;
   }
   find_contact_rows(at);
+}
+
+// The sizes of the unknowns: coordinates, velocities where the motion is steady, inputs.
+void TrialStates::find_sizes(TrialState& at) const {
+  const Index coordinates = at.A.cols();
+  const auto speeds = static_cast<Index>(of_.request.steady ? at.speeds.size() : 0);
+  at.sizes.setOnes(coordinates + at.B.cols());
+  for (Index k = 0; k < speeds; ++k) {
+    const int speed = at.speeds[static_cast<std::size_t>(k)];
+    at.sizes[coordinates - speeds + k] += time_ * std::abs(at.v[speed]);
+  }
+  for (Index k = 0; k < at.B.cols(); ++k) {
+    const EquilibriumRequest::UnknownInput& unknown = unknown_[static_cast<std::size_t>(k)];
+    at.sizes[coordinates + k] += std::abs(at.u[static_cast<std::size_t>(unknown.input)] / unknown.size);
+  }
 }
 
 void TrialStates::find_contact_rows(TrialState& at) {

@@ -90,6 +90,7 @@ class TrialStates {
   void move_consistently(TrialState& at);
   void read(TrialState& at);
   void find_contact_rows(TrialState& at);
+  void find_sizes(TrialState& at) const;
   bool rests(int lock, const TrialState& at);
   std::vector<MotionLaw::Derivatives> targets(const TrialState& at) const;
   void unwrap_angles(int cut, std::vector<double>& cut_q) const;

@@ -16,7 +16,7 @@ inline void differentiate_held(const Loads& loads, const int* side, const double
     out.r_q()(force.v, force.q) += free[0] - held[0];
     out.r_v()(force.v, force.v) += free[1] - held[1];
     for (int i = 0; out.of_inputs && i < inputs; ++i) {
-      const auto k = static_cast<std::size_t>(2 + i);
+      const auto k = 2 + static_cast<std::size_t>(i);
       out.r_u(force.v, force.input + i) += free[k] - held[k];
     }
     ++side;

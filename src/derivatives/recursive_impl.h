@@ -265,7 +265,7 @@ void RecursiveJacobians<A>::tree_load_jacobians(const LinearizationPoint& at, Ja
         r_q(force.v, force.q) -= derivatives[0];
         r_v(force.v, force.v) -= derivatives[1];
         for (int i = 0; out.of_inputs && i < inputs; ++i)
-          out.r_u(force.v, force.input_at(i)) -= derivatives[static_cast<std::size_t>(2 + i)];
+          out.r_u(force.v, force.input_at(i)) -= derivatives[2 + static_cast<std::size_t>(i)];
       }
     }
   });

@@ -24,7 +24,7 @@ DerivativesAlong derivatives_by_duals(const AlongCoordinate<F>& force, const dou
   std::array<Dual, 2 + max_inputs_along> at;
   at[0] = Dual(force.sign * q[force.q]);
   at[1] = Dual(force.sign * v[force.v]);
-  for (int i = 0; i < inputs; ++i) at[static_cast<std::size_t>(2 + i)] = Dual(u[force.input_at(i)]);
+  for (int i = 0; i < inputs; ++i) at[2 + static_cast<std::size_t>(i)] = Dual(u[force.input_at(i)]);
   const auto effort = [&]() -> Dual {
     if constexpr (Switches<F>) {
       const bool is_held = side != nullptr && *side != mode_of_state;
@@ -33,7 +33,7 @@ DerivativesAlong derivatives_by_duals(const AlongCoordinate<F>& force, const dou
       return force.element.effort(at[0], at[1], at.data() + 2);
     }
   };
-  const auto count = static_cast<std::size_t>(2 + inputs);
+  const auto count = 2 + static_cast<std::size_t>(inputs);
   for (std::size_t first = 0; first < count; first += dual_directions) {
     const std::size_t width = std::min<std::size_t>(dual_directions, count - first);
     for (std::size_t k = 0; k < width; ++k) at[first + k].derivatives()[static_cast<Eigen::Index>(k)] = 1;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Partition of a scene into islands, which can be solved separately, each with its own steps.
 #include <algorithm>
+#include <iterator>
 #include <numeric>
 #include <string_view>
 #include <unordered_map>
@@ -38,17 +39,16 @@ void couple_by_expressions(const Scene& scene, std::size_t groups, const auto& g
     const auto first = static_cast<int>(groups + scene.states.size());
     return found == scene.expressions.end() ? -1 : first + static_cast<int>(found - scene.expressions.begin());
   };
+  const auto named = [&](std::string_view signal, std::vector<int>& coupled) {
+    if (const int of = state(signal); of >= 0) coupled.push_back(of);
+    const std::string_view owner = signal.substr(0, signal.find('.'));
+    if (const auto moved = moved_group.find(owner); moved != moved_group.end()) coupled.push_back(moved->second);
+    const auto sensor = std::ranges::find(scene.sensors, owner, &Sensor::name);
+    if (sensor != scene.sensors.end()) std::ranges::copy(groups_of(*sensor), std::back_inserter(coupled));
+  };
   for (const FormulaReader& reader : formula_readers(scene)) {
     std::vector<int> coupled;
-    for (const std::string& signal : reader.signals) {
-      if (const int of = state(signal); of >= 0) coupled.push_back(of);
-      const std::string_view owner = std::string_view(signal).substr(0, signal.find('.'));
-      const auto moved = moved_group.find(owner);
-      if (moved != moved_group.end()) coupled.push_back(moved->second);
-      const auto sensor = std::ranges::find(scene.sensors, owner, &Sensor::name);
-      if (sensor == scene.sensors.end()) continue;
-      for (const int group : groups_of(*sensor)) coupled.push_back(group);
-    }
+    for (const std::string& signal : reader.signals) named(signal, coupled);
     if (coupled.empty()) continue;  // inputs and the time couple nothing
     for (const int of : {state(reader.place.name), expression(reader.place.name)}) {
       if (of >= 0) coupled.push_back(of);

@@ -127,6 +127,14 @@ class Pruner {
   }
   bool is_island(int part) const { return part != none && part < islands_; }
 
+  // Marks the part of an output of a joint, a state or a named expression.
+  void keep_part_of(const Signal& output) {
+    if (output.joint >= 0) keep(part_of_joint_[static_cast<std::size_t>(output.joint)]);
+    const auto element = static_cast<std::size_t>(output.element);
+    if (output.section == sections::states) keep(part_of_state_[element]);
+    if (output.section == sections::expressions) keep(part_of_expression_[element]);
+  }
+
   // Marks the parts with requested outputs; returns the names of the sensors with a requested output.
   std::unordered_set<std::string_view> wanted_sensors() {
     const std::vector<Signal> outputs = output_signals(scene_);
@@ -134,10 +142,7 @@ class Pruner {
     std::unordered_set<std::string> owners;  // of sensors and constraints
     for (std::size_t i = 0; i < outputs.size(); ++i) {
       if (!wanted[i]) continue;
-      if (outputs[i].joint >= 0) keep(part_of_joint_[static_cast<std::size_t>(outputs[i].joint)]);
-      if (outputs[i].section == sections::states) keep(part_of_state_[static_cast<std::size_t>(outputs[i].element)]);
-      if (outputs[i].section == sections::expressions)
-        keep(part_of_expression_[static_cast<std::size_t>(outputs[i].element)]);
+      keep_part_of(outputs[i]);
       if (outputs[i].joint < 0) owners.insert(outputs[i].name.substr(0, outputs[i].name.find('.')));
     }
     std::unordered_set<std::string_view> sensors;

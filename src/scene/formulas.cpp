@@ -134,7 +134,9 @@ std::optional<SensorOutput> find_sensor_output(const Scene& scene, std::string_v
   const std::span<const SignalGroup> groups = kind_of(*sensor->is).outputs;
   const auto group = std::ranges::find(groups, of, &SignalGroup::name);
   const std::size_t index = name.find('[');
-  const int component = index == name.npos ? 0 : std::atoi(std::string(name.substr(index + 1)).c_str()) - 1;
+  const int component =
+      index == name.npos ? 0
+                         : static_cast<int>(std::strtol(std::string(name.substr(index + 1)).c_str(), nullptr, 10)) - 1;
   return SensorOutput{.sensor = static_cast<int>(sensor - scene.sensors.begin()),
                       .group = static_cast<int>(group - groups.begin()),
                       .component = component};

@@ -248,18 +248,8 @@ Json settings() {
   return out;
 }
 
-}  // namespace
-
-std::string scene_schema() {
-  Json fields;
-  fields["gelenk"] = {{"const", scene_version}, {"description", "Version of the format"}};
-  fields["name"] = {{"type", "string"}, {"minLength", 1}, {"maxLength", 200}, {"description", "Name of the mechanism"}};
-  for (const MetadataKey& key : metadata_keys) {
-    fields[std::string(key.name)] = {{"type", "string"},
-                                     {"minLength", 1},
-                                     {"maxLength", max_metadata_size},
-                                     {"description", std::string(key.meaning) + "; passed on by FMUs"}};
-  }
+// Sections of quantities that expressions name.
+void name_quantities(Json& fields) {
   fields["constants"] = {{"description", "Numbers that expressions name, in SI units."},
                          {"type", "object"},
                          {"additionalProperties", {{"type", "number"}}}};
@@ -284,6 +274,21 @@ std::string scene_schema() {
                            {"value"});
   fields["expressions"] =
       section({{"anyOf", {value, expression}}}, "Expressions with names: outputs, and parts of others.", false);
+}
+
+}  // namespace
+
+std::string scene_schema() {
+  Json fields;
+  fields["gelenk"] = {{"const", scene_version}, {"description", "Version of the format"}};
+  fields["name"] = {{"type", "string"}, {"minLength", 1}, {"maxLength", 200}, {"description", "Name of the mechanism"}};
+  for (const MetadataKey& key : metadata_keys) {
+    fields[std::string(key.name)] = {{"type", "string"},
+                                     {"minLength", 1},
+                                     {"maxLength", max_metadata_size},
+                                     {"description", std::string(key.meaning) + "; passed on by FMUs"}};
+  }
+  name_quantities(fields);
   fields["gravity"] = gravity();
   fields["bodies"] = section(body(), "Rigid bodies. The ground always exists.", true);
   fields["ground"] = object({{"shapes", reference("shapes")}}, {});

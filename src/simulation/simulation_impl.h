@@ -97,6 +97,7 @@ struct Simulation::Impl {
   void find_independent();
   void start_at_equilibrium();  // moves the start to an equilibrium
   Trim trim(const EquilibriumRequest& request);
+  void add_residuals(int island, const EquilibriumRequest& request, const Equilibrium& here, Trim& out) const;
   Equilibrium found_from(const Island& island, const EquilibriumProblem& of,
                          const std::vector<std::string>& coordinates) const;
   std::vector<int> mechanisms_of_input(int input) const;

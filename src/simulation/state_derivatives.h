@@ -26,7 +26,7 @@ class StateDerivatives {
 
   // Selects other coordinates and velocities, the same number as above. Throws UsageError for an output that is not a
   // tree coordinate or velocity.
-  void take_states(const IndependentOutputs& independent);
+  void take_states(const IndependentOutputs& chosen);
 
   // Allocates what all of the following use. Throws UsageError before initialize().
   void prepare();

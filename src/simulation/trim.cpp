@@ -94,6 +94,27 @@ Equilibrium Simulation::Impl::found_from(const Island& island, const Equilibrium
   }
 }
 
+// Adds the accelerations and the rates of the states of an island at what was found.
+void Simulation::Impl::add_residuals(int island, const EquilibriumRequest& request, const Equilibrium& here,
+                                     Trim& out) const {
+  const Mechanism& mechanism = islands[static_cast<std::size_t>(island)]->prepared().mechanism;
+  const std::vector<int> accelerations =
+      request.steady ? request.accelerations : independent_accelerations(island, nullptr);
+  for (std::size_t k = 0; k < accelerations.size(); ++k) {
+    const Outputs::Entry entry = readings->entry(accelerations[k]);
+    const double value = request.steady ? here.accelerations[static_cast<Eigen::Index>(k)]
+                                        : entry.sign * here.vdot[entry.index - mechanism.nq - mechanism.nv];
+    out.residual.emplace_back(accelerations[k], output_size[static_cast<std::size_t>(accelerations[k])] * value);
+  }
+  for (std::size_t output = 0; output < outputs.size(); ++output) {
+    const Outputs::Entry entry = readings->entry(static_cast<int>(output));
+    const bool is_state = outputs[output].section == sections::states && outputs[output].group == 0;
+    if (!is_state || readings->island(static_cast<int>(output)) != island) continue;
+    const double rate = here.rates[entry.index - mechanism.nq - 2 * mechanism.nv];
+    out.residual.emplace_back(outputs[output].derivative, output_size[output] * rate);
+  }
+}
+
 Trim Simulation::Impl::trim(const EquilibriumRequest& request) {
   Trim out;
   for (const EquilibriumRequest::Held& held : request.held) {
@@ -124,21 +145,7 @@ Trim Simulation::Impl::trim(const EquilibriumRequest& request) {
     u.go_to(time);
     out.end = std::max(out.end, here.end);
     out.steps += here.steps;
-    const std::vector<int> accelerations =
-        of.request.steady ? of.request.accelerations : independent_accelerations(i, nullptr);
-    for (std::size_t k = 0; k < accelerations.size(); ++k) {
-      const Outputs::Entry entry = readings->entry(accelerations[k]);
-      const double value = of.request.steady ? here.accelerations[static_cast<Eigen::Index>(k)]
-                                             : entry.sign * here.vdot[entry.index - mechanism.nq - mechanism.nv];
-      out.residual.emplace_back(accelerations[k], output_size[static_cast<std::size_t>(accelerations[k])] * value);
-    }
-    for (std::size_t output = 0; output < outputs.size(); ++output) {
-      const Outputs::Entry entry = readings->entry(static_cast<int>(output));
-      const bool is_state = outputs[output].section == sections::states && outputs[output].group == 0;
-      if (!is_state || readings->island(static_cast<int>(output)) != i) continue;
-      const double rate = here.rates[entry.index - mechanism.nq - 2 * mechanism.nv];
-      out.residual.emplace_back(outputs[output].derivative, output_size[output] * rate);
-    }
+    add_residuals(i, of.request, here, out);
   }
   if (out.end != Equilibrium::End::found) return out;
   for (std::size_t i = 0; i < islands.size(); ++i) {

@@ -77,9 +77,9 @@ std::string shortest(double x) {
 std::string number(double x) {
   if (std::isnan(x)) return "NaN";
   if (std::isinf(x)) return x > 0 ? "Infinity" : "-Infinity";
-  const std::string scientific = shortest(x);
+  std::string scientific = shortest(x);
   const std::size_t e = scientific.find('e');
-  const int exponent = std::atoi(scientific.c_str() + e + 1);
+  const auto exponent = static_cast<int>(std::strtol(scientific.c_str() + e + 1, nullptr, 10));
   const std::string sign = scientific[0] == '-' ? "-" : "";
   std::string digits = scientific.substr(sign.size(), e - sign.size());
   std::erase(digits, '.');
