@@ -135,7 +135,10 @@ class Independent final : public Formulation {
 
   void accepted(double t, const double* y) override {
     Formulation::accepted(t, y);  // leaves dynamics_ at y
-    if (mechanism_.rows > 0 && partition_.needs_repartitioning()) partition_.choose();
+    if (mechanism_.rows == 0) return;
+    if (partition_.needs_repartitioning()) partition_.choose();
+    // A step from a restored state has none either; with those of the last evaluation it would end on other digits.
+    partition_.discard_factors();
   }
 
  private:
