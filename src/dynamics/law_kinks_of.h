@@ -29,6 +29,7 @@ class LawKinksOf final : public LawKinks {
       : state_(state), laws_(laws), kinematics_(kinematics), with_named_(std::move(with_named)) {
     const auto look = [&](const Formula& formula) {
       count_ = std::max(count_, formula.first_branch() + formula.branches());
+      reads_time_ = reads_time_ || (formula.branches() > 0 && formula.reads_time());
     };
     laws_.each_branching([&](const auto& force, int, const double*, const double*) {
       look(force.element.formula());
@@ -53,6 +54,7 @@ class LawKinksOf final : public LawKinks {
 
   int count() const override { return count_; }
   bool need_accelerations() const override { return depends_on_speed_; }
+  bool read_time() const override { return reads_time_; }
 
   void indicators(const double* vdot, double* g, double* gdot) override {
     using At = kernels::BranchDirections;
@@ -94,6 +96,21 @@ class LawKinksOf final : public LawKinks {
 
   bool are_passed() override {
     if (held_branches() == nullptr || count_ == 0) return false;
+    decide();
+    for (int i = 0; i < count_; ++i) {
+      if (distance(i) < -state_rounding) return true;
+    }
+    return false;
+  }
+
+  void distances(double* out) override {
+    decide();
+    for (int i = 0; i < count_; ++i) out[i] = distance(i);
+  }
+
+ private:
+  // What decides on each branch at the present state.
+  void decide() {
     const double* const all = signals();
     if (between_bodies_) kernels::force_branches(state_.loads, all, nullptr, state_.ws, values_.data());
     for (const Formula& rate : state_.loads.rates) {
@@ -108,15 +125,13 @@ class LawKinksOf final : public LawKinks {
       double* const out = values_.data() + formula.first_branch();
       force.element.decide(force.sign * q[force.q], force.sign * v[force.v], signals.data(), out);
     });
-    for (int i = 0; i < count_; ++i) {
-      const double value = values_[static_cast<std::size_t>(i)];
-      const double rounding = state_rounding * courses_[static_cast<std::size_t>(i)].size;
-      if ((value > 0) != held_branches()[i] && std::abs(value) > rounding) return true;
-    }
-    return false;
   }
 
- private:
+  double distance(int i) const {
+    const double value = values_[static_cast<std::size_t>(i)] / courses_[static_cast<std::size_t>(i)].size;
+    return held_branches()[i] ? value : -value;
+  }
+
   // All signals; what is named of the motion is that of the present state.
   const double* signals() {
     if (signals_.empty()) return laws_.all_inputs();
@@ -184,7 +199,7 @@ class LawKinksOf final : public LawKinks {
   std::optional<NamedRates> named_rates_;  // of what is beyond the tree
   int count_ = 0;
   bool between_bodies_ = false;  // some are of forces between bodies
-  bool depends_on_speed_ = false;
+  bool depends_on_speed_ = false, reads_time_ = false;
   std::vector<Course> courses_;  // by indicator
   std::vector<double> values_;   // by indicator: workspace
   std::vector<Dual> arguments_;  // by indicator: workspace

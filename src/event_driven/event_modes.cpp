@@ -10,20 +10,19 @@
 #include "mechanism/mechanism.h"
 
 namespace gelenk {
-
 EventModes::EventModes(const Context& context)
     : dynamics_(context.dynamics),
       forces_(context.dynamics.switching_forces()),
       kinks_(dynamics_.kinks()),
       equations_(context.equations),
       nq_(context.mechanism.nq),
-      nv_(context.mechanism.nv),
       log_(context.log),
       sides_(static_cast<std::size_t>(forces_.count()), mode_of_state),
       present_sides_(sides_.size()),
       g_(2 * sides_.size()),
       gdot_(g_.size()),
-      rates_(static_cast<std::size_t>(nq_ + nv_)),
+      rates_(static_cast<std::size_t>(nq_ + context.mechanism.nv + context.loads.states())),
+      hidden_kinks_(dynamics_, equations_, nq_, static_cast<int>(rates_.size())),
       locks_(context.equations, dynamics_, nq_, context.mechanism.nv, log_, sides_),
       outputs_(dynamics_, locks_, sides_),
       contacts_(std::make_unique<ContactModes>(ContactModes::Context{context.mechanism, dynamics_, context.loads,
@@ -36,7 +35,8 @@ EventModes::~EventModes() = default;
 int EventModes::contact_indicators() const { return contacts_->indicators(); }
 
 double EventModes::touch_within(double t0, const double* y0, double t1, const double* y1) {
-  return contacts_->touch_within(t0, y0, t1, y1);
+  const double touch = contacts_->touch_within(t0, y0, t1, y1);
+  return kinks_.read_time() && held_ ? std::min(touch, hidden_kinks_.first(t0, y0, t1, y1)) : touch;
 }
 
 void EventModes::keep_directions_below(double speed) { contacts_->equations().keep_directions_below(speed); }
@@ -164,11 +164,8 @@ void EventModes::found_event(double t, int indicator, bool positive) {
 
 bool EventModes::drift(double t, double* y, double dt) {
   if (!contacts_->equations().closed().empty()) return false;  // friction turns within a step
-  double* const qdot = rates_.data();
-  double* const vdot = qdot + nq_;
-  equations_.accelerations_at(t, y, vdot);
-  dynamics_.qdot_from_v(y, y + nq_, qdot);
-  for (int k = 0; k < nq_ + nv_; ++k) y[k] += dt * rates_[static_cast<std::size_t>(k)];
+  equations_.rates_at(t, y, rates_.data());
+  for (std::size_t k = 0; k < rates_.size(); ++k) y[k] += dt * rates_[k];
   dynamics_.normalize(y);
   return true;
 }

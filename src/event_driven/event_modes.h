@@ -10,6 +10,7 @@
 
 #include "event/event_log.h"
 #include "event/event_source.h"
+#include "event_driven/hidden_kinks.h"
 #include "event_driven/joint_outputs.h"
 #include "event_driven/lock_modes.h"
 
@@ -104,14 +105,15 @@ class EventModes final : public EventSource {
   SwitchingForces& forces_;
   LawKinks& kinks_;
   ModeEquations& equations_;
-  int nq_, nv_;
+  int nq_;
   EventLog& log_;
   std::vector<int> sides_, present_sides_;  // of the forces: held, and those of the present state
   std::vector<double> g_, gdot_;            // indicators
   std::vector<double> rates_;               // of drift()
-  bool held_ = false;                       // a mode is held
-  double held_from_ = 0;                    // s: start of the held mode
-  double mode_exit_time_ = INFINITY;        // s: see EventSource
+  HiddenKinks hidden_kinks_;
+  bool held_ = false;                 // a mode is held
+  double held_from_ = 0;              // s: start of the held mode
+  double mode_exit_time_ = INFINITY;  // s: see EventSource
   struct LeftByForces {
     bool has = false;   // watch_forces() has found mode_exit_time_
     double before = 0;  // what it was before

@@ -8,6 +8,8 @@ class ModeEquations {
  public:
   // vdot (nv) at (t, y) in the held modes, without effect on the run; `dynamics` is left there.
   virtual void accelerations_at(double t, const double* y, double* vdot) = 0;
+  // The same with the rates of coordinates, before, and element states, after these.
+  virtual void rates_at(double t, const double* y, double* ydot) = 0;
   // Called when a remembered mode has changed.
   virtual void mode_changed() = 0;
   // Brings the inputs of `dynamics` to t, and the element states to those in y; returns whether they change from there

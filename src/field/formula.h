@@ -71,6 +71,7 @@ class Formula {
   double size_of(std::size_t k) const { return sizes_[k]; }
   void set_sizes(double of_result, std::span<const double> of_variables);
 
+  bool reads_time() const { return is_given() && parsed_->clock < parsed_->signals.size(); }
   // Whether it names the k-th variable.
   bool names_variable(int k) const { return graph().depends_on(term(), k); }
   // The signals that it names; for each, after bind_signal(): its index among all signals.

@@ -125,8 +125,7 @@ bool Formulation::evaluate(double t, const double* y, double* ydot) {
   if (!modes_.locks().empty() && dynamics_.switching_forces().loads().undetermined() >= 0) return false;
   if (!takes_differences_) modes_.watch_forces(t);
   if (mechanism_.rows > 0 && factorizes_constraints()) singularity_monitor_.observe(t, dynamics_.pivot_ratio());
-  dynamics_.qdot_from_v(y, v, ydot);
-  if (drives_.states() > 0) dynamics_.readings().state_rates(drives_.u().data(), ydot + drives_.motion_size());
+  add_other_rates(y, ydot);
   return all_finite(ydot, size());
 }
 
@@ -290,6 +289,17 @@ void Formulation::accepted(double t, const double* y) {
 void Formulation::accelerations_at(double t, const double* y, double* vdot) {
   reads_outputs_ ? drives_.go_to_outputs(t, y) : drives_.go_to(t, y);
   solve_at(t, y, vdot);
+}
+
+void Formulation::rates_at(double t, const double* y, double* ydot) {
+  accelerations_at(t, y, ydot + mechanism_.nq);
+  add_other_rates(y, ydot);
+}
+
+// Those of coordinates and of element states.
+void Formulation::add_other_rates(const double* y, double* ydot) {
+  dynamics_.qdot_from_v(y, y + mechanism_.nq, ydot);
+  if (drives_.states() > 0) dynamics_.readings().state_rates(drives_.u().data(), ydot + drives_.motion_size());
 }
 
 bool Formulation::bring_inputs(double t, const double* y) {

@@ -126,6 +126,8 @@ class Formulation : public Equations, private ModeEquations {
   void mode_changed() override {}
   bool bring_inputs(double t, const double* y) final;
   void accelerations_at(double t, const double* y, double* vdot) final;
+  void rates_at(double t, const double* y, double* ydot) final;
+  void add_other_rates(const double* y, double* ydot);
   void add_contacts(double t, double* vdot);
   void output_touched_accelerations(double t, const double* y, double* vdot);
   bool jacobian_by_differences(double t, const double* y, Eigen::Map<Eigen::MatrixXd>& out);
