@@ -59,7 +59,9 @@ SAYING_FORCES = (
     "kinematics/forces_by_kind.cpp",
     "kinematics/loads.cpp",
     "preparation/loads.cpp",
+    "preparation/signal_binder.cpp",
     "outputs/port_readings.cpp",
+    "outputs/sensor_reading.cpp",
     "outputs/wrenches.cpp",
 )
 LAYOUT = ("test_sizes.py", "test_layout.py", "test_folders.py")

@@ -42,6 +42,8 @@ struct AtRest final : gelenk::Readings<double> {
   void cut_speeds(int, double*) const override {}
   void cut_accelerations(int, double*) const override {}
   gelenk::Energy energy() const override { return {}; }
+  void state_rates(const double*, double*) override {}
+  void expression_values(const double*, double*) override {}
   Pose link_pose(int) const override { return {}; }
   Motion link_velocity(int) const override { return {}; }
   Pose rod_pose(int) const override { return {}; }
@@ -59,13 +61,17 @@ nlohmann::json wrenches(const gelenk::Scene& scene) {
   const gelenk::ReducedScene reduced = gelenk::reduce(scene);
   const std::vector<gelenk::Loads> loads = gelenk::make_loads(scene, reduced);
   const std::vector<double> u(gelenk::input_signals(scene).size()), zeros(100);
-  gelenk::BodyWrenches found(scene, reduced, u);
+  gelenk::BodyWrenches found(scene, reduced);
   for (std::size_t i = 0; i < loads.size(); ++i) {
-    const AtRest at_rest;
-    found.add(
-        static_cast<int>(i),
-        {at_rest, zeros.data(), zeros.data(), zeros.data(), zeros.data(), zeros.data(), zeros.data(), nullptr, nullptr},
-        loads[i]);
+    AtRest at_rest;
+    const gelenk::Reading reading{.dynamics = at_rest,
+                                  .q = zeros.data(),
+                                  .v = zeros.data(),
+                                  .vdot = zeros.data(),
+                                  .cut_q = zeros.data(),
+                                  .cut_v = zeros.data(),
+                                  .forces = zeros.data()};
+    found.add(static_cast<int>(i), reading, loads[i], u.data());
   }
   nlohmann::json out = nlohmann::json::array();
   for (const gelenk::BodyWrench& of : found.all) {
