@@ -10,6 +10,7 @@
 #include "mechanism/mechanism.h"
 
 namespace gelenk {
+
 EventModes::EventModes(const Context& context)
     : dynamics_(context.dynamics),
       forces_(context.dynamics.switching_forces()),

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -28,9 +29,9 @@ std::vector<std::string> all_names(std::span<const FormulaVariable> variables, c
 }
 
 // Reads a text into the graph of a formula.
-class FormulaReader {
+class FormulaParser {
  public:
-  FormulaReader(expression::Graph& graph, std::span<const FormulaVariable> variables, const FormulaNames& known,
+  FormulaParser(expression::Graph& graph, std::span<const FormulaVariable> variables, const FormulaNames& known,
                 bool reads_signals, std::vector<std::string>& named)
       : graph_(graph), variables_(variables), known_(known), reads_signals_(reads_signals), named_(named) {}
 
@@ -82,8 +83,10 @@ class FormulaReader {
            " (accelerations, forces, energies and the quaternions of joints cannot be named)";
   }
 
-  // Of a named expression, which knows no variables of elements. A mistake in it is that of its own section.
+  // Of a named expression, which knows no variables of elements. A mistake in it is that of its own section. Each is
+  // read once, however often it is named: expressions that name others twice would double at every level.
   expression::Term inserted(const FormulaNames::Expression& expression) {
+    if (const auto known = inserted_.find(expression.name); known != inserted_.end()) return known->second;
     if (depth_ == max_depth) {
       throw expression::SyntaxError(0, 1,
                                     "found expressions that name each other in a circle, or 50 within each other");
@@ -91,6 +94,7 @@ class FormulaReader {
     ++depth_;
     const expression::Term out = read(expression.text, {});
     --depth_;
+    inserted_.emplace(expression.name, out);
     return out;
   }
 
@@ -100,6 +104,7 @@ class FormulaReader {
   bool reads_signals_;
   std::vector<std::string>& named_;
   int depth_ = 0;
+  std::unordered_map<std::string_view, expression::Term> inserted_;  // by name
 };
 
 }  // namespace
@@ -110,7 +115,7 @@ Formula::Formula(std::string text, std::span<const FormulaVariable> variables, c
   parsed->text = std::move(text);
   parsed->count = variables.size();
   std::vector<std::string>& named = parsed->signals;
-  parsed->term = FormulaReader(parsed->graph, variables, known, reads_signals, named).read(parsed->text);
+  parsed->term = FormulaParser(parsed->graph, variables, known, reads_signals, named).read(parsed->text);
   parsed->clock = static_cast<std::size_t>(std::ranges::find(named, time_signal) - named.begin());
   if (named.size() > max_signals) {
     throw expression::SyntaxError(0, parsed->text.size(),

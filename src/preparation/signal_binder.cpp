@@ -28,7 +28,7 @@ NamedQuantity quantity_of(const JointQuantity& of, const JointPlace& place) {
 }
 
 bool equal(const NamedQuantity& a, const NamedQuantity& b) {
-  if (a.reading != nullptr || b.reading != nullptr) return false;
+  if (a.reading != nullptr || b.reading != nullptr) return a.reading == b.reading;
   const auto key = [](const NamedQuantity& of) { return std::tuple(of.cut, of.q, of.is_rate, of.moves, of.value); };
   return key(a) == key(b);
 }
@@ -49,14 +49,14 @@ SignalBinder::SignalBinder(const Scene& scene, const ReducedScene& reduced, int 
       first_input_(first_input),
       signals_(first_input + static_cast<int>(scene.inputs.size()) + (reads_time(scene) ? 1 : 0)) {}
 
-void SignalBinder::bind(Formula& formula, const Mechanism& mechanism, Loads& loads) const {
+void SignalBinder::bind(Formula& formula, const Mechanism& mechanism, Loads& loads) {
   for (std::size_t k = 0; k < formula.signal_names().size(); ++k) {
     const Bound at = find(formula.signal_names()[k], mechanism, loads);
     formula.bind_signal(k, at.index, at.size);
   }
 }
 
-SignalBinder::Bound SignalBinder::find(std::string_view name, const Mechanism& mechanism, Loads& loads) const {
+SignalBinder::Bound SignalBinder::find(std::string_view name, const Mechanism& mechanism, Loads& loads) {
   if (name == time_signal) return {.index = signals_ - 1};
   const auto input = std::ranges::find(scene_.inputs, name, &SceneInput::name);
   if (input != scene_.inputs.end()) {
@@ -72,9 +72,13 @@ SignalBinder::Bound SignalBinder::find(std::string_view name, const Mechanism& m
   if (const std::optional<SensorOutput> of = find_sensor_output(scene_, name)) {
     const Sensor& sensor = scene_.sensors[static_cast<std::size_t>(of->sensor)];
     const SignalGroup& group = kind_of(*sensor.is).outputs[static_cast<std::size_t>(of->group)];
-    NamedQuantity reading;
-    reading.reading = sensor_reading(scene_, reduced_, sensor, of->group, of->component);
-    return {.index = add(reading, loads), .size = scene_.units.size_of(group.unit)};
+    NamedQuantity quantity;
+    quantity.reading = readings_[std::string(name)];
+    if (quantity.reading == nullptr) {
+      quantity.reading = sensor_reading(scene_, reduced_, sensor, of->group, of->component);
+      readings_[std::string(name)] = quantity.reading;
+    }
+    return {.index = add(quantity, loads), .size = scene_.units.size_of(group.unit)};
   }
   const JointQuantity of = find_coordinate(scene_, name).value();
   const NamedQuantity coordinate = quantity_of(of, reduced_.joints[static_cast<std::size_t>(of.joint)]);

@@ -122,7 +122,15 @@ void add_section(std::vector<Signal>& signals, const Scene& scene, int section,
   }
 }
 
-std::string shown_unit(const std::string& unit) { return unit.empty() ? "1" : unit; }
+// Adds the signal of something that the scene names itself; kind: its description if it has no text.
+template <class Named>
+Signal& add_named(std::vector<Signal>& signals, const Named& named, std::string_view kind) {
+  Signal& signal = signals.emplace_back();
+  signal.name = named.name;
+  signal.unit = named.unit.empty() ? "1" : named.unit;
+  signal.description = named.text.empty() ? kind : named.text;
+  return signal;
+}
 
 }  // namespace
 
@@ -135,11 +143,7 @@ std::vector<Signal> input_signals(const Scene& scene) {
   for (std::size_t j = 0; j < scene.joints.size(); ++j)
     add_along(signals, scene.joints[j], static_cast<int>(j), inputs_along);
   for (const SceneInput& input : scene.inputs) {
-    Signal& signal = signals.emplace_back();
-    signal.name = input.name;
-    signal.unit = shown_unit(input.unit);
-    signal.description = input.text.empty() ? "input of expressions" : input.text;
-    signal.start = input.start;
+    add_named(signals, input, "input of expressions").start = input.start;
   }
   return signals;
 }
@@ -182,10 +186,7 @@ std::vector<Signal> output_signals(const Scene& scene) {
   add_section(signals, scene, sections::contacts, scene.contacts, groups);
   for (std::size_t i = 0; i < scene.states.size(); ++i) {
     const ElementState& state = scene.states[i];
-    Signal& signal = signals.emplace_back();
-    signal.name = state.name;
-    signal.unit = shown_unit(state.unit);
-    signal.description = state.text.empty() ? "state of expressions" : state.text;
+    Signal& signal = add_named(signals, state, "state of expressions");
     signal.section = sections::states;
     signal.element = static_cast<int>(i);
     signal.group = 0;
@@ -200,11 +201,7 @@ std::vector<Signal> output_signals(const Scene& scene) {
     signals.push_back(rate);
   }
   for (std::size_t i = 0; i < scene.expressions.size(); ++i) {
-    const NamedExpression& of = scene.expressions[i];
-    Signal& signal = signals.emplace_back();
-    signal.name = of.name;
-    signal.unit = shown_unit(of.unit);
-    signal.description = of.text.empty() ? "expression" : of.text;
+    Signal& signal = add_named(signals, scene.expressions[i], "expression");
     signal.stage = Stage::velocity;
     signal.section = sections::expressions;
     signal.element = static_cast<int>(i);

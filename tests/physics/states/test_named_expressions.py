@@ -101,6 +101,20 @@ def test_expressions_of_constants_and_of_nothing_that_moves() -> None:
     assert part.output("A.w") == pytest.approx(whole.output("A.w"), abs=1e-9)
 
 
+def test_expressions_that_name_others_twice() -> None:
+    """Each is read once: read as often as they are named, forty of them would be 2^40 texts."""
+    expressions = {"e0": "A.phi"}
+    for k in range(1, 40):
+        expressions[f"e{k}"] = f"sin(e{k - 1}) + cos(e{k - 1})/2"
+    simulation = gelenk.Simulation(motor(expressions=motor()["expressions"] | expressions))
+    simulation.initialize(0.0, 1e-8)
+    simulation.step_to(0.3)
+    value = simulation.output("A.phi")
+    for _ in range(1, 40):
+        value = math.sin(value) + math.cos(value) / 2
+    assert simulation.output("e39") == pytest.approx(value, abs=1e-13)
+
+
 @pytest.mark.parametrize("size", [1e-5, 1e4])
 def test_units_of_other_sizes(size: float) -> None:
     """A mass on a spring: its energy by an expression."""

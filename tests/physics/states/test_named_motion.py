@@ -14,6 +14,18 @@ from mechanisms import body, four_bar, frame, joint, scene
 import gelenk
 
 
+def moved(source: dict[str, Any]) -> tuple[gelenk.Simulation, list[float]]:
+    """Return a run of 1 s, and what all joints do at its end, followed by A of a linear model."""
+    simulation = gelenk.Simulation(source)
+    simulation.initialize(0.0, 1e-10)
+    for k in range(20):
+        simulation.step_to(0.05 * (k + 1))
+    with pytest.warns(gelenk.OperatingPointWarning):
+        model = gelenk.linearize(source, states=["A.phi", "A.w"])
+    reached = [simulation.output(f"{of}.{q}") for of in "ABCD" for q in ("phi", "w", "a")]
+    return simulation, reached + list(np.asarray(model.A).ravel())
+
+
 @pytest.mark.parametrize("reduced", [True, False])
 @pytest.mark.parametrize("name", ["A", "B", "C", "D"])
 def test_coordinates_of_any_joint_of_a_loop_are_named(name: str, reduced: bool) -> None:
@@ -39,14 +51,8 @@ def test_coordinates_of_any_joint_of_a_loop_are_named(name: str, reduced: bool) 
         else:
             at.update({"stiffness": 3.0, "damping": 0.4, "spring_reference": 0.2})
         source["solver"] = source.get("solver", {}) | {"integrator": "dirk"}
-        simulation = gelenk.Simulation(source)
-        simulation.initialize(0.0, 1e-10)
-        for k in range(20):
-            simulation.step_to(0.05 * (k + 1))
-        with pytest.warns(gelenk.OperatingPointWarning):
-            model = gelenk.linearize(source, states=["A.phi", "A.w"])
-        found.append([simulation.output(f"{of}.{q}") for of in "ABCD" for q in ("phi", "w", "a")])
-        found[-1] += list(np.asarray(model.A).ravel())
+        simulation, reached = moved(source)
+        found.append(reached)
         evaluations.append(simulation.diagnostic("solver.evaluations"))
     assert (
         abs(evaluations[0] - evaluations[1]) < 0.05 * evaluations[1]
@@ -77,14 +83,7 @@ def test_distance_by_name_is_a_line_force(planar: bool) -> None:
                 }
             }  # fmt: skip
         source["solver"] = {"integrator": "dirk", "reductions": {"planar": planar}}
-        simulation = gelenk.Simulation(source)
-        simulation.initialize(0.0, 1e-10)
-        for k in range(20):
-            simulation.step_to(0.05 * (k + 1))
-        with pytest.warns(gelenk.OperatingPointWarning):
-            model = gelenk.linearize(source, states=["A.phi", "A.w"])
-        found.append([simulation.output(f"{of}.{q}") for of in "ABCD" for q in ("phi", "w", "a")])
-        found[-1] += list(np.asarray(model.A).ravel())
+        found.append(moved(source)[1])
     np.testing.assert_allclose(found[0], found[1], rtol=0, atol=2e-8)
 
 
