@@ -154,6 +154,7 @@ void check_names(const Scene& scene, Faults& faults) {
   check_section(scene.bodies, "bodies", faults);
   check_section(scene.joints, "joints", faults);
   check_section(scene.constants, "constants", faults);
+  check_section(scene.tables, "tables", faults);
   check_section(scene.inputs, "inputs", faults);
   check_section(scene.states, "states", faults);
   check_section(scene.expressions, "expressions", faults);

@@ -73,6 +73,13 @@ void warn_about_motors(const Scene& scene, Faults& faults) {
   }
 }
 
+void warn_about_tables(const Scene& scene, Faults& faults) {
+  for (const SceneTable& table : scene.tables) {
+    const std::string overshoot = expression::doubt_about(table.is->data());
+    if (!overshoot.empty()) faults.warn("tables." + table.name, overshoot, "interpolation: pchip, or more points");
+  }
+}
+
 // Gravity of the Earth in millimeters is a thousand times too large.
 void warn_about_gravity(const Scene& scene, Faults& faults) {
   constexpr double max_gravity = 500;  // m/s2; at the surface of the Sun, 274
@@ -108,12 +115,16 @@ void find_warnings(const Scene& scene, Faults& faults) {
     warn_about_forces(joint, *kind, path, faults);
   }
   warn_about_gravity(scene, faults);
+  warn_about_tables(scene, faults);
   warn_about_sizes(scene, faults);
   warn_about_motors(scene, faults);
   each_section(scene, [&](const Section& section, const auto& elements) {
     for (const auto& element : elements) {
       warn_about_numbers(kind_of(*element.is).fields, data_of(*element.is), coordinate_of(scene, element),
                          std::string(section.name) + "." + element.name, faults);
+      if (const auto doubt = doubt_of(*element.is)) {
+        faults.warn(std::string(section.name) + "." + element.name + "." + doubt->field, doubt->found, doubt->expected);
+      }
     }
   });
 }

@@ -16,6 +16,7 @@
 #include "dynamics/joint_laws.h"
 #include "dynamics/law_kinks.h"
 #include "dynamics/named_rates.h"
+#include "kinematics/placed_formulas.h"
 #include "math/dual.h"
 
 namespace gelenk {
@@ -101,6 +102,18 @@ class LawKinksOf final : public LawKinks {
       if (distance(i) < -state_rounding) return true;
     }
     return false;
+  }
+
+  std::string missing_value() override {
+    if (count_ > 0) decide();
+    const double* const all = signals();
+    std::string out;
+    each_placed_formula(state_.loads, [&](const Formula& formula, const BranchPlace&) {
+      const Formula::Clock clock = formula.clock();
+      const double t = clock.signal < 0 ? 0 : all[clock.signal] * clock.second;
+      if (out.empty()) out = formula.tape().missing_value(values_.data() + formula.first_branch(), t);
+    });
+    return out;
   }
 
   void distances(double* out) override {

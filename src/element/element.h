@@ -7,6 +7,7 @@
 //   inputs()           its input signals; optional
 //   outputs            its output signals; optional
 //   fault(coordinate)  error in its values that the ranges of the fields do not cover; optional
+//   doubt()            what is probably not intended, as a warning; optional, not of forces along joints
 //
 // and the functions of its section: forces/force.h, joint_forces/coordinate_force.h, constraints/constraint.h,
 // sensors/sensor.h. The registry.h of each section lists its elements.

@@ -71,6 +71,9 @@ int input_count(const Any& element) {
 // Returns the error in the values of an element that the ranges of its fields do not cover, if there is one.
 template <class Any>
 std::optional<ElementFault> fault_of(const Any& element, const Coordinate& coordinate);
+// What is probably not intended in its values.
+template <class Any>
+std::optional<ElementFault> doubt_of(const Any& element);
 
 // Whether a constraint between joints constrains positions, not only their rates; false for constraints between bodies,
 // of which single equations may constrain positions.

@@ -143,6 +143,16 @@ std::optional<ElementFault> fault_of(const Any& element, const Coordinate& coord
   return std::visit([&](const auto& e) { return own_fault(e, coordinate); }, element);
 }
 
+template <class Any>
+std::optional<ElementFault> doubt_of(const Any& element) {
+  return std::visit(
+      [](const auto& e) -> std::optional<ElementFault> {
+        if constexpr (requires { e.doubt(); }) return e.doubt();
+        return {};
+      },
+      element);
+}
+
 bool holds_positions(const AnyConstraint& constraint) {
   return std::visit(
       [](const auto& c) {
@@ -183,15 +193,16 @@ bool is_idle(const JointForces& forces) {
 }
 
 // NOLINTBEGIN(bugprone-macro-parentheses): names of types
-#define GELENK_SECTION(Any)                                    \
-  template std::span<const ElementKind> element_kinds<Any>();  \
-  template Stored<Any> make_element<Any>(std::size_t);         \
-  template const ElementKind& kind_of(const Any&);             \
-  template void* data_of(Any&);                                \
-  template const void* data_of(const Any&);                    \
-  template class Stored<Any>;                                  \
-  template std::span<const SignalGroup> inputs_of(const Any&); \
-  template std::optional<ElementFault> fault_of(const Any&, const Coordinate&);
+#define GELENK_SECTION(Any)                                                     \
+  template std::span<const ElementKind> element_kinds<Any>();                   \
+  template Stored<Any> make_element<Any>(std::size_t);                          \
+  template const ElementKind& kind_of(const Any&);                              \
+  template void* data_of(Any&);                                                 \
+  template const void* data_of(const Any&);                                     \
+  template class Stored<Any>;                                                   \
+  template std::span<const SignalGroup> inputs_of(const Any&);                  \
+  template std::optional<ElementFault> fault_of(const Any&, const Coordinate&); \
+  template std::optional<ElementFault> doubt_of(const Any&);
 // NOLINTEND(bugprone-macro-parentheses)
 
 GELENK_SECTION(AnyMotor)

@@ -41,6 +41,16 @@ class EventSource {
     return INFINITY;
   }
 
+  // Times at which functions of time have a kink, known in advance: steps end there. The next one after t [s];
+  // infinite: none.
+  virtual bool has_breaks() const { return false; }
+  virtual double next_break(double /*t*/) { return INFINITY; }
+  // After t [s], where a step begins, functions of time are those up to the next break, there too; NaN: at a break they
+  // are those after it.
+  virtual void begin_stretch(double /*t*/) {}
+  // Called where a step has ended at a break.
+  virtual void pass_break() {}
+
   // Called when an indicator has changed its sign at t [s]; once for each indicator.
   virtual void found_event(double /*t*/, int /*indicator*/, bool /*positive*/) {}
   // Called after these, with the state at t from which the run continues: enters the mode that follows, and may change

@@ -31,7 +31,6 @@ constexpr double shortest_course = 1e4;
 }  // namespace
 
 Locator::Locator(EventSource& source, int size) : source_(source), course_(source) {
-  if (course_.size() == 0) return;
   start_y_.resize(static_cast<std::size_t>(size));
   high_y_.resize(static_cast<std::size_t>(size));
   drifted_y_.resize(static_cast<std::size_t>(size));
@@ -53,7 +52,29 @@ void Locator::save_high(const Stepping& method) {
 }
 
 Step Locator::step(Stepping& method, double end) {
+  if (!source_.has_breaks()) return step_to_event(method, end);
+  const double ahead = source_.next_break(method.time());
+  const bool meets_break = ahead <= end;
+  if (ahead < end) method.stop_at(ahead);
+  source_.begin_stretch(method.time());
+  const Step step = step_to_event(method, meets_break ? ahead : end);
+  source_.begin_stretch(NAN);
+  if (ahead < end) method.stop_at(end);
+  if (step != Step::made || !meets_break || method.time() != ahead) return step;
+  source_.pass_break();
+  std::copy_n(method.state(), high_y_.size(), high_y_.begin());
+  method.go_to(ahead, high_y_.data());
+  method.lengthen_next_step(next_step_);
+  return step;
+}
+
+// The same without breaks.
+Step Locator::step_to_event(Stepping& method, double end) {
   stop_ = end_ = end;
+  if (course_.size() == 0) {
+    next_step_ = method.next_step();
+    return method.step_towards(end);
+  }
   const Step step = step_in_mode(method, end);
   if (stop_ != end) method.stop_at(end);
   return step;

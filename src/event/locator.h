@@ -40,8 +40,8 @@ class Locator {
   // size: number of components of y.
   Locator(EventSource& source, int size);
 
-  bool is_needed() const { return source_.indicators() > 0; }
-  // Makes one step of the method to `end`, to the first event before it, or less far.
+  bool is_needed() const { return course_.size() > 0 || source_.has_breaks(); }
+  // Makes one step of the method to `end`, to the first event or break before it, or less far.
   Step step(Stepping& method, double end);
   // Makes one step that may extend across events; these are reported at approximate times. For methods that cannot make
   // very short steps.
@@ -51,6 +51,7 @@ class Locator {
   void serialize(Archive& archive) { archive.serialize(event_ahead_); }
 
  private:
+  Step step_to_event(Stepping& method, double end);
   Step step_in_mode(Stepping& method, double end);
   // Whether the step has been ended for good.
   struct Trial {

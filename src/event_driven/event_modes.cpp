@@ -15,6 +15,7 @@ EventModes::EventModes(const Context& context)
     : dynamics_(context.dynamics),
       forces_(context.dynamics.switching_forces()),
       kinks_(dynamics_.kinks()),
+      loads_(context.loads),
       equations_(context.equations),
       nq_(context.mechanism.nq),
       log_(context.log),
@@ -39,6 +40,10 @@ double EventModes::touch_within(double t0, const double* y0, double t1, const do
   const double touch = contacts_->touch_within(t0, y0, t1, y1);
   return kinks_.read_time() && held_ ? std::min(touch, hidden_kinks_.first(t0, y0, t1, y1)) : touch;
 }
+
+double EventModes::next_break(double t) { return std::min(equations_.next_break(t), gelenk::next_break(loads_, t)); }
+
+void EventModes::pass_break() { changes_->inputs_jumped(); }
 
 void EventModes::keep_directions_below(double speed) { contacts_->equations().keep_directions_below(speed); }
 

@@ -13,6 +13,7 @@
 #include "event_driven/hidden_kinks.h"
 #include "event_driven/joint_outputs.h"
 #include "event_driven/lock_modes.h"
+#include "kinematics/placed_formulas.h"
 
 namespace gelenk {
 
@@ -94,6 +95,10 @@ class EventModes final : public EventSource {
   int switching_indicators() const { return 2 * static_cast<int>(sides_.size()); }
   int smooth_indicators() const override { return own_indicators() + forces_.loads().signed_count(); }
   int contact_indicators() const;
+  bool has_breaks() const override { return gelenk::has_breaks(loads_) || equations_.has_breaks(); }
+  double next_break(double t) override;
+  void begin_stretch(double t) override { equations_.begin_stretch(t); }
+  void pass_break() override;
   double touch_within(double t0, const double* y0, double t1, const double* y1) override;
   void keep_directions_below(double speed) override;
   void check(double t, const double* v);
@@ -104,6 +109,7 @@ class EventModes final : public EventSource {
   Dynamics& dynamics_;
   SwitchingForces& forces_;
   LawKinks& kinks_;
+  const Loads& loads_;
   ModeEquations& equations_;
   int nq_;
   EventLog& log_;

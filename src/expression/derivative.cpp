@@ -52,11 +52,26 @@ class Differentiator {
         return of_power(at, a, b);
       case Operation::choose:
         return g_.choose(a, d(b), d(c));
+      case Operation::lookup:
+        return of_lookup(node);
       case Operation::atan2:
         return g_.divide(g_.subtract(g_.multiply(b, d(a)), g_.multiply(a, d(b))), g_.add(square(a), square(b)));
       default:
         return g_.is_constant(d(a), 0) ? d(a) : of_function(node.operation, at, a, d(a));
     }
+  }
+
+  Term of_lookup(const Node& node) {
+    const Graph::Lookup looked_up = g_.lookup(node.index);
+    Term out = g_.constant(0);
+    for (std::size_t k = 0; k < looked_up.table->arguments(); ++k) {
+      if (g_.is_constant(d(node.of[k]), 0)) continue;
+      Table::Orders orders = looked_up.derivatives;
+      ++orders[k];
+      const Term along = g_.look_up(looked_up.table, node.of[0], node.of[1], orders);
+      out = g_.add(out, g_.multiply(along, d(node.of[k])));
+    }
+    return out;
   }
 
   Term of_power(Term at, Term a, Term b) {

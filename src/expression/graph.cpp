@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "expression/graph.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 
 #include "expression/functions.h"
+#include "expression/lookup.h"
 
 namespace gelenk::expression {
 namespace {
@@ -112,6 +114,65 @@ Term Graph::choose(Term g, Term a, Term b) {
   if (a == b) return a;
   if (is_constant(g)) return (*this)[g].value > 0 ? a : b;
   return stored({.operation = Operation::choose, .of = {g, a, b}});
+}
+
+Term Graph::look_up(const std::shared_ptr<const Table>& table, Term x, Term y, Table::Orders derivatives) {
+  if (std::ranges::any_of(derivatives, [](int order) { return order > Table::max_derivative; })) return constant(0);
+  const bool is_constant_y = y < 0 || is_constant(y);
+  if (is_constant(x) && is_constant_y) {
+    const double of[] = {(*this)[x].value, y < 0 ? 0 : (*this)[y].value};
+    return constant(looked_up(*table, derivatives, of));
+  }
+  const Lookup made{table, derivatives};
+  const auto known = std::ranges::find(lookups_, made);
+  const auto index = static_cast<int>(known - lookups_.begin());
+  if (known == lookups_.end()) lookups_.push_back(made);
+  return stored({.operation = Operation::lookup, .of = {x, y, -1}, .index = index});
+}
+
+std::optional<std::pair<double, double>> Graph::affine(Term term, int variable) const {
+  struct Line {
+    double rate = NAN, value = NAN;  // NaN: it is none
+  };
+  const std::vector<bool> parts = parts_of(term);
+  std::vector<Line> lines(parts.size());
+  const auto line = [&](Term of) { return of < 0 ? Line() : lines[static_cast<std::size_t>(of)]; };
+  for (Term at = 0; at <= term; ++at) {
+    if (!parts[static_cast<std::size_t>(at)]) continue;
+    const Node& node = (*this)[at];
+    const Line a = line(node.of[0]);
+    const Line b = line(node.of[1]);
+    Line& out = lines[static_cast<std::size_t>(at)];
+    switch (node.operation) {
+      case Operation::constant:
+        out = {0, node.value};
+        break;
+      case Operation::variable:
+        if (node.index == variable) out = {1, 0};
+        break;
+      case Operation::add:
+        out = {a.rate + b.rate, a.value + b.value};
+        break;
+      case Operation::subtract:
+        out = {a.rate - b.rate, a.value - b.value};
+        break;
+      case Operation::negate:
+        out = {-a.rate, -a.value};
+        break;
+      case Operation::multiply:
+        if (a.rate == 0) out = {a.value * b.rate, a.value * b.value};
+        if (b.rate == 0) out = {b.value * a.rate, b.value * a.value};
+        break;
+      case Operation::divide:
+        if (b.rate == 0) out = {a.rate / b.value, a.value / b.value};
+        break;
+      default:
+        break;
+    }
+  }
+  const Line& out = lines.back();
+  if (!std::isfinite(out.rate) || !std::isfinite(out.value)) return std::nullopt;
+  return std::pair(out.rate, out.value);
 }
 
 Term Graph::function(Operation operation, Term a, Term b) { return made({.operation = operation, .of = {a, b, -1}}); }

@@ -2,16 +2,22 @@
 // Expressions as a graph of operations on numbers. Equal subexpressions are one node, and what depends on constants
 // alone is computed at once. Nodes refer to earlier ones only.
 //
-// The one operation with a kink is `choose`: choose(g, a, b) is a where g > 0, else b. |x| is choose(x, x, -x), and so
-// on; where a branch changes is thus known to whoever integrates the result.
+// The operations with kinks are `choose` and `lookup`: choose(g, a, b) is a where g > 0, else b, and a lookup is
+// another polynomial beyond each point of its table. |x| is choose(x, x, -x), and so on; where a branch changes is thus
+// known to whoever integrates the result.
 #pragma once
 
 #include <array>
 #include <bit>
 #include <cstdint>
 #include <map>
+#include <memory>
+#include <optional>
 #include <tuple>
+#include <utility>
 #include <vector>
+
+#include "expression/table.h"
 
 namespace gelenk::expression {
 
@@ -26,6 +32,7 @@ enum class Operation : unsigned char {
   integer_power,  // to Node::index
   power,          // of a positive base
   choose,
+  lookup,  // in Graph::lookup(Node::index)
   sin,
   cos,
   tan,
@@ -53,7 +60,7 @@ using Term = int;
 struct Node {
   Operation operation = Operation::constant;
   std::array<Term, 3> of{-1, -1, -1};  // operands; -1: none
-  int index = 0;                       // of a variable; exponent
+  int index = 0;                       // of a variable or a lookup; exponent
   double value = 0;                    // of a constant
 
   // Bit by bit, so that there is an order with NaN, too.
@@ -75,6 +82,8 @@ class Graph {
   Term power(Term a, Term b);
   Term integer_power(Term a, int exponent);
   Term choose(Term g, Term a, Term b);
+  // A derivative of a table, as a function of its arguments; y: -1 if it has one argument.
+  Term look_up(const std::shared_ptr<const Table>& table, Term x, Term y, Table::Orders derivatives = {});
   // A function of one argument, or atan2.
   Term function(Operation operation, Term a, Term b = -1);
 
@@ -84,9 +93,19 @@ class Graph {
   bool is_constant(Term term, double value) const { return is_constant(term) && (*this)[term].value == value; }
   // By term up to this one: whether it is a part of it.
   std::vector<bool> parts_of(Term term) const;
-  // Whether the term depends on a variable, and whether it has a kink.
+  // Whether the term depends on a variable, and whether it has a kink at a choice.
   bool depends_on(Term term, int variable) const;
   bool has_choices(Term term) const;
+
+  struct Lookup {
+    std::shared_ptr<const Table> table;
+    Table::Orders derivatives{};
+
+    bool operator==(const Lookup&) const = default;
+  };
+  const Lookup& lookup(int index) const { return lookups_[static_cast<std::size_t>(index)]; }
+  // a and b if the term is a*x + b for a variable x, as far as can be seen without multiplying out; {0, b}: a constant.
+  std::optional<std::pair<double, double>> affine(Term term, int variable) const;
 
  private:
   // The node, or the one that is equal to it; a constant if its operands are constants.
@@ -97,6 +116,7 @@ class Graph {
 
   std::vector<Node> nodes_;
   std::map<Node, Term> known_;
+  std::vector<Lookup> lookups_;
 };
 
 // The derivative of a term with respect to a variable, as a term. That of a choice is taken on its branch.

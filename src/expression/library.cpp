@@ -46,6 +46,7 @@ constexpr Function functions[] = {
     {"clip", "clip(x, lower, upper)", 3, 3},
     {"smoothstep", "smoothstep(x, from, to)", 3, 3},
     {"if", "if(condition, a, b)", 3, 3},
+    {"table", "table(name, x), or table(name, x, y)", 2, 3},
 };
 
 const Function* found(std::string_view name) {
@@ -79,6 +80,10 @@ constexpr Instead of_functions[] = {
     {"tg", "write tan(x)"},
     {"cot", "write 1/tan(x)"},
     {"sec", "write 1/cos(x)"},
+    {"lookup", "write table(name, x)"},
+    {"interp", "write table(name, x)"},
+    {"interp1", "write table(name, x)"},
+    {"interp2", "write table(name, x, y)"},
     {"where", "write if(condition, a, b)"},
     {"iff", "write if(condition, a, b)"},
     {"ifelse", "write if(condition, a, b)"},

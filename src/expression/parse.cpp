@@ -197,7 +197,7 @@ class Parser {
     if (const std::optional<Term> term = names_.find(name.text)) return {.term = *term, .from = name};
     if (name.is("pi")) return {.term = graph_.constant(std::numbers::pi), .from = name};
     if (library_.has(name.text))
-      fail(name, "found the function " + shown(name) + " without arguments; write " + std::string(name.text) + "(x)");
+      fail(name, "found the function " + shown(name) + " without arguments; write " + library_.form(name.text));
     const std::string advice = names_.advice ? names_.advice(name.text) : std::string();
     fail(name, "found " + shown(name) + ", " + (advice.empty() ? advice_on_name(name.text, names_.known()) : advice));
   }
@@ -209,6 +209,7 @@ class Parser {
                        "*(...)");
       fail(name, "found the function " + shown(name) + ", " + advice_on_function(name.text));
     }
+    if (name.is("table")) return looked_up(name);
     const Token open = take();
     std::vector<Value> arguments;
     if (!next().is(")")) {
@@ -220,8 +221,7 @@ class Parser {
     const auto count = static_cast<int>(arguments.size());
     if (count < fewest || count > most) {
       const std::string expected = fewest == most ? std::to_string(fewest) : std::to_string(fewest) + " or more";
-      fail(name, shown(name) + ": found " + std::to_string(count) + (count == 1 ? " argument" : " arguments") +
-                     ", expected " + expected + ": " + library_.form(name.text));
+      fail_by_count(name, count, expected + ": " + library_.form(name.text));
     }
     if (name.is("if")) {
       const Term out = conditions_.choose(condition(arguments[0]), number(arguments[1]), number(arguments[2]));
@@ -230,6 +230,41 @@ class Parser {
     std::vector<Term> terms;
     for (const Value& argument : arguments) terms.push_back(number(argument));
     return {.term = library_.applied(name.text, terms), .from = name};
+  }
+
+  static void fail_by_count(const Token& name, int count, const std::string& expected) {
+    fail(name, shown(name) + ": found " + std::to_string(count) + (count == 1 ? " argument" : " arguments") +
+                   ", expected " + expected);
+  }
+
+  // After the word `table`: its first argument is the name of one.
+  Value looked_up(const Token& word) {
+    const Token open = take();
+    const Token name = take();
+    if (name.kind != Token::Kind::name)
+      fail(name, "found " + shown(name) + ", expected the name of a table: " + library_.form(word.text));
+    const std::shared_ptr<const Table> table = table_of(name);
+    std::vector<Term> of;
+    while (accept(",")) of.push_back(number(alternatives()));
+    close(open);
+    if (table == nullptr) return {.term = graph_.constant(0), .from = word};  // a fault in it has been reported
+    if (of.size() != table->arguments()) {
+      const bool is_of_one = table->arguments() == 1;
+      fail_by_count(word, static_cast<int>(of.size()) + 1,
+                    std::string(is_of_one ? "2: table(" : "3: table(") + std::string(name.text) +
+                        (is_of_one ? ", x)" : ", x, y)"));
+    }
+    return {.term = graph_.look_up(table, of[0], of.size() > 1 ? of[1] : -1), .from = word};
+  }
+  std::shared_ptr<const Table> table_of(const Token& name) const {
+    std::vector<std::string> known;
+    for (std::size_t k = 0; names_.tables != nullptr && k < names_.tables->size(); ++k) {
+      const NamedTable& one = (*names_.tables)[k];
+      if (one.name == name.text) return one.table;
+      known.push_back(one.name);
+    }
+    fail(name, "found " + shown(name) + ", which is no table, expected " +
+                   (known.empty() ? "a table of the section 'tables'" : text::one_of(name.text, known, "tables")));
   }
 
   Graph& graph_;

@@ -2,8 +2,11 @@
 #include "expression/tape.h"
 
 #include <algorithm>
+#include <limits>
 #include <stdexcept>
 #include <string>
+
+#include "util/text.h"
 
 namespace gelenk::expression {
 namespace {
@@ -55,7 +58,7 @@ void release_last_uses(const Node& node, Term at, const std::vector<Term>& last,
 
 }  // namespace
 
-Tape::Tape(const Graph& graph, const std::vector<Term>& terms) {
+Tape::Tape(const Graph& graph, const std::vector<Term>& terms, int clock) {
   const std::vector<Term> last = last_uses(graph, terms);
   std::vector<short> slot(last.size(), -1);
   Slots slots;
@@ -82,6 +85,10 @@ Tape::Tape(const Graph& graph, const std::vector<Term>& terms) {
       if (node.of[k] >= 0) made.of[k] = slot[static_cast<std::size_t>(node.of[k])];
     }
     if (node.operation == Operation::choose) made.index = choices_++;
+    if (node.operation == Operation::lookup) {
+      made.index = static_cast<int>(lookups_.size());
+      add_lookup(graph, node, clock);
+    }
     release_last_uses(node, static_cast<Term>(at), last, slot, slots);
     made.to = slot[at] = slots.take();
     instructions_.push_back(made);
@@ -90,15 +97,86 @@ Tape::Tape(const Graph& graph, const std::vector<Term>& terms) {
   slots_ = slots.count();
 }
 
+void Tape::add_lookup(const Graph& graph, const Node& node, int clock) {
+  Lookup& made = lookups_.emplace_back(Lookup{.of = graph.lookup(node.index)});
+  const std::shared_ptr<const Table>& table = made.of.table;
+  for (std::size_t k = 0; k < table->arguments(); ++k) {
+    const auto line = graph.affine(node.of[k], clock);
+    if (!line) {
+      made.choices[k] = choices_;
+      choices_ += static_cast<int>(table->axis(k).knots().size());
+    } else if (line->first != 0) {
+      breaks_.push_back({table, k, line->first, line->second});
+    }
+  }
+}
+
+bool Tape::is_knot(int i) const {
+  return std::ranges::any_of(lookups_, [&](const Lookup& lookup) {
+    for (std::size_t k = 0; k < lookup.of.table->arguments(); ++k) {
+      const int first = lookup.choices[k];
+      if (first >= 0 && i >= first && i < first + static_cast<int>(lookup.of.table->axis(k).knots().size()))
+        return true;
+    }
+    return false;
+  });
+}
+
+std::string Tape::missing_value(const double* arguments, double t) const {
+  const auto text_of = [](const Table& table, std::size_t axis, double x) {
+    const std::vector<double>& points = table.axis(axis).points();
+    return "the table " + table.data().name + " has no value at " + text::rounded(x) + ", but only from " +
+           text::number(points.front()) + " to " + text::number(points.back()) + " (extrapolation: refuse)";
+  };
+  for (const Lookup& lookup : lookups_) {
+    for (std::size_t k = 0; k < lookup.of.table->arguments(); ++k) {
+      if (lookup.choices[k] < 0) continue;
+      const double x = arguments[lookup.choices[k]] + lookup.of.table->axis(k).knots().front();
+      if (lookup.of.table->refuses(k, x)) return text_of(*lookup.of.table, k, x);
+    }
+  }
+  for (const Break& at : breaks_) {
+    const double x = at.a * t + at.b;
+    if (at.table->refuses(at.axis, x)) return text_of(*at.table, at.axis, x);
+  }
+  return {};
+}
+
+bool Tape::is_steady() const {
+  return std::ranges::none_of(breaks_, [](const Break& at) {
+    const Table& table = *at.table;
+    if (table.data().interpolation == Interpolation::linear) return true;
+    if (table.data().extrapolation[at.axis] != Extrapolation::hold) return false;
+    const std::vector<double>& points = table.axis(at.axis).points();
+    const auto last = static_cast<int>(points.size()) - 1;
+    const bool ends_flat =
+        table.at({points.front(), 0}, {1, 0}, {1, 0}) == 0 && table.at({points.back(), 0}, {last, 0}, {1, 0}) == 0;
+    return table.arguments() > 1 || !ends_flat;
+  });
+}
+
+double Tape::next_break(double t) const {
+  constexpr double rounding = 8 * std::numeric_limits<double>::epsilon();
+  double out = INFINITY;
+  for (const Break& at : breaks_) {
+    // At a knot within rounding, it is the next one that counts.
+    const double margin = rounding * (std::abs(at.a * t) + std::abs(at.b));
+    const double from = at.a * t + at.b + std::copysign(margin, at.a);
+    const double knot = at.table->axis(at.axis).next_knot(from, at.a > 0);
+    out = std::min(out, std::max((knot - at.b) / at.a, std::nextafter(t, INFINITY)));
+  }
+  return out;
+}
+
 template <class T>
-void Tape::evaluate(const T* variables, T* out, const bool* held, T* arguments) const {
+void Tape::evaluate(const T* variables, T* out, const bool* held, T* arguments, const bool* periods) const {
   // Zeros in the unused rest of a large array would take longer than a short law.
-  if (slots_ <= few_slots) return run<T, few_slots>(variables, out, held, arguments);
-  run<T, max_slots>(variables, out, held, arguments);
+  if (slots_ <= few_slots) return run<T, few_slots>(variables, out, held, arguments, periods);
+  run<T, max_slots>(variables, out, held, arguments, periods);
 }
 
 template <class T, int size>
-void Tape::run(const T* variables, T* out, const bool* held, T* arguments) const {
+void Tape::run(const T* variables, T* out, const bool* held, T* arguments, const bool* periods) const {
   std::array<T, size> x;
   for (const auto& [slot, index] : variables_) x[static_cast<std::size_t>(slot)] = variables[index];
   for (const auto& [slot, value] : constants_) x[static_cast<std::size_t>(slot)] = T(value);
@@ -140,6 +218,13 @@ void Tape::run(const T* variables, T* out, const bool* held, T* arguments) const
         to = first ? at(i, 1) : at(i, 2);
         break;
       }
+      case Operation::lookup: {
+        const Lookup& lookup = lookups_[static_cast<std::size_t>(i.index)];
+        const std::array<T, 2> of{at(i, 0), lookup.of.table->arguments() > 1 ? at(i, 1) : T(0)};
+        to = looked_up(*lookup.of.table, lookup.of.derivatives, of.data(),
+                       LookupBranches<T>{lookup.choices, held, held == nullptr ? periods : held, arguments});
+        break;
+      }
       default:
         to = applied(i.operation, at(i, 0));
     }
@@ -147,8 +232,8 @@ void Tape::run(const T* variables, T* out, const bool* held, T* arguments) const
   for (std::size_t k = 0; k < outputs_.size(); ++k) out[k] = x[static_cast<std::size_t>(outputs_[k])];
 }
 
-template void Tape::evaluate(const double*, double*, const bool*, double*) const;
-template void Tape::evaluate(const Dual*, Dual*, const bool*, Dual*) const;
-template void Tape::evaluate(const Series*, Series*, const bool*, Series*) const;
+template void Tape::evaluate(const double*, double*, const bool*, double*, const bool*) const;
+template void Tape::evaluate(const Dual*, Dual*, const bool*, Dual*, const bool*) const;
+template void Tape::evaluate(const Series*, Series*, const bool*, Series*, const bool*) const;
 
 }  // namespace gelenk::expression

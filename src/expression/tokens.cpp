@@ -33,7 +33,10 @@ constexpr std::pair<std::string_view, std::string_view> habits[] = {
     {"?", "write if(condition, a, b)"},
     {":", "write if(condition, a, b)"},
     {"%", "there is no remainder and no percentage; write 0.05 for 5 %"},
-    {"'", "a derivative in time is a name of its own, such as the speed w of the angle phi"},
+    {"'",
+     "names are written without quotes; a derivative in time is a name of its own, such as the speed w of the "
+     "angle phi"},
+    {"\"", "names are written without quotes"},
     {"[", "an index follows a name without a space: tip.r[1]"},
     {"{", "parentheses are ( and )"},
     {"}", "parentheses are ( and )"},

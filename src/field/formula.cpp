@@ -45,6 +45,7 @@ class FormulaParser {
     names.known = [&] { return all_names(variables, known_, reads_signals_); };
     names.find = [&](std::string_view name) { return find(name, variables); };
     names.advice = [&](std::string_view name) { return advice(name); };
+    names.tables = &known_.tables;
     return expression::parse(graph_, text, names);
   }
 
@@ -124,7 +125,8 @@ Formula::Formula(std::string text, std::span<const FormulaVariable> variables, c
                                       std::to_string(max_signals) + " in one expression");
   }
   try {
-    parsed->tape = expression::Tape(parsed->graph, std::vector{parsed->term});
+    const int clock = parsed->reads_clock() ? static_cast<int>(parsed->count + parsed->clock) : -1;
+    parsed->tape = expression::Tape(parsed->graph, std::vector{parsed->term}, clock);
   } catch (const std::length_error& error) {
     throw expression::SyntaxError(0, parsed->text.size(), error.what());
   }

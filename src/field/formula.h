@@ -13,6 +13,7 @@
 
 #include "expression/error.h"
 #include "expression/graph.h"
+#include "expression/parse.h"
 #include "expression/tape.h"
 
 namespace gelenk {
@@ -35,6 +36,7 @@ struct FormulaNames {
   std::vector<Constant> constants;
   std::vector<std::string> signals;     // inputs of the scene and states of elements
   std::vector<Expression> expressions;  // of these, in place of which names are used
+  std::vector<expression::NamedTable> tables;
   // Coordinates of joints and their rates, such as "A.phi", in any order; null: none.
   std::shared_ptr<const std::unordered_set<std::string>> coordinates;
 };
@@ -71,7 +73,7 @@ class Formula {
   double size_of(std::size_t k) const { return sizes_[k]; }
   void set_sizes(double of_result, std::span<const double> of_variables);
 
-  bool reads_time() const { return is_given() && parsed_->clock < parsed_->signals.size(); }
+  bool reads_time() const { return is_given() && parsed_->reads_clock(); }
   // Whether it names the k-th variable.
   bool names_variable(int k) const { return graph().depends_on(term(), k); }
   // The signals that it names; for each, after bind_signal(): its index among all signals.
@@ -90,6 +92,15 @@ class Formula {
     first_branch_ = first_branch;
   }
   int branches() const { return is_given() ? parsed_->tape.choices() : 0; }
+  const expression::Tape& tape() const { return parsed_->tape; }
+  // The time among all signals, and the SI value of its unit, if the formula reads it.
+  struct Clock {
+    int signal = -1;
+    double second = 1;
+  };
+  Clock clock() const {
+    return reads_time() ? Clock{signals_[parsed_->clock], signal_sizes_[parsed_->clock]} : Clock();
+  }
   int first_branch() const { return first_branch_; }
 
   // The value, in the unit system of the scene, as are the variables and the signals that it names. T: double, Dual or
@@ -99,7 +110,7 @@ class Formula {
     T at[max_variables + max_signals];
     load(variables, signals, at);
     T out;
-    const bool* held = branches_ == nullptr || branches_->first == nullptr ? nullptr : branches_->first + first_branch_;
+    const bool* held = held_branches();
     parsed_->tape.evaluate(at, &out, held);
     // Beyond its kink a branch may be undefined, such as that of max(0, -s)^1.5; the step ends at the kink anyway.
     if (held != nullptr && !std::isfinite(value_of(out))) parsed_->tape.evaluate(at, &out);
@@ -135,13 +146,14 @@ class Formula {
     }
   }
   // The same, on the branches of the state, with what decides on each of them: the first one is taken where that is
-  // positive.
+  // positive. Periodic tables stay in the period that is held.
   template <class T>
   [[gnu::noinline]] T decide(const T* variables, const T* signals, T* arguments) const {
     T at[max_variables + max_signals];
     load(variables, signals, at);
     T out;
-    parsed_->tape.evaluate(at, &out, nullptr, arguments);
+    const bool* held = held_branches();
+    parsed_->tape.evaluate(at, &out, nullptr, arguments, held);
     return out * T(1 / size_);
   }
 
@@ -155,8 +167,13 @@ class Formula {
     std::size_t count = 0;             // number of variables
     std::vector<std::string> signals;  // that it names
     std::size_t clock = max_signals;   // which of them is the time
+
+    bool reads_clock() const { return clock < signals.size(); }
   };
 
+  const bool* held_branches() const {
+    return branches_ == nullptr || branches_->first == nullptr ? nullptr : branches_->first + first_branch_;
+  }
   template <class T>
   void load(const T* variables, const T* signals, T* at) const {
     const std::size_t count = parsed_->count;

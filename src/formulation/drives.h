@@ -50,6 +50,10 @@ class Drives {
 
   // Target of a coordinate row and its derivatives at t, the present time of the run (Targets::derivatives).
   MotionLaw::Derivatives target(int row, double t) const { return targets_.derivatives(row, t, inputs_); }
+  // See EventSource.
+  bool has_breaks() const { return targets_.has_breaks(); }
+  double next_break(double t) const { return targets_.next_break(t); }
+  void begin_stretch(double t) { targets_.begin_stretch(t); }
   // s and ds/dt of each coordinate row at t.
   void targets_at(double t, std::vector<double>& out);
 

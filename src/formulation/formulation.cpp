@@ -82,21 +82,22 @@ std::string Formulation::describe_dead_center() {
 
 std::string Formulation::obstacle(const double* y) {
   dynamics_.set_position(y);
+  dynamics_.set_velocity(y + mechanism_.nq);
   std::string reason = row_domain_.undefined_reason();
   if (reason.empty()) reason = modes_.indeterminacy();
   if (reason.empty()) reason = describe_dead_center();
+  if (reason.empty()) reason = dynamics_.kinks().missing_value();
   if (reason.empty()) reason = contacts_.steps().failure();
   return reason.empty() ? describe_lost_state(y) : reason;
 }
 
-// Describes an element state of which the value or the rate is no number, or soon will be; `dynamics` is at the
-// position of y.
+// Describes an element state of which the value or the rate is no number, or soon will be; `dynamics` is at
+// y.
 std::string Formulation::describe_lost_state(const double* y) {
   if (drives_.states() == 0) return {};
   const double* const states = y + drives_.motion_size();
   std::vector<double> rates(static_cast<std::size_t>(drives_.states()));
   drives_.set_states(states);
-  dynamics_.set_velocity(y + mechanism_.nq);
   dynamics_.readings().state_rates(drives_.u().data(), rates.data());
   for (std::size_t k = 0; k < rates.size(); ++k) {
     const std::string& name = mechanism_.state_names[k];

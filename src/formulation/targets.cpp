@@ -2,6 +2,7 @@
 #include "formulation/targets.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace gelenk {
 namespace {
@@ -29,9 +30,35 @@ const double* Targets::fill(Of derivatives_of) {
   return now_.data();
 }
 
+bool Targets::has_breaks() const {
+  return std::ranges::any_of(rows_, [](const CoordinateRow& row) { return row.law && row.law->has_breaks(); });
+}
+
+double Targets::next_break(double t) const {
+  double out = INFINITY;
+  for (const CoordinateRow& row : rows_) {
+    if (row.law && row.law->has_breaks()) out = std::min(out, row.law->next_break(t));
+  }
+  return out;
+}
+
+void Targets::begin_stretch(double t) {
+  stretch_[0] = t;
+  stretch_[1] = next_break(t);
+}
+
+// At an end of the present stretch, laws are those within it: moved there by rounding.
+double Targets::inside_stretch(double t) const {
+  const double rounding = 8 * std::numeric_limits<double>::epsilon() * std::abs(t);
+  if (std::abs(t - stretch_[0]) < rounding) return stretch_[0] + rounding;
+  if (std::abs(t - stretch_[1]) < rounding) return stretch_[1] - rounding;
+  return t;
+}
+
 const double* Targets::at(double t, const Inputs& inputs) {
+  const double inside = inside_stretch(t);
   return fill([&](int i) {
-    return of_row(rows_[i], t, [&](int order) { return inputs.derivative_at(rows_[i].input, order, t); });
+    return of_row(rows_[i], inside, [&](int order) { return inputs.derivative_at(rows_[i].input, order, t); });
   });
 }
 

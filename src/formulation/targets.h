@@ -2,7 +2,7 @@
 // Targets of the coordinate rows of a mechanism as functions of time.
 #pragma once
 
-#include <array>
+#include <cmath>
 #include <vector>
 
 #include "formulation/inputs.h"
@@ -15,6 +15,10 @@ class Targets {
   explicit Targets(const Mechanism& mechanism) : rows_(mechanism.coordinate_rows), now_(3 * rows_.size()) {}
 
   bool none() const { return rows_.empty(); }
+  // See EventSource.
+  bool has_breaks() const;
+  double next_break(double t) const;
+  void begin_stretch(double t);
   // s, s', s'' of each row at t [s] (Dynamics::set_targets); overwritten by the next call.
   const double* at(double t, const Inputs& inputs);
   // The same at the present time t of the run, as read by outputs (Inputs::rate).
@@ -25,8 +29,10 @@ class Targets {
  private:
   template <class Of>
   const double* fill(Of derivatives_of);
+  double inside_stretch(double t) const;
 
   const std::vector<CoordinateRow>& rows_;
+  double stretch_[2] = {NAN, NAN};  // s: from one break to the next, see EventSource
   std::vector<double> now_;
 };
 

@@ -50,22 +50,4 @@ std::vector<SwitchingForce> switching_forces_of(const Loads& loads) {
   return out;
 }
 
-std::vector<BranchPlace> branch_places(const Loads& loads) {
-  std::vector<BranchPlace> out;
-  const auto add = [&](const Formula& formula, const BranchPlace& place) {
-    const auto first = static_cast<std::size_t>(formula.first_branch());
-    const auto count = static_cast<std::size_t>(formula.branches());
-    out.resize(std::max(out.size(), first + count));
-    std::ranges::fill(std::span(out).subspan(first, count), place);
-  };
-  const auto of_joint = [&](const auto& force) { add(force.element.formula(), {BranchPlace::Of::joint, force.joint}); };
-  loads.tree.each_formula(of_joint);
-  for (const JointLoads& on : loads.cuts) on.each_formula(of_joint);
-  each_formula(std::as_const(*loads.forces), [&](const Formula& formula, int force) {
-    add(formula, {force < 0 ? BranchPlace::Of::gravity : BranchPlace::Of::force, force});
-  });
-  for (int k = 0; k < loads.states(); ++k) add(loads.rates[static_cast<std::size_t>(k)], {BranchPlace::Of::state, k});
-  return out;
-}
-
 }  // namespace gelenk

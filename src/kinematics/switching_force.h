@@ -21,11 +21,4 @@ struct SwitchingForce {
 // All forces with modes, in the order of SwitchingForces.
 std::vector<SwitchingForce> switching_forces_of(const Loads& loads);
 
-// By branch of all expressions: the joint or the force of the scene, or the element state among those of the island.
-struct BranchPlace {
-  enum class Of { joint, force, gravity, state } of = Of::joint;
-  int index = 0;
-};
-std::vector<BranchPlace> branch_places(const Loads& loads);
-
 }  // namespace gelenk

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "preparation/law_report.h"
 
+#include "kinematics/switching_force.h"
 #include "scene/element_numbers.h"
 #include "util/text.h"
 

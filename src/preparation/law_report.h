@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "kinematics/switching_force.h"
+#include "kinematics/placed_formulas.h"
 #include "mechanism/mechanism.h"
 #include "nonsmooth/law_audit.h"
 #include "scene/scene.h"

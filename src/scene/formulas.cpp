@@ -81,7 +81,8 @@ void add_coordinate_names(std::string_view joint, const JointKind& kind, std::un
 }
 
 FormulaNames formula_names(const Scene& scene) {
-  FormulaNames out{.constants = scene.constants, .signals = {}, .expressions = {}, .coordinates = {}};
+  FormulaNames out{.constants = scene.constants, .signals = {}, .expressions = {}, .tables = {}, .coordinates = {}};
+  for (const SceneTable& table : scene.tables) out.tables.push_back({table.name, table.is});
   for (const SceneInput& input : scene.inputs) out.signals.push_back(input.name);
   for (const ElementState& state : scene.states) out.signals.push_back(state.name);
   for (const NamedExpression& of : scene.expressions)

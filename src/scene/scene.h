@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -124,6 +125,12 @@ struct NamedExpression {
   }
 };
 
+// A table that expressions look up.
+struct SceneTable {
+  std::string name, text;
+  std::shared_ptr<const expression::Table> is;
+};
+
 struct Experiment {
   double stop = 1;          // s
   double step = 1e-3;       // s
@@ -174,6 +181,7 @@ struct Scene {
   Eigen::Vector3d gravity = Eigen::Vector3d::Zero();  // m/s2
   std::optional<GravityField> gravity_field;          // added to it
   std::vector<FormulaNames::Constant> constants;      // of expressions, in SI units
+  std::vector<SceneTable> tables;
   std::vector<SceneInput> inputs;
   std::vector<ElementState> states;
   std::vector<NamedExpression> expressions;

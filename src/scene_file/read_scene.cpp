@@ -105,6 +105,7 @@ void read_sections(Fields& fields, Scene& scene, SuspectNames& suspect_names) {
   const Json* joints = required_section(fields, "joints", "at least one joint");
   Reader reader{scene, fields.faults(), {}, keys(joints), suspect_names, {}};
   if (const Json* constants = fields.find("constants")) read_constants(*constants, reader);
+  if (const Json* tables = fields.find("tables")) read_tables(*tables, reader);
   if (const Json* inputs = fields.find("inputs")) read_inputs(*inputs, reader);
   const Json* states = fields.find("states");
   const Json* expressions = fields.find("expressions");
@@ -144,7 +145,6 @@ Scene scene_from_tree(const Json& tree, const std::string& file, Faults& faults)
     find_faults(scene, faults, suspect_names);
   }
   faults.raise();
-  find_warnings(scene, faults);
   return scene;
 }
 
@@ -152,13 +152,15 @@ Scene read_scene_json(std::string_view text, const std::string& file, std::vecto
   Faults faults(file);
   const Json tree = parse_json(text, faults.file(), faults);
   Scene scene = scene_from_tree(tree, file, faults);
+  find_warnings(scene, faults);
   warnings.insert(warnings.end(), faults.warnings().begin(), faults.warnings().end());
   return scene;
 }
 
 Scene read_scene_json(std::string_view text, const std::string& file) {
-  std::vector<std::string> warnings;
-  return read_scene_json(text, file, warnings);
+  Faults faults(file);
+  const Json tree = parse_json(text, faults.file(), faults);
+  return scene_from_tree(tree, file, faults);
 }
 
 Scene checked(const Scene& scene) {

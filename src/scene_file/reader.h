@@ -29,6 +29,8 @@ Scene scene_from_tree(const Json& tree, const std::string& file, Faults& faults)
 
 // Reads {name: number, ...} and {name: {unit, start, text}, ...}, which expressions may name.
 void read_constants(const Json& section, Reader& reader);
+// Reads {name: {x, values, ...}, ...}, tables that expressions look up.
+void read_tables(const Json& section, Reader& reader);
 void read_inputs(const Json& section, Reader& reader);
 // Reads {name: "rate", ...} or {name: {rate, start, unit, nominal, text}, ...}, and {name: "value", ...} or {name:
 // {value, unit, text}, ...}: all but the formulas, then these, which may name each other.

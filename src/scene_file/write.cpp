@@ -191,9 +191,34 @@ Json gravity(const Scene& scene) {
   return out;
 }
 
+Json table(const SceneTable& table) {
+  const expression::Table::Data& data = table.is->data();
+  Json out = {{"x", numbers_of(data.x)}};
+  if (data.arguments() == 1) {
+    out["values"] = numbers_of(data.values);
+  } else {
+    out["y"] = numbers_of(data.y);
+    out["values"] = Json::array();
+    for (auto row = data.values.begin(); row != data.values.end();) {
+      const auto end = row + static_cast<std::ptrdiff_t>(data.y.size());
+      out["values"].push_back(numbers_of(std::span(row, end)));
+      row = end;
+    }
+  }
+  const auto beyond = [&](std::size_t k) {
+    return expression::extrapolations[static_cast<std::size_t>(data.extrapolation[k])];
+  };
+  out["interpolation"] = expression::interpolations[static_cast<std::size_t>(data.interpolation)];
+  const bool is_same = data.arguments() == 1 || data.extrapolation[0] == data.extrapolation[1];
+  out["extrapolation"] = is_same ? Json(beyond(0)) : Json({beyond(0), beyond(1)});
+  if (!table.text.empty()) out["text"] = table.text;
+  return out;
+}
+
 // What expressions name.
 void add_names(Json& out, const Scene& scene) {
   for (const FormulaNames::Constant& constant : scene.constants) out["constants"][constant.name] = constant.value;
+  for (const SceneTable& of : scene.tables) out["tables"][of.name] = table(of);
   for (const SceneInput& of : scene.inputs) {
     Json& input = out["inputs"][of.name] = Json::object();
     if (!of.unit.empty()) input["unit"] = of.unit;

@@ -184,6 +184,7 @@ Scene read_scene_yaml(std::string_view text, const std::string& file, std::vecto
     throw SceneError({faults.file() + place + ": " + error.msg});
   }
   Scene scene = scene_from_tree(tree, file, faults);
+  find_warnings(scene, faults);
   warnings.insert(warnings.end(), faults.warnings().begin(), faults.warnings().end());
   return scene;
 }

@@ -253,6 +253,26 @@ void name_quantities(Json& fields) {
   fields["constants"] = {{"description", "Numbers that expressions name, in SI units."},
                          {"type", "object"},
                          {"additionalProperties", {{"type", "number"}}}};
+  const Json points = {{"type", "array"}, {"items", {{"type", "number"}}}, {"minItems", 2}};
+  const Json rows = {{"type", "array"}, {"items", points}, {"minItems", 2}};
+  const auto word_of = [](const auto& words) { return Json{{"enum", words}}; };
+  const Json beyond = word_of(expression::extrapolations);
+  const Json table = object(
+      {{"x", points},
+       {"y", points},
+       {"values", {{"anyOf", {points, rows}}, {"description", "Values at each x, or lists of them at each y"}}},
+       {"file", {{"type", "string"}, {"description", "CSV file in the folder of the scene, in place of x, y, values"}}},
+       {"columns",
+        {{"type", "array"},
+         {"minItems", 2},
+         {"maxItems", 2},
+         {"description", "Headers or numbers of the columns of x and of the values in the file"}}},
+       {"interpolation", word_of(expression::interpolations)},
+       {"extrapolation",
+        {{"anyOf", {beyond, {{"type", "array"}, {"items", beyond}, {"minItems", 2}, {"maxItems", 2}}}}}},
+       {"text", {{"type", "string"}, {"description", "Description"}}}},
+      {});
+  fields["tables"] = section(table, "Tables that expressions look up, in SI units.", false);
   fields["inputs"] = section(object({{"unit", {{"type", "string"}, {"description", "Unit of SI, such as V or N.m"}}},
                                      {"start", number("", "Start value; 0 if not given", Range::any)},
                                      {"text", {{"type", "string"}, {"description", "Description"}}}},

@@ -78,7 +78,8 @@ std::vector<std::array<std::string, 2>> Island::event_texts() const {
       out.push_back({filled_in(texts[0], place, coordinate), filled_in(texts[1], place, coordinate)});
   }
   for (const BranchPlace& place : branch_places(loads_)) {
-    const std::string text = owner_of_branch(scene_, mechanism(), place) + " changes its branch";
+    // Where the value does not jump, there is nothing to report.
+    const std::string text = place.is_knot ? "" : owner_of_branch(scene_, mechanism(), place) + " changes its branch";
     out.push_back({text, text});
   }
   std::vector<std::string> bodies, contacts;

@@ -48,6 +48,8 @@ class Island {
   const Integrator* integrator() const { return integrator_.get(); }  // null if nothing can move
 
   double time() const { return time_; }  // s
+  // Call if an input has changed that outputs show, but that does not act.
+  void outputs_changed() { forget_outputs(); }
   void inputs_changed(bool jump) {
     inputs_jumped_ = inputs_jumped_ || jump;
     inputs_touched_ = true;

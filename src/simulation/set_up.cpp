@@ -47,13 +47,18 @@ void Simulation::Impl::make_islands() {
   sensitivity.reset();
   islands.clear();
   islands_of_input.assign(u.signals(), {});
+  islands_showing_input = islands_of_input;
   size.rows = 0;
   for (std::size_t i = 0; i < prepared.islands.size(); ++i) {
     islands.push_back(std::make_unique<Island>(scene, prepared.islands[i], std::move(loads[i]), u, time));
-    for (const int input : islands[i]->loads().inputs) {
-      if (input >= static_cast<int>(u.signals())) continue;  // an element state
-      std::vector<int>& of = islands_of_input[static_cast<std::size_t>(input)];
+    const auto add = [&](std::vector<std::vector<int>>& islands_of, int input) {
+      if (input >= static_cast<int>(u.signals())) return;  // an element state, or what is named of the motion
+      std::vector<int>& of = islands_of[static_cast<std::size_t>(input)];
       if (of.empty() || of.back() != static_cast<int>(i)) of.push_back(static_cast<int>(i));
+    };
+    for (const int input : islands[i]->loads().inputs) add(islands_of_input, input);
+    for (const Formula& value : islands[i]->loads().values) {
+      for (const int input : value.signals()) add(islands_showing_input, input);
     }
     const PreparedIsland& of = islands[i]->prepared();
     size.rows += of.mechanism.rows;

@@ -86,6 +86,7 @@ void Simulation::Impl::renew_motions() {
 
 void Simulation::Impl::notify_of_input(int input, bool jumped) {
   for (const int island : islands_of_input[static_cast<std::size_t>(input)]) islands[island]->inputs_changed(jumped);
+  for (const int island : islands_showing_input[static_cast<std::size_t>(input)]) islands[island]->outputs_changed();
 }
 
 void Simulation::Impl::advance(double end) {

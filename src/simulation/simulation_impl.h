@@ -71,7 +71,8 @@ struct Simulation::Impl {
   PreparedScene prepared;
   std::vector<MovedFrame> moved;  // frames of the scene whose pose differs from that in `given`
   std::vector<std::unique_ptr<Island>> islands;
-  std::vector<std::vector<int>> islands_of_input;  // on which it acts
+  std::vector<std::vector<int>> islands_of_input;       // on which it acts
+  std::vector<std::vector<int>> islands_showing_input;  // of which named expressions read it
   std::unique_ptr<Outputs> readings;
   std::optional<LoadAssembler> load_assembler;
   std::vector<Loads> other_loads;  // by island: workspace of tune()

@@ -77,7 +77,8 @@ def drawn(field: Kind, rng: np.random.Generator) -> Any:
         return [number() for _ in range(3)]
     if field["type"] == "numbers":
         found = [number() for _ in range(max(3, field["size"]))]
-        return sorted(abs(x) for x in found) if field["unit"] == "s" else found
+        # In order, so that a table is a curve through which pchip depends on each of its points.
+        return sorted(abs(x) for x in found) if field["unit"] == "s" else sorted(found)
     if field["type"] in FORMULAS:
         # Both spellings of a coordinate are one variable; forces do not depend on the place in the world.
         names = [name for name in field["variables"] if name not in ("s", "v", "x", "y", "z")]

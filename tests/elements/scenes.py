@@ -79,7 +79,8 @@ def given(fields: list[Kind], way: int, words: dict[str, Any], rng: np.random.Ge
         if field["way"] not in (0, way):
             continue
         if field["type"] == "group":
-            out[field["name"]] = given(field["fields"], 0, {}, rng)
+            first = {f["name"]: f["words"][0] for f in field["fields"] if f["type"] == "choice"}
+            out[field["name"]] = given(field["fields"], 0, first, rng)
         elif field["type"] in laws.FORMULAS:
             text = "0.9"  # of any variables
             out[field["name"]] = text if field["type"] == "formula" else [text] * 3

@@ -17,23 +17,37 @@ using namespace gelenk::expression;
 namespace native {
 namespace {
 
-// An expression in named variables, evaluated in all ways.
+// y empty: a table over x alone. Kinds: by their numbers.
+NamedTable made_table(const std::string& name, const Numbers& x, const Numbers& y, const Numbers& values,
+                      int interpolation, int extrapolation) {
+  const auto beyond = static_cast<Extrapolation>(extrapolation);
+  return {name, std::make_shared<const gelenk::expression::Table>(gelenk::expression::Table::Data{.name = name,
+                                                          .x = x,
+                                                          .y = y,
+                                                          .values = values,
+                                                          .interpolation = static_cast<Interpolation>(interpolation),
+                                                          .extrapolation = {beyond, beyond}})};
+}
+
+// An expression in named variables, evaluated in all ways. clock: the variable that is the time; -1: none.
 class Expression {
  public:
-  Expression(const std::string& text, const std::vector<std::string>& names) {
+  Expression(const std::string& text, const std::vector<std::string>& names, const std::vector<NamedTable>& tables,
+             int clock) {
     const Names known{.find = [&](std::string_view name) -> std::optional<Term> {
                         for (std::size_t k = 0; k < names.size(); ++k) {
                           if (names[k] == name) return graph_.variable(static_cast<int>(k));
                         }
                         return std::nullopt;
                       },
-                      .known = [&] { return names; }};
+                      .known = [&] { return names; },
+                      .tables = &tables};
     try {
       term_ = parse(graph_, text, known);
     } catch (const SyntaxError& error) {
       throw nb::value_error(with_caret(error, text).c_str());
     }
-    tape_ = Tape(graph_, {term_});
+    tape_ = Tape(graph_, {term_}, clock);
   }
 
   double value(const Numbers& x) const {
@@ -78,6 +92,7 @@ class Expression {
     tape_.evaluate(x.data(), &out, sides.get());
     return out;
   }
+  double next_break(double t) const { return tape_.next_break(t); }
   int operations() const { return tape_.operations(); }
   bool depends_on(int variable) const { return graph_.depends_on(term_, variable); }
   bool has_choices() const { return graph_.has_choices(term_); }
@@ -91,8 +106,16 @@ class Expression {
 }  // namespace
 
 void bind_expressions(nb::module_& m) {
+  nb::class_<NamedTable>(m, "Table").def("__init__", [](NamedTable* at, const std::string& name, const Numbers& x,
+                                                        const Numbers& y, const Numbers& values, int interpolation,
+                                                        int extrapolation) {
+    new (at) NamedTable(made_table(name, x, y, values, interpolation, extrapolation));
+  });
+  m.def("doubt_about", [](const NamedTable& table) { return doubt_about(table.table->data()); });
   nb::class_<Expression>(m, "Expression")
-      .def(nb::init<const std::string&, const std::vector<std::string>&>(), nb::arg("text"), nb::arg("names"))
+      .def(nb::init<const std::string&, const std::vector<std::string>&, const std::vector<NamedTable>&, int>(),
+           nb::arg("text"), nb::arg("names"), nb::arg("tables") = std::vector<NamedTable>(), nb::arg("clock") = -1)
+      .def("next_break", &Expression::next_break)
       .def("value", &Expression::value)
       .def("gradient", &Expression::gradient)
       .def("series", &Expression::series)

@@ -19,7 +19,7 @@ from gelenk.file_reading import existing, read_start
 from gelenk.file_writing import write_text
 from gelenk.model import other_formats, yaml12
 from gelenk.model.line_numbers import Places
-from gelenk.model.meshes import Meshes
+from gelenk.model.named_files import NamedFiles
 from gelenk.model.source_text import Given
 from gelenk.model.values import Value, number, unknown
 from gelenk.model.yaml_faults import without_quotes
@@ -324,17 +324,17 @@ def from_dict(data: Mapping[str, Any], file: str = "", report: Iterable[str] = (
     Raises:
         SceneError: the scene is invalid.
     """
-    meshes = Meshes(file)
+    files = NamedFiles(file)
     try:
-        core, plain, doubts = _read_plain(data, file, meshes)
+        core, plain, doubts = _read_plain(data, file, files)
     except SceneError as e:
         raise SceneError(map(without_quotes, e.lines)) from None
     _warn(doubts)
-    return Scene(core, Given(core, plain, meshes=meshes), report)
+    return Scene(core, Given(core, plain, files=files), report)
 
 
 def _read_plain(
-    data: Mapping[str, Any], file: str, meshes: Meshes | None = None
+    data: Mapping[str, Any], file: str, files: NamedFiles | None = None
 ) -> tuple[_core.Scene, dict[str, Any], list[str]]:
     """Return the scene, the data without numpy types, and warnings about suspicious values."""
     try:
@@ -343,7 +343,7 @@ def _read_plain(
         raise SceneError(f"{file or 'scene'}: contains itself") from None
     except TypeError as e:
         raise SceneError(f"{file or 'scene'}: {e}") from None
-    core, doubts = _read_core(text, file, meshes or Meshes(file))
+    core, doubts = _read_core(text, file, files or NamedFiles(file))
     return core, json.loads(text), doubts
 
 
@@ -351,9 +351,9 @@ def _read_plain(
 _MOST_FAULTS = 100
 
 
-def _read_core(text: str, file: str, meshes: Meshes) -> tuple[_core.Scene, list[str]]:
-    """Return the scene of a JSON text, and warnings; all faults are raised, those of meshes first."""
-    resolved, faults = meshes.resolved(text)
+def _read_core(text: str, file: str, files: NamedFiles) -> tuple[_core.Scene, list[str]]:
+    """Return the scene of a JSON text, and warnings; all faults are raised, those of files first."""
+    resolved, faults = files.resolved(text)
     try:
         core, doubts = _core.read_scene_and_doubts(resolved, file)
     except SceneError as e:
@@ -367,14 +367,14 @@ def _read_core(text: str, file: str, meshes: Meshes) -> tuple[_core.Scene, list[
 
 def _read(text: str, language: str, file: str) -> Scene:
     places = Places(text, language, file)
-    meshes = Meshes(file)
+    files = NamedFiles(file)
     plain = yaml12.to_json(text, file or "scene") if language == "yaml" else text
     try:
-        core, doubts = _read_core(plain, file, meshes)
+        core, doubts = _read_core(plain, file, files)
     except SceneError as e:
         raise SceneError(places.located(e.lines)) from None
     _warn(places.located(doubts))
-    given = Given(core, json.loads(plain), text if language == "yaml" else None, meshes)
+    given = Given(core, json.loads(plain), text if language == "yaml" else None, files)
     return Scene(core, given, (), places)
 
 

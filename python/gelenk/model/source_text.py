@@ -11,7 +11,7 @@ from typing import Any
 from gelenk import _core
 from gelenk.errors import SceneError
 from gelenk.model import yaml12, yaml_edits
-from gelenk.model.meshes import Meshes
+from gelenk.model.named_files import NamedFiles
 
 
 class Given:
@@ -22,7 +22,7 @@ class Given:
         core: _core.Scene,
         data: dict[str, Any],
         text: str | None = None,
-        meshes: Meshes | None = None,
+        files: NamedFiles | None = None,
     ) -> None:
         """Store the source of a scene.
 
@@ -30,12 +30,12 @@ class Given:
             core: the scene.
             data: the data from which it was read.
             text: text of the data, if it is YAML.
-            meshes: the files to which it refers.
+            files: the files to which it refers.
         """
         self._core = core
         self._data = data
         self._text = text
-        self._meshes = meshes or Meshes("")
+        self._files = files or NamedFiles("")
 
     def written(self, core: _core.Scene, language: str, folder: Path) -> str:
         """Return the text of a file for the scene or a changed copy of it.
@@ -49,8 +49,8 @@ class Given:
             folder: of the file; names of mesh files are valid in the folder of the source only.
         """
         data = self._data_of(core)
-        if data is not None and folder.resolve() != self._meshes.folder.resolve():
-            data = self._with_meshes(data)
+        if data is not None and folder.resolve() != self._files.folder.resolve():
+            data = self._with_files(data)
         if language == "yaml" and self._text is not None and data is not None:
             text = self._text if data is self._data else yaml_edits.changed(self._text, self._data, data)
             if text is not None:
@@ -59,10 +59,10 @@ class Given:
             data = json.loads(_core.write_scene_json(core))
         return yaml12.dump(data) if language == "yaml" else json.dumps(data, indent=2) + "\n"
 
-    def _with_meshes(self, data: dict[str, Any]) -> dict[str, Any]:
+    def _with_files(self, data: dict[str, Any]) -> dict[str, Any]:
         """Return data with points and triangles in the place of names of files; itself without names."""
         text = json.dumps(data)
-        resolved = self._meshes.resolved(text)[0]
+        resolved = self._files.resolved(text)[0]
         return data if resolved is text else json.loads(resolved)
 
     def _data_of(self, core: _core.Scene) -> dict[str, Any] | None:
@@ -73,7 +73,7 @@ class Given:
         for siblings in (False, True):
             found = _changed(self._data, json.loads(before), json.loads(after), siblings)
             with suppress(SceneError):
-                whole = self._meshes.resolved(json.dumps(found))[0]
+                whole = self._files.resolved(json.dumps(found))[0]
                 if _core.write_scene_json(_core.read_scene_json(whole, "")) == after:
                     assert isinstance(found, dict)
                     return found

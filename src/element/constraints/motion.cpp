@@ -17,7 +17,10 @@ std::optional<ElementFault> Motion::fault(const Coordinate&) const {
              "a smooth expression: at a kink of a prescribed motion, the acceleration or the speed would jump"}};
   }
   try {
-    (void)law();
+    if (!law()->is_steady())
+      return {{"law", text::quoted(law_of_time.text()) + ", whose speed would jump",
+               "tables of a*t + b with the interpolation pchip, akima or spline, and another extrapolation than hold "
+               "unless their derivatives at the ends are 0"}};
   } catch (const std::length_error&) {
     return {{"law", "an expression of " + std::to_string(law_of_time.text().size()) + " characters",
              "a shorter one: its derivatives have too many terms"}};
@@ -25,7 +28,13 @@ std::optional<ElementFault> Motion::fault(const Coordinate&) const {
   return {};
 }
 
-std::optional<ElementFault> Motion::fault(const Table& table) {
+std::optional<ElementFault> Motion::doubt() const {
+  const std::string overshoot = table ? expression::doubt_about(table->data()) : "";
+  if (overshoot.empty()) return {};
+  return {{"table", overshoot, "interpolation: pchip, whose acceleration jumps at the points, or more points"}};
+}
+
+std::optional<ElementFault> Motion::fault(const TimeTable& table) {
   constexpr double end_tolerance = 1e-12;  // of a periodic table, relative: rounding of the decimal numbers in the file
   const std::vector<double>& t = table.time;
   const std::vector<double>& s = table.value;

@@ -22,7 +22,7 @@ struct Motion {
 
   std::vector<double> polynomial;  // c0 + c1 t + c2 t^2 + ...
   std::optional<Sine> sine;        // added to the polynomial
-  std::optional<Table> table;
+  std::optional<TimeTable> table;
   double speed = std::numeric_limits<double>::quiet_NaN();  // constant speed; NaN if not given
   Choice input;
   Formula law_of_time;
@@ -39,7 +39,7 @@ struct Motion {
                               .text = "amplitude sin(2 pi frequency t + phase), added to the polynomial "
                                       "if there is one",
                               .alternative = 1}),
-        field<&Motion::table>({.name = "table", .text = "a cubic spline through the points", .alternative = 2}),
+        field<&Motion::table>({.name = "table", .text = "a curve through points", .alternative = 2}),
         field<&Motion::speed>({.name = "speed",
                                .unit = "{v}",
                                .text = "constant speed, with any start value of the coordinate",
@@ -64,6 +64,7 @@ struct Motion {
   bool holds_position() const { return input.index != 1 && !gives_speed(); }
 
   std::optional<ElementFault> fault(const Coordinate&) const;
+  std::optional<ElementFault> doubt() const;
 
   std::span<const SignalGroup> inputs() const {
     static constexpr SignalGroup position[] = {{"{coordinate}_ref", 0, "{q}",
@@ -92,7 +93,7 @@ struct Motion {
   }
 
  private:
-  static std::optional<ElementFault> fault(const Table& table);
+  static std::optional<ElementFault> fault(const TimeTable& table);
 };
 
 }  // namespace gelenk

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "element/constraints/motion_law.h"
 
-#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -9,10 +8,23 @@
 
 namespace gelenk {
 
-MotionLaw::MotionLaw(std::vector<double> polynomial, std::optional<Sine> sine, std::optional<Table> table,
+expression::Table::Data TimeTable::data() const {
+  using enum expression::Interpolation;
+  constexpr expression::Interpolation kinds[] = {pchip, akima, spline};
+  using expression::Extrapolation;
+  const Extrapolation beyond = periodic ? Extrapolation::periodic : Extrapolation::linear;
+  return {.name = {},
+          .x = time,
+          .y = {},
+          .values = value,
+          .interpolation = interpolation.index == Choice::none ? spline : kinds[interpolation.index],
+          .extrapolation = {beyond, beyond}};
+}
+
+MotionLaw::MotionLaw(std::vector<double> polynomial, std::optional<Sine> sine, const std::optional<TimeTable>& table,
                      const Formula& formula)
-    : polynomial_(std::move(polynomial)), sine_(sine), table_(std::move(table)) {
-  if (table_) make_spline();
+    : polynomial_(std::move(polynomial)), sine_(sine) {
+  if (table) table_.emplace(table->data());
   if (formula.is_given()) differentiate(formula);
 }
 
@@ -20,7 +32,7 @@ void MotionLaw::differentiate(const Formula& formula) {
   expression::Graph graph = formula.graph();
   std::vector<expression::Term> terms = {formula.term()};
   for (int k = 1; k < orders; ++k) terms.push_back(derivative(graph, terms.back(), 0));
-  formula_.emplace(graph, terms);
+  formula_.emplace(graph, terms, 0);
   formula_size_ = formula.size();
   time_size_ = formula.size_of(0);
 }
@@ -33,56 +45,24 @@ void MotionLaw::add_formula(double t, Derivatives& out) const {
   for (int k = 0; k < orders; ++k, factor *= time_size_) out[k] += factor * in_si[k];
 }
 
-// s'' is continuous and linear between the points; at each inner point (de Boor 1978, ch. IV)
-//   h0 s0''/6 + (h0 + h1) s1''/3 + h1 s2''/6 = (s2 - s1)/h1 - (s1 - s0)/h0.
-// At the ends s'' is 0; if the table is periodic, it is the same at both ends, and the first point is an inner one.
-void MotionLaw::make_spline() {
-  const std::vector<double>& t = table_->time;
-  const std::vector<double>& s = table_->value;
-  const int last = static_cast<int>(t.size()) - 1;
-  curvature_.assign(t.size(), 0);
-  const bool cyclic = table_->periodic && last > 1;
-  const int first = cyclic ? 0 : 1;
-  const int unknowns = last - first;
-  if (unknowns == 0) return;
-  std::vector<Eigen::Triplet<double>> entries;  // of the lower triangle of the symmetric matrix
-  Eigen::VectorXd right(unknowns);
-  for (int row = 0; row < unknowns; ++row) {
-    const int i = first + row;
-    const int before = i > 0 ? i - 1 : last - 1;
-    const double h0 = i > 0 ? t[i] - t[before] : t[last] - t[before];
-    const double h1 = t[i + 1] - t[i];
-    entries.emplace_back(row, row, (h0 + h1) / 3);
-    if (row > 0) entries.emplace_back(row, row - 1, h0 / 6);
-    if (cyclic && i == 0) entries.emplace_back(unknowns - 1, 0, h0 / 6);
-    right[row] = (s[i + 1] - s[i]) / h1 - (s[i] - s[before]) / h0;
-  }
-  Eigen::SparseMatrix<double> matrix(unknowns, unknowns);
-  matrix.setFromTriplets(entries.begin(), entries.end());
-  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(matrix);
-  const Eigen::VectorXd curvature = factor.solve(right);
-  std::ranges::copy(curvature, curvature_.begin() + first);
-  if (cyclic) curvature_[last] = curvature_[0];
+void MotionLaw::add_table(double t, Derivatives& out) const {
+  const expression::TableAxis& axis = table_->axis(0);
+  const double inside = t + axis.shift(t, std::nullopt);
+  const int segment = axis.segment_from(inside);
+  for (int k = 0; k <= expression::Table::max_derivative; ++k) out[k] += table_->at({inside, 0}, {segment, 0}, {k, 0});
 }
 
-void MotionLaw::add_spline(double t, Derivatives& out) const {
-  const std::vector<double>& times = table_->time;
-  const std::vector<double>& s = table_->value;
-  const double period = times.back() - times.front();
-  if (table_->periodic) t -= period * std::floor((t - times.front()) / period);
-  const double inside = std::clamp(t, times.front(), times.back());
-  const auto above = std::upper_bound(times.begin() + 1, times.end() - 1, inside);
-  const auto i = static_cast<std::size_t>(above - times.begin()) - 1;
-  const double h = times[i + 1] - times[i];
-  const double x = inside - times[i];
-  const double jerk = (curvature_[i + 1] - curvature_[i]) / h;
-  const double start_speed = (s[i + 1] - s[i]) / h - h * (2 * curvature_[i] + curvature_[i + 1]) / 6;
-  const double speed = start_speed + x * (curvature_[i] + x * jerk / 2);
-  out[0] += s[i] + x * (start_speed + x * (curvature_[i] / 2 + x * jerk / 6)) + (t - inside) * speed;
-  out[1] += speed;
-  if (t != inside) return;
-  out[2] += curvature_[i] + x * jerk;
-  out[3] += jerk;
+bool MotionLaw::is_steady() const { return !formula_ || (formula_->choices() == 0 && formula_->is_steady()); }
+
+bool MotionLaw::has_broken_table() const {
+  return table_ && table_->data().interpolation != expression::Interpolation::spline;
+}
+
+double MotionLaw::next_break(double t) const {
+  double out = INFINITY;
+  if (has_broken_table()) out = table_->axis(0).next_knot(t, true);
+  if (formula_) out = std::min(out, formula_->next_break(t * time_size_) / time_size_);
+  return out;
 }
 
 void MotionLaw::add_polynomial(double t, Derivatives& out) const {
@@ -111,7 +91,7 @@ MotionLaw::Derivatives MotionLaw::at(double t) const {
   Derivatives out{};
   add_polynomial(t, out);
   if (sine_) add_sine(t, out);
-  if (table_) add_spline(t, out);
+  if (table_) add_table(t, out);
   if (formula_) add_formula(t, out);
   return out;
 }

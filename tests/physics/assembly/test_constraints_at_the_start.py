@@ -22,7 +22,7 @@ def of_all_kinds() -> Scene:
     on_table: dict[str, Any] = {"type": "motion", "joint": "T"}
     wheels = "abcde"
     sine = {"amplitude": 0.1, "frequency": 2.5, "phase": 0.3}
-    table = {"time": [0, 0.4, 1.5], "value": [0.1, 0.3, 0.1], "periodic": True}
+    table = {"time": [0, 0.4, 1.5], "value": [0.1, 0.3, 0.1], "periodic": True, "interpolation": "akima"}
     return scene(
         {name: disc(1.0, 0.1) for name in wheels}
         | {"bar": body(1.0), "table": disc(2.0, 0.1), "disc": disc(1.0, 0.2)}

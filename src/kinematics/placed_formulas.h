@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The expressions that act on an island, with the places where they act.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+namespace gelenk {
+
+class Formula;
+struct Loads;
+
+// By branch of all expressions: the joint or the force of the scene, or the element state among those of the island.
+struct BranchPlace {
+  enum class Of { joint, force, gravity, state } of = Of::joint;
+  int index = 0;
+  bool is_knot = false;  // of a table, where nothing jumps
+};
+std::vector<BranchPlace> branch_places(const Loads& loads);
+
+void each_placed_formula(const Loads& loads, const std::function<void(const Formula&, const BranchPlace&)>& visit);
+
+// Knots of tables of the time, see EventSource.
+double next_break(const Loads& loads, double t);
+bool has_breaks(const Loads& loads);
+
+}  // namespace gelenk
