@@ -22,7 +22,7 @@ std::vector<double> derivatives_of(const std::vector<double>& points, const std:
                                    Interpolation by, bool periodic);
 
 // An argument of a table. Its knots divide it into segments: the k-th one lies between the knots k - 1 and k, the first
-// and the last one are without end. The knots are the points; if the table is periodic, also one on either side.
+// and the last one are unbounded. The knots are the points; if the table is periodic, also one on either side.
 class TableAxis {
  public:
   TableAxis(std::vector<double> points, Interpolation interpolation, Extrapolation extrapolation);

@@ -156,7 +156,12 @@ std::vector<ContactEdge> contacts_of(const Scene& scene, const std::vector<int>&
     std::visit(
         [&](const auto& element) {
           if constexpr (BodyConstraint<std::decay_t<decltype(element)>>) {
-            edge.joint = CutJoint(element);
+            AnyBodyConstraint& of = edge.joint->emplace<AnyBodyConstraint>();
+            if constexpr (requires { element.prepared(); }) {
+              of.is = element.prepared();
+            } else {
+              of.is = element;
+            }
             if constexpr (requires { element.axis; }) axis = element.axis.along;
           }
         },

@@ -90,6 +90,10 @@ struct Preparer {
     try {
       assemble_island(i);
     } catch (const CannotAssemble& fault) {
+      if (fault.cut >= 0) {  // from where its equations are undefined nothing can be closed
+        dynamics[i]->set_position(fault.q.data());
+        check_rows_are_defined(out.reduced.islands[i], *dynamics[i]);
+      }
       const std::string what = describe_failure(scene, out.reduced, i, fault);
       // If velocities cannot be found although none is fixed, the constraint equations are inconsistent.
       const bool loop = fault.cut < 0 ? fault.conflict.values.empty()

@@ -82,7 +82,8 @@ def given(fields: list[Kind], way: int, words: dict[str, Any], rng: np.random.Ge
             first = {f["name"]: f["words"][0] for f in field["fields"] if f["type"] == "choice"}
             out[field["name"]] = given(field["fields"], 0, first, rng)
         elif field["type"] in laws.FORMULAS:
-            text = "0.9"  # of any variables
+            # Of any variables, but a surface must have some.
+            text = "x + 0.5*y - 0.3*z - 0.1*x*z - 0.1" if field["name"] == "surface" else "0.9"
             out[field["name"]] = text if field["type"] == "formula" else [text] * 3
         elif field["name"] in words:
             out[field["name"]] = words[field["name"]]

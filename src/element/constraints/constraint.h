@@ -13,6 +13,7 @@
 // A constraint between two bodies is derived from NoCoordinates and has constraint equations as a joint that closes a
 // loop (joint/base.h), row_count of them, with F on the second port and M on the first, the z axis of M along the field
 // `axis`, a Direction, if there is one. Equations without position error have Phi = 0. Optional functions:
+//   prepared()            the same with what its equations need besides its fields
 //   holds_position(i)     whether equation i constrains a position, not only its rate; by default true
 //   undefined(X_FM)       whether the equations are undefined at this pose; if given, also the following two:
 //   undefined_start()     the fault of a start at such a pose

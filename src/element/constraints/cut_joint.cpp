@@ -7,59 +7,64 @@
 
 namespace gelenk {
 
+CutJoint::CutJoint() = default;
+CutJoint::CutJoint(const CutJoint& other) = default;
+CutJoint::CutJoint(CutJoint&& other) noexcept = default;
+CutJoint& CutJoint::operator=(const CutJoint& other) = default;
+CutJoint& CutJoint::operator=(CutJoint&& other) noexcept = default;
+CutJoint::~CutJoint() = default;
+
 template class Stored<CutJoint>;
 
 Stored<CutJoint> cut_joint(const AnyJoint& joint) {
   return std::visit([](const auto& j) -> Stored<CutJoint> { return CutJoint(j); }, joint);
 }
 
+namespace {
+
+// visit(c) of a constraint between bodies; for a joint: otherwise.
+template <class Result, class Visit>
+Result of_constraint(const CutJoint& joint, Result otherwise, Visit visit) {
+  const auto* const constraint = std::get_if<AnyBodyConstraint>(&joint);
+  return constraint == nullptr ? otherwise : std::visit(visit, constraint->is);
+}
+
+}  // namespace
+
 bool holds_position(const CutJoint& joint, int i) {
-  return std::visit(
-      [i](const auto& j) {
-        if constexpr (requires { j.holds_position(i); }) return j.holds_position(i);
-        return true;
-      },
-      joint);
+  return of_constraint(joint, true, [i](const auto& c) {
+    if constexpr (requires { c.holds_position(i); }) return c.holds_position(i);
+    return true;
+  });
 }
 
 int row_count(const CutJoint& joint) {
-  return std::visit(
-      [](const auto& j) -> int {
-        if constexpr (BodyConstraint<std::decay_t<decltype(j)>>) return j.row_count;
-        return 0;
-      },
-      joint);
+  return of_constraint(joint, 0, [](const auto& c) { return c.row_count; });
 }
 
 bool is_undefined(const CutJoint& joint, const Pose3& X_FM) {
-  return std::visit(
-      [&](const auto& j) {
-        if constexpr (requires { j.undefined(X_FM); }) return j.undefined(X_FM);
-        return false;
-      },
-      joint);
+  return of_constraint(joint, false, [&](const auto& c) {
+    if constexpr (requires { c.undefined(X_FM); }) return c.undefined(X_FM);
+    return false;
+  });
 }
 
 bool can_be_undefined(const CutJoint& joint) {
-  return std::visit([](const auto& j) { return requires(const Pose3& X) { j.undefined(X); }; }, joint);
+  return of_constraint(joint, false, [](const auto& c) { return requires(const Pose3& X) { c.undefined(X); }; });
 }
 
 ElementFault undefined_start(const CutJoint& joint) {
-  return std::visit(
-      [](const auto& j) -> ElementFault {
-        if constexpr (requires { j.undefined_start(); }) return j.undefined_start();
-        return {};
-      },
-      joint);
+  return of_constraint(joint, ElementFault(), [](const auto& c) {
+    if constexpr (requires { c.undefined_start(); }) return c.undefined_start();
+    return ElementFault();
+  });
 }
 
 std::string_view near_undefined(const CutJoint& joint, const Pose3& X_FM) {
-  return std::visit(
-      [&](const auto& j) -> std::string_view {
-        if constexpr (requires { j.near_undefined(X_FM); }) return j.near_undefined(X_FM);
-        return {};
-      },
-      joint);
+  return of_constraint(joint, std::string_view(), [&](const auto& c) {
+    if constexpr (requires { c.near_undefined(X_FM); }) return c.near_undefined(X_FM);
+    return std::string_view();
+  });
 }
 
 }  // namespace gelenk

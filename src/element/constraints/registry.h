@@ -8,12 +8,13 @@
 #include "element/constraints/gear.h"
 #include "element/constraints/knife_edge.h"
 #include "element/constraints/motion.h"
+#include "element/constraints/point_on_surface.h"
 #include "element/constraints/rack.h"
 #include "element/constraints/rolling.h"
 
 namespace gelenk {
 
-struct AnyConstraint : std::variant<Motion, Gear, Rack, Coupling, Rolling, KnifeEdge> {
+struct AnyConstraint : std::variant<Motion, Gear, Rack, Coupling, Rolling, KnifeEdge, PointOnSurface> {
   using variant::variant;
 };
 
