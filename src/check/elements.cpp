@@ -129,6 +129,8 @@ struct Checker {
     for (const Element<Any>& element : elements) {
       const std::string path = std::string(section.name) + "." + text::printable(element.name);
       ports(element, kind_of(*element.is), path);
+      if (kind_of(*element.is).reads_gravity && scene.gravity_field)
+        faults.add(path, "a sensor of gravity in a scene with a gravity field", "uniform gravity, or another sensor");
       if (!partial) check_numbers(element, path, coordinate_of(scene, element), faults);
     }
   }

@@ -36,8 +36,8 @@ struct ElementKind {
   std::span<const Port> ports;
   std::span<const Field> fields;
   std::span<const SignalGroup> outputs;
-  bool reads_reaction = false, of_whole = false;  // sensor.h
-  bool is_between_bodies = false;                 // constraint.h
+  bool reads_reaction = false, reads_acceleration = false, reads_gravity = false, of_whole = false;  // sensor.h
+  bool is_between_bodies = false;                                                                    // constraint.h
 
   // Number of ports that are frames, points or bodies, and of those that are joints.
   int frames() const {

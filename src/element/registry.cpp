@@ -13,6 +13,14 @@ constexpr bool reads_reaction = false;
 template <ReadsReaction E>
 constexpr bool reads_reaction<E> = true;
 template <class E>
+constexpr bool reads_acceleration = false;
+template <ReadsAcceleration E>
+constexpr bool reads_acceleration<E> = true;
+template <class E>
+constexpr bool reads_gravity = false;
+template <ReadsGravity E>
+constexpr bool reads_gravity<E> = true;
+template <class E>
 constexpr bool of_whole = false;
 template <OfWhole E>
 constexpr bool of_whole<E> = true;
@@ -28,6 +36,8 @@ ElementKind describe() {
   ElementKind out{
       .kind = E::kind, .summary = E::summary, .ports = E::ports, .fields = E::fields(), .outputs = own_outputs<E>()};
   out.reads_reaction = reads_reaction<E>;
+  out.reads_acceleration = reads_acceleration<E>;
+  out.reads_gravity = reads_gravity<E>;
   out.of_whole = of_whole<E>;
   out.is_between_bodies = BodyConstraint<E>;
   return out;

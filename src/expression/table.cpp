@@ -201,15 +201,16 @@ double TableAxis::shift(double x, std::optional<int> segment) const {
 
 double TableAxis::next_knot(double x, bool above) const {
   const double moved = shift(x, std::nullopt);
+  constexpr double none = std::numeric_limits<double>::infinity();
   if (above) {
     const auto next = std::ranges::upper_bound(knots_, x + moved);
-    return next == knots_.end() ? INFINITY : *next - moved;
+    return next == knots_.end() ? none : *next - moved;
   }
   const auto next = std::ranges::lower_bound(knots_, x + moved);
-  return next == knots_.begin() ? -INFINITY : *(next - 1) - moved;
+  return next == knots_.begin() ? -none : *(next - 1) - moved;
 }
 
-TableAxis::Weights TableAxis::weights(double x, int segment, int derivative) const {
+TableAxis::Place TableAxis::place_of(double x, int segment) const {
   const int intervals = static_cast<int>(points_.size()) - 1;
   int interval = segment - 1;  // between points
   if (is_periodic()) {
@@ -217,32 +218,51 @@ TableAxis::Weights TableAxis::weights(double x, int segment, int derivative) con
     interval += -1 - periods * intervals;
     x -= periods * period();
   }
+  Place out{.first = static_cast<std::size_t>(std::clamp(interval, 0, intervals - 1)), .x = x};
+  if (interval < 0) out.end = Place::End::first;
+  if (interval >= intervals) out.end = Place::End::last;
+  return out;
+}
+
+// Beyond an end, unless the polynomial there continues.
+std::optional<std::array<double, 4>> TableAxis::beyond(const Place& at, int derivative) const {
+  constexpr double missing = std::numeric_limits<double>::quiet_NaN();
+  const bool is_first = at.end == Place::End::first;
+  const double from_end = at.x - (is_first ? points_.front() : points_.back());
+  const std::size_t value = is_first ? 0 : 2;
+  std::array<double, 4> out{};
+  switch (extrapolation_) {
+    case Extrapolation::refuse:
+      if (is_first ? from_end < 0 : from_end > 0) return std::array{missing, missing, missing, missing};
+      return {};
+    case Extrapolation::hold:
+      if (derivative == 0) out[value] = 1;
+      return out;
+    case Extrapolation::linear:
+      if (interpolation_ == Interpolation::linear) return {};
+      if (derivative == 0) out[value] = 1;
+      if (derivative < 2) out[value + 1] = derivative == 0 ? from_end : 1;
+      return out;
+    default:
+      return {};
+  }
+}
+
+TableAxis::Weights TableAxis::weights(double x, int segment, int derivative) const {
   if (std::isnan(x)) return {.of = {x, x, x, x}};
-  const bool below = interval < 0;
-  const bool above = interval >= intervals;
-  Weights out{.first = static_cast<std::size_t>(std::clamp(interval, 0, intervals - 1))};
-  const double start = points_[out.first];
-  const double h = points_[out.first + 1] - start;
-  const double from_end = x - (below ? points_.front() : points_.back());
-  const bool is_outside = (below && from_end < 0) || (above && from_end > 0);
-  if (is_outside && extrapolation_ == Extrapolation::refuse) {
-    out.of.fill(std::numeric_limits<double>::quiet_NaN());
-    return out;
+  const Place at = place_of(x, segment);
+  Weights out{.first = at.first};
+  if (at.end != Place::End::none) {
+    if (const auto found = beyond(at, derivative)) {
+      out.of = *found;
+      return out;
+    }
   }
-  const bool is_beyond = below || above;
-  if (is_beyond && extrapolation_ == Extrapolation::hold) {
-    if (derivative == 0) out.of[below ? 0 : 2] = 1;
-    return out;
-  }
-  const double u = (x - start) / h;
+  const double h = points_[at.first + 1] - points_[at.first];
+  const double u = (at.x - points_[at.first]) / h;
   if (interpolation_ == Interpolation::linear) {
     if (derivative == 0) out.of = {1 - u, 0, u, 0};
     if (derivative == 1) out.of = {-1 / h, 0, 1 / h, 0};
-    return out;
-  }
-  if (is_beyond && extrapolation_ == Extrapolation::linear) {
-    if (derivative == 0) out.of[below ? 0 : 2] = 1;
-    if (derivative < 2) out.of[below ? 1 : 3] = derivative == 0 ? from_end : 1;
     return out;
   }
   out.of = hermite(u, derivative);
@@ -254,7 +274,9 @@ TableAxis::Weights TableAxis::weights(double x, int segment, int derivative) con
   return out;
 }
 
-Table::Table(Data of) : data_(std::move(of)) {
+Table::Table(Data data) : data_(std::move(data)) { differentiate(); }
+
+void Table::differentiate() {
   const Data& data = data_;
   const Numbers& f = data.values;
   axes_.emplace_back(data.x, data.interpolation, data.extrapolation[0]);

@@ -49,6 +49,15 @@ class TableAxis {
   Weights weights(double x, int segment, int derivative) const;
 
  private:
+  // Between the points `first` and first + 1, or beyond the end that is next to them.
+  struct Place {
+    enum class End : char { none, first, last };
+    std::size_t first = 0;
+    double x = 0;  // moved by periods
+    End end = End::none;
+  };
+  Place place_of(double x, int segment) const;
+  std::optional<std::array<double, 4>> beyond(const Place& at, int derivative) const;
   bool is_periodic() const { return extrapolation_ == Extrapolation::periodic; }
   double period() const { return points_.back() - points_.front(); }
 
@@ -84,6 +93,8 @@ class Table {
   double at(const std::array<double, 2>& place, const Segments& segments, const Orders& derivatives) const;
 
  private:
+  void differentiate();
+
   Data data_;
   std::vector<TableAxis> axes_;
   std::vector<double> fx_, fy_, fxy_;  // derivatives by point, as the values; with one argument fx_ alone

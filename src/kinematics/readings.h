@@ -34,6 +34,8 @@ class Readings {
   // Pose of a link in the root frame (that of the ground link), after set_root_poses; velocity, in the link's frame.
   virtual Pose link_pose(int link) const = 0;
   virtual Motion link_velocity(int link) const = 0;
+  // The rates of these components, after set_acceleration and set_root_poses.
+  virtual Motion link_acceleration(int link) const = 0;
   // The same for the frame of a massless rod that has become a cut.
   virtual Pose rod_pose(int cut) const = 0;
   virtual Motion rod_velocity(int cut) const = 0;

@@ -71,6 +71,10 @@ class WithReadings : public Base {
 
   Pose link_pose(int link) const override { return kernels::pose3<A>(ws_.X_0L[link], height(link)); }
   Motion link_velocity(int link) const override { return kernels::motion3<A>(ws_.V[link]); }
+  Motion link_acceleration(int link) const override {
+    // Gravity is an acceleration of the root.
+    return kernels::motion3<A>(ws_.A_full[link] - ws_.X_0L[link].to_child(ws_.A_full[0]));
+  }
   Pose rod_pose(int cut) const override {
     const auto& c = model_.cuts[cut];
     const RodState state = rod_state(cut);

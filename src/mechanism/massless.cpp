@@ -44,7 +44,8 @@ class InteractionIndex {
   }
 
  private:
-  // Sensors do not affect the motion, if no expression names them, but a reaction that is read requires its joint.
+  // Sensors do not affect the motion, if no expression names them, but a reaction that is read requires its joint, and
+  // an acceleration its body.
   template <class Any>
   void enter(const Element<Any>& element, const ElementKind& kind) {
     const bool acts = !std::is_same_v<Any, AnySensor> || named_.contains(element.name);
@@ -52,7 +53,7 @@ class InteractionIndex {
       if (acts || kind.reads_reaction) joints_.insert(joint);
     }
     for (const BodyFrame& frame : element.frames) {
-      if (acts) bodies_.insert(frame.body);
+      if (acts || kind.reads_acceleration) bodies_.insert(frame.body);
     }
   }
 

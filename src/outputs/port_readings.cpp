@@ -24,7 +24,8 @@ JointWrench::JointWrench(const Scene& scene, const ReducedScene& reduced, int jo
   F = place(scene, reduced, where.island, of.parent);
 }
 
-PortPlaces::PortPlaces(const Scene& scene, const ReducedScene& reduced, const ElementPlace& element, bool with_wrench) {
+PortPlaces::PortPlaces(const Scene& scene, const ReducedScene& reduced, const ElementPlace& element, bool with_wrench)
+    : gravity(scene.gravity) {
   std::vector<const BodyFrame*> all;
   for (const BodyFrame& frame : element.frames) all.push_back(&frame);
   for (const std::string& name : element.joints) {

@@ -35,6 +35,7 @@ struct PortPlaces {
 
   int island = -1;                // -1 if all ports are fixed in the world
   std::vector<BodyPlace> frames;  // frames of bodies, then F and M of each joint
+  Eigen::Vector3d gravity;        // of the scene, uniform
   std::optional<JointWrench> wrench;
 };
 
@@ -79,6 +80,17 @@ class SeenPorts {
     const auto V = at.rod >= 0 ? dynamics_->rod_velocity(at.rod) : dynamics_->link_velocity(at.link);
     return {X_0L * X_LP, X_0L.R * (V.v + V.w.cross(X_LP.p)), X_0L.R * V.w};
   }
+  SeenAcceleration<T> acceleration(int k) const {
+    const BodyPlace& at = place(k);
+    if (dynamics_ == nullptr || at.link == 0) return {Vector3<T>::Zero(), Vector3<T>::Zero()};
+    const Vector3<T> p = pose_in<SpatialAlgebra<T>>(at.X_LB).p;
+    const auto V = dynamics_->link_velocity(at.link);
+    const auto A = dynamics_->link_acceleration(at.link);
+    const Vector3<T> a = A.v + V.w.cross(V.v) + A.w.cross(p) + V.w.cross(V.w.cross(p));
+    const auto& R = pose_of(at).R;
+    return {R * a, R * A.w};
+  }
+  Vector3<T> gravity() const { return X_W0().R.transpose() * places_.gravity.template cast<T>(); }
   // As a port of a force (element/forces/force.h).
   RecordingPort<T> port(int k) const {
     const SeenFrame<T> seen = frame(k);

@@ -46,6 +46,7 @@ struct AtRest final : gelenk::Readings<double> {
   void expression_values(const double*, double*) override {}
   Pose link_pose(int) const override { return {}; }
   Motion link_velocity(int) const override { return {}; }
+  Motion link_acceleration(int) const override { return {}; }
   Pose rod_pose(int) const override { return {}; }
   Motion rod_velocity(int) const override { return {}; }
   Force tree_reaction(int) const override { return {}; }

@@ -24,7 +24,7 @@ namespace {
 
 // visit(c) of a constraint between bodies; for a joint: otherwise.
 template <class Result, class Visit>
-Result of_constraint(const CutJoint& joint, Result otherwise, Visit visit) {
+Result of_constraint(const CutJoint& joint, const Result& otherwise, Visit visit) {
   const auto* const constraint = std::get_if<AnyBodyConstraint>(&joint);
   return constraint == nullptr ? otherwise : std::visit(visit, constraint->is);
 }
