@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The page docs/modelica/README.md; `python tests/modelica_page.py` writes it anew from the scenes and their values."""
+"""The page docs/modelica/README.md; `python tests/modelica_page.py` writes it anew from scenes and values."""
 
 from __future__ import annotations
 
@@ -22,24 +22,20 @@ SECTIONS = {
 MISSING = {
     "Mechanics.MultiBody": {
         "Elementary.InitSpringConstant": "a stiffness that is solved for at the start",
-        "Elementary.Surfaces": "a motion that follows a filter",
         "Elementary.ThreeSprings": "a point without mass between springs",
-        "Loops.PlanarLoops_analytic": "a motion that follows a filter",
         "Rotational3DEffects.BevelGear1D": "rotors with one moment of inertia on a carrier that moves",
-        "Rotational3DEffects.MovingActuatedDrive": "a motion that follows a filter; rotors as before",
     },
-    "Mechanics.Rotational": {"HeatLosses": "an efficiency that depends on the speed"},
+    "Mechanics.Rotational": {"HeatLosses": "an efficiency of a gear that depends on its speed"},
     "Mechanics.Translational": {},
     "PlanarMechanics": {
-        "InvertedCraneCrab": "a force at one joint that gives another one a motion (an inverse model)",
-        "MeasureDemo": "",
+        "InvertedCraneCrab": "a force at one joint that moves another one as prescribed",
     },
 }
 HEAD = "| model | scene | verified by | within |\n|---|---|---|---|\n"
 
 
 def scenes(folder: str) -> Iterator[tuple[str, str, dict[str, Any]]]:
-    """Return the scenes of a folder: name of the model in its section, file and values, by names of models."""
+    """Return the scenes of a folder: name of the model in its section, file and values."""
     values = json.loads((FOLDER / folder / "values.json").read_text(encoding="utf-8"))
     found = []
     for name, of in values.items():
@@ -61,7 +57,9 @@ def page() -> str:
     counts, tables = [], []
     for section, folders in SECTIONS.items():
         rows = [row for folder in folders for row in scenes(folder)]
-        missing = {model: why for model, why in MISSING[section].items() if model not in {row[0] for row in rows}}
+        missing = {
+            model: why for model, why in MISSING[section].items() if model not in {row[0] for row in rows}
+        }
         counts.append((section, len(rows), len(rows) + len(missing)))
         text = f"## {section}\n\n{HEAD}"
         for model, file, of in rows:
@@ -73,25 +71,30 @@ def page() -> str:
     overview = "".join(f"| {section} | {of} | {n} |\n" for section, n, of in counts)
     return f"""# Coming from Modelica
 
-The examples of the Modelica Standard Library 4.0.0 for mechanics and of PlanarMechanics, as scenes: {said} of {whole} are here, complete with their loads, controllers, circuits and
-temperatures, so that no co-simulation master has to add anything. Gelenk's tests run each of them at a tolerance of 1e-9 and compare some of its signals with values that do
-not come from Gelenk.
+The examples of the Modelica Standard Library 4.0.0 for mechanics and of PlanarMechanics, as scenes:
+{said} of {whole} are here, complete with their loads, controllers, circuits and temperatures, so that no
+co-simulation master has to add anything. Gelenk's tests run each of them at a tolerance of 1e-9 and compare
+some of its signals with values that do not come from Gelenk.
 
 | library | examples | as scenes |
 |---|---|---|
 {overview}
 What in Modelica is a component is here
 
-- a joint with fields: springs, dampers, friction, brakes and clutches, stops, one-way clutches ([joints](../scene-format.md#joints));
-- an [expression](../scene-format.md#expressions): force laws, load torques and motions in time, fields, sources of all kinds; [tables](../scene-format.md#tables) for what is
-  measured;
-- [states](../scene-format.md#states-of-elements) by their rates: circuits, controllers, filters, temperatures, elements in series;
-- a [constraint](../scene-format.md#constraints): gears with and without losses, racks, rolling wheels, points on surfaces;
+- a joint with fields: springs, dampers, friction, brakes and clutches, stops, one-way clutches
+  ([joints](../scene-format.md#joints));
+- an [expression](../scene-format.md#expressions): force laws, load torques and motions in time, fields,
+  sources of all kinds; [tables](../scene-format.md#tables) for what is measured;
+- [states](../scene-format.md#states-of-elements) by their rates: circuits, controllers, filters,
+  temperatures, elements in series;
+- a [constraint](../scene-format.md#constraints): gears with and without losses, racks, rolling wheels,
+  points on surfaces;
 - a [sensor](../scene-format.md#sensors).
 
-In the tables, *curve* is the result of Dymola 2020x that the Modelica Association publishes, *closed form* and *conservation law* are formulas, and *independent integration*
-solves equations of motion that were derived by hand, from event to event, at a tolerance of 1e-12. *Within* bounds the difference, relative to the range of the signal;
-`values.json` beside the scenes has all values and says how they were found.
+In the tables, *curve* is the result of Dymola 2020x that the Modelica Association publishes, *closed form*
+and *conservation law* are formulas, and *independent integration* solves equations of motion that were
+derived by hand, from event to event, at a tolerance of 1e-12. *Within* bounds the difference, relative to the
+range of the signal; `values.json` beside the scenes has all values and says how they were found.
 
 """ + "\n".join(tables)
 

@@ -11,6 +11,57 @@
 
 namespace gelenk {
 
+namespace {
+
+// Number of places at which modes are looked at within a step, at least: of conditions of expressions alone; and of
+// what is held, for each natural unit of time in which loads may come and go.
+constexpr int condition_places = 8;
+constexpr double held_places = 8;
+constexpr double fewest_held_places = 2, most_held_places = 64;
+
+}  // namespace
+
+// Conditions of expressions alone, which take no solution of the equations.
+class EventModes::KinkProbe final : public ModeProbe {
+ public:
+  explicit KinkProbe(EventModes& of) : of_(of) {}
+  std::size_t count() const override { return static_cast<std::size_t>(of_.kinks_.count()); }
+  void distances(double t, const double* y, double* out) override {
+    of_.equations_.bring_inputs(t, y);
+    of_.dynamics_.set_position(y);
+    of_.dynamics_.set_velocity(y + of_.nq_);
+    of_.kinks_.distances(out);
+  }
+  bool is_beyond(const double*) override { return of_.kinks_.are_passed(); }
+
+ private:
+  EventModes& of_;
+};
+
+// All indicators of joints and expressions, and those of closed contacts.
+class EventModes::HeldProbe final : public ModeProbe {
+ public:
+  explicit HeldProbe(EventModes& of) : of_(of) {}
+  std::size_t count() const override { return of_.held_positive_.size(); }
+  void distances(double t, const double* y, double* out) override {
+    of_.indicator_values(t, y, out, of_.probed_rates_.data());
+    const auto own = static_cast<std::size_t>(of_.smooth_indicators());
+    constexpr std::size_t each = ContactModes::per_candidate;
+    for (std::size_t i = 0; i < count(); ++i) {
+      const bool is_judged = i < own || of_.held_positive_[i - (i - own) % each] != 0;
+      out[i] = !is_judged ? 1 : of_.held_positive_[i] != 0 ? out[i] : -out[i];
+    }
+  }
+  bool is_beyond(const double* distances) override {
+    return std::any_of(distances, distances + count(), [](double d) { return d < -probe_rounding; });
+  }
+
+ private:
+  static constexpr double probe_rounding = 1e-9;  // of forces and speeds that rest at the end of their mode
+
+  EventModes& of_;
+};
+
 EventModes::EventModes(const Context& context)
     : dynamics_(context.dynamics),
       forces_(context.dynamics.switching_forces()),
@@ -24,21 +75,50 @@ EventModes::EventModes(const Context& context)
       g_(2 * sides_.size()),
       gdot_(g_.size()),
       rates_(static_cast<std::size_t>(nq_ + context.mechanism.nv + context.loads.states())),
-      hidden_kinks_(dynamics_, equations_, nq_, static_cast<int>(rates_.size())),
       locks_(context.equations, dynamics_, nq_, context.mechanism.nv, log_, sides_),
       outputs_(dynamics_, locks_, sides_),
       contacts_(std::make_unique<ContactModes>(ContactModes::Context{context.mechanism, dynamics_, context.loads,
                                                                      context.equations, context.locates_contacts})),
       changes_(std::make_unique<ModeChanges>(ModeChanges::Context{context.mechanism, dynamics_, context.equations, log_,
-                                                                  locks_, *contacts_, own_indicators()})) {}
+                                                                  locks_, *contacts_, own_indicators()})),
+      held_positive_(static_cast<std::size_t>(indicators())),
+      probed_(held_positive_.size()),
+      probed_rates_(held_positive_.size()),
+      kink_probe_(std::make_unique<KinkProbe>(*this)),
+      mode_probe_(std::make_unique<HeldProbe>(*this)),
+      hidden_changes_(std::make_unique<HiddenChanges>(dynamics_, equations_, static_cast<int>(rates_.size()),
+                                                      held_positive_.size())) {}
 
 EventModes::~EventModes() = default;
 
 int EventModes::contact_indicators() const { return contacts_->indicators(); }
 
 double EventModes::touch_within(double t0, const double* y0, double t1, const double* y1) {
-  const double touch = contacts_->touch_within(t0, y0, t1, y1);
-  return kinks_.read_time() && held_ ? std::min(touch, hidden_kinks_.first(t0, y0, t1, y1)) : touch;
+  return std::min(contacts_->touch_within(t0, y0, t1, y1), hidden_change(t0, y0, t1, y1));
+}
+
+// Whether something at rest or closed is loaded by what depends on the time, other than by the motion.
+bool EventModes::may_hide_changes() const {
+  const bool holds = locks_.any_at_rest() || !contacts_->equations().closed().empty();
+  return holds && (equations_.loads_move() || reads_time(loads_));
+}
+
+double EventModes::hidden_change(double t0, const double* y0, double t1, const double* y1) {
+  if (!held_) return INFINITY;
+  const bool looks_at_all = may_hide_changes();
+  if (!looks_at_all && !kinks_.read_time()) return INFINITY;
+  ModeProbe& probe = looks_at_all ? *mode_probe_ : *kink_probe_;
+  const double held = std::clamp(std::ceil(held_places * (t1 - t0)), fewest_held_places, most_held_places);
+  const int fewest = looks_at_all ? static_cast<int>(held) : condition_places;
+  const double out = hidden_changes_->first(probe, fewest, t0, y0, t1, y1);
+  static_cast<void>(equations_.bring_inputs(t1, y1));
+  if (looks_at_all) {
+    indicator_values(t1, y1, probed_.data(), probed_rates_.data());
+  } else {
+    dynamics_.set_position(y1);
+    dynamics_.set_velocity(y1 + nq_);
+  }
+  return out;
 }
 
 double EventModes::next_break(double t) { return std::min(equations_.next_break(t), gelenk::next_break(loads_, t)); }
@@ -99,6 +179,7 @@ void EventModes::remembered_mode(bool* positive) const {
 
 void EventModes::hold_mode(double t, const bool* positive) {
   held_ = positive != nullptr;
+  if (held_) std::copy_n(positive, held_positive_.size(), held_positive_.begin());
   held_from_ = t;
   mode_exit_time_ = INFINITY;
   left_by_forces_.has = false;

@@ -10,7 +10,7 @@
 
 #include "event/event_log.h"
 #include "event/event_source.h"
-#include "event_driven/hidden_kinks.h"
+#include "event_driven/hidden_changes.h"
 #include "event_driven/joint_outputs.h"
 #include "event_driven/lock_modes.h"
 #include "kinematics/placed_formulas.h"
@@ -23,6 +23,9 @@ struct Loads;
 struct Mechanism;
 
 class EventModes final : public EventSource {
+  class KinkProbe;
+  class HeldProbe;
+
  public:
   struct Context {
     const Mechanism& mechanism;
@@ -103,6 +106,8 @@ class EventModes final : public EventSource {
   void keep_directions_below(double speed) override;
   void check(double t, const double* v);
   bool is_in_other_mode(const double* v);
+  bool may_hide_changes() const;
+  double hidden_change(double t0, const double* y0, double t1, const double* y1);
   bool is_outside();
   bool are_overloaded() const;
 
@@ -116,10 +121,9 @@ class EventModes final : public EventSource {
   std::vector<int> sides_, present_sides_;  // of the forces: held, and those of the present state
   std::vector<double> g_, gdot_;            // indicators
   std::vector<double> rates_;               // of drift()
-  HiddenKinks hidden_kinks_;
-  bool held_ = false;                 // a mode is held
-  double held_from_ = 0;              // s: start of the held mode
-  double mode_exit_time_ = INFINITY;  // s: see EventSource
+  bool held_ = false;                       // a mode is held
+  double held_from_ = 0;                    // s: start of the held mode
+  double mode_exit_time_ = INFINITY;        // s: see EventSource
   struct LeftByForces {
     bool has = false;   // watch_forces() has found mode_exit_time_
     double before = 0;  // what it was before
@@ -128,6 +132,10 @@ class EventModes final : public EventSource {
   JointOutputs outputs_;
   std::unique_ptr<ContactModes> contacts_;
   std::unique_ptr<ModeChanges> changes_;
+  std::vector<char> held_positive_;            // by indicator, of the held mode
+  std::vector<double> probed_, probed_rates_;  // by indicator: workspace
+  std::unique_ptr<ModeProbe> kink_probe_, mode_probe_;
+  std::unique_ptr<HiddenChanges> hidden_changes_;
 };
 
 // During its lifetime the modes are those in which a step at (t, y) would begin with the present inputs; reading

@@ -46,6 +46,12 @@ double next_break(const Loads& loads, double t) {
   return out;
 }
 
+bool reads_time(const Loads& loads) {
+  bool out = false;
+  each_placed_formula(loads, [&](const Formula& formula, const BranchPlace&) { out = out || formula.reads_time(); });
+  return out;
+}
+
 bool has_breaks(const Loads& loads) {
   bool out = false;
   each_placed_formula(loads,

@@ -20,6 +20,8 @@ std::vector<BranchPlace> branch_places(const Loads& loads);
 
 void each_placed_formula(const Loads& loads, const std::function<void(const Formula&, const BranchPlace&)>& visit);
 
+// Whether an expression that acts reads the time.
+bool reads_time(const Loads& loads);
 // Knots of tables of the time, see EventSource.
 double next_break(const Loads& loads, double t);
 bool has_breaks(const Loads& loads);

@@ -128,7 +128,10 @@ def deviations(case: Case, found: Outputs, exact: Outputs) -> dict[str, float]:
     out = {}
     for name, values in exact.values.items():
         size = max(case.small.get(exact.units[name], SMALL), float(np.abs(values).max()))
-        out[name] = float(np.abs(found.values[name] - values).max()) / size
+        difference = found.values[name] - values
+        if name.startswith("euler_angles"):  # pi and -pi are the same
+            difference = np.remainder(difference + np.pi, 2 * np.pi) - np.pi
+        out[name] = float(np.abs(difference).max()) / size
     return out
 
 

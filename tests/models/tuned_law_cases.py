@@ -76,8 +76,9 @@ CASES: dict[str, Callable[[], Case]] = {
     "friction of a contact beside a brake that holds": lambda: tuned(
         braked_wheel(), 9 * GRID, tire__friction=0.1
     ),
-    "friction of a contact beside a guide with friction": lambda: tuned(
-        box_on_a_cart(), EARLY, top__friction=0.05
+    # The box moves little relative to the cart, so that errors are a larger part of that.
+    "friction of a contact beside a guide with friction": lambda: replace(
+        tuned(box_on_a_cart(), EARLY, top__friction=0.05), error=0.03
     ),
     "friction of a guide beside a contact": lambda: tuned(box_on_a_cart(), EARLY, P__friction__coulomb=0.5),
 }

@@ -25,12 +25,16 @@ def values_of(name: str) -> dict[str, Any]:
 
 
 def test_the_page_lists_all_scenes() -> None:
-    assert (FOLDER / "README.md").read_text(encoding="utf-8") == modelica_page.page(), "run tests/modelica_page.py"
+    assert (FOLDER / "README.md").read_text(encoding="utf-8") == modelica_page.page(), (
+        "run tests/modelica_page.py"
+    )
 
 
 def test_each_scene_has_values() -> None:
     named = {
-        f"{file.parent.name}/{scene}" for file in FOLDER.glob("*/values.json") for scene in json.loads(file.read_text())
+        f"{file.parent.name}/{scene}"
+        for file in FOLDER.glob("*/values.json")
+        for scene in json.loads(file.read_text())
     }
     assert named == set(SCENES)
 
