@@ -54,7 +54,8 @@ def first_comment(file: str) -> str:
 
 def page() -> str:
     """Return the text of the page."""
-    counts, tables = [], []
+    counts: list[tuple[str, int, int]] = []
+    tables = []
     for section, folders in SECTIONS.items():
         rows = [row for folder in folders for row in scenes(folder)]
         missing = {
@@ -67,7 +68,7 @@ def page() -> str:
         for model, why in missing.items():
             text += f"| {model} | not: {why} | | |\n"
         tables.append(text)
-    said, whole = (sum(count[k] for count in counts) for k in (1, 2))
+    said, whole = sum(n for _, n, _ in counts), sum(of for _, _, of in counts)
     overview = "".join(f"| {section} | {of} | {n} |\n" for section, n, of in counts)
     return f"""# Coming from Modelica
 
