@@ -25,6 +25,8 @@ constexpr int max_shortened_steps = 20;
 // implicit method evaluates the equations at iterates that its stages do not converge to. The step made in the end is
 // short, but correct.
 constexpr int max_touch_trials = 8;
+// Relative to times: shorter ones are not stepped over.
+constexpr double shortest_stretch = 1e-14;
 // In units of the resolution of times: within a shorter step, times cannot be distinguished.
 constexpr double shortest_course = 1e4;
 
@@ -53,18 +55,24 @@ void Locator::save_high(const Stepping& method) {
 
 Step Locator::step(Stepping& method, double end) {
   if (!source_.has_breaks()) return step_to_event(method, end);
-  const double ahead = source_.next_break(method.time());
-  const bool meets_break = ahead <= end;
-  if (ahead < end) method.stop_at(ahead);
+  // A break at the beginning has been passed, and one at the end is there: no method can step from one to the other.
+  const double near = shortest_stretch * std::max(std::abs(method.time()), std::abs(end));
+  const double ahead = source_.next_break(method.time() + near);
+  const bool meets_break = ahead <= end + near;
+  const double stop = ahead < end - near ? ahead : end;
+  if (stop != end) method.stop_at(stop);
   source_.begin_stretch(method.time());
-  const Step step = step_to_event(method, meets_break ? ahead : end);
+  const Step step = step_to_event(method, stop);
   source_.begin_stretch(NAN);
-  if (ahead < end) method.stop_at(end);
-  if (step != Step::made || !meets_break || method.time() != ahead) return step;
-  source_.pass_break();
-  std::copy_n(method.state(), high_y_.size(), high_y_.begin());
-  method.go_to(ahead, high_y_.data());
-  method.lengthen_next_step(next_step_);
+  if (step == Step::made && meets_break && method.time() == stop) {
+    source_.pass_break();
+    std::copy_n(method.state(), high_y_.size(), high_y_.begin());
+    method.go_to(stop, high_y_.data());
+    method.lengthen_next_step(next_step_);
+    method.stop_at(end);
+  } else if (stop != end) {
+    method.stop_at(end);
+  }
   return step;
 }
 
@@ -168,10 +176,20 @@ double Locator::touch_within(double end, const double* y) const {
 Step Locator::search_all(Stepping& method) {
   save_high(method);
   std::ranges::fill(searched_, 0);
+  // Of those that are smooth, the one that seems to be the first: a step may cross many points of a table.
+  const auto smooth = static_cast<std::size_t>(source_.smooth_indicators());
   const auto next = [&] {
-    std::size_t i = 0;
-    while (i < course_.size() && (searched_[i] != 0 || !course_.changed(i))) ++i;
-    return i;
+    std::size_t out = course_.size();
+    double first = INFINITY;
+    for (std::size_t i = 0; i < course_.size(); ++i) {
+      if (searched_[i] != 0 || !course_.changed(i)) continue;
+      if (i >= smooth) return std::min(i, out);
+      if (const double zero = course_.zero(i); out == course_.size() || zero < first) {
+        out = i;
+        first = zero;
+      }
+    }
+    return out;
   };
   // Before an event, others may be beyond a zero from which they had returned at the end of the step.
   for (std::size_t i = next(); i < course_.size(); i = next()) {

@@ -17,7 +17,11 @@ namespace {
 // what is held, for each natural unit of time in which loads may come and go.
 constexpr int condition_places = 8;
 constexpr double held_places = 8;
-constexpr double fewest_held_places = 2, most_held_places = 64;
+constexpr double fewest_held_places = 8, most_held_places = 64;
+// Where nothing moves, no error bounds the length of a step: unless it is short, at least so many.
+constexpr double resting_places = 24;
+constexpr double short_step = 0.05;    // natural units
+constexpr double still_speed = 1e-10;  // natural units
 
 }  // namespace
 
@@ -48,7 +52,7 @@ class EventModes::HeldProbe final : public ModeProbe {
     const auto own = static_cast<std::size_t>(of_.smooth_indicators());
     constexpr std::size_t each = ContactModes::per_candidate;
     for (std::size_t i = 0; i < count(); ++i) {
-      const bool is_judged = i < own || of_.held_positive_[i - (i - own) % each] != 0;
+      const bool is_judged = i < own || (of_.nothing_moves_ && of_.held_positive_[i - (i - own) % each] != 0);
       out[i] = !is_judged ? 1 : of_.held_positive_[i] != 0 ? out[i] : -out[i];
     }
   }
@@ -69,6 +73,7 @@ EventModes::EventModes(const Context& context)
       loads_(context.loads),
       equations_(context.equations),
       nq_(context.mechanism.nq),
+      nv_(context.mechanism.nv),
       log_(context.log),
       sides_(static_cast<std::size_t>(forces_.count()), mode_of_state),
       present_sides_(sides_.size()),
@@ -99,16 +104,23 @@ double EventModes::touch_within(double t0, const double* y0, double t1, const do
 
 // Whether something at rest or closed is loaded by what depends on the time, other than by the motion.
 bool EventModes::may_hide_changes() const {
-  const bool holds = locks_.any_at_rest() || !contacts_->equations().closed().empty();
+  const bool holds = locks_.any_at_rest() || (nothing_moves_ && !contacts_->equations().closed().empty());
   return holds && (equations_.loads_move() || reads_time(loads_));
 }
 
 double EventModes::hidden_change(double t0, const double* y0, double t1, const double* y1) {
   if (!held_) return INFINITY;
+  // What moves in contact is bounded by errors, and its forces may be near the ends of their modes in every step.
+  const auto at_rest = [&](const double* y) {
+    return std::all_of(y + nq_, y + nq_ + nv_, [](double v) { return std::abs(v) < still_speed; });
+  };
+  nothing_moves_ = at_rest(y0) && at_rest(y1);
   const bool looks_at_all = may_hide_changes();
   if (!looks_at_all && !kinks_.read_time()) return INFINITY;
   ModeProbe& probe = looks_at_all ? *mode_probe_ : *kink_probe_;
-  const double held = std::clamp(std::ceil(held_places * (t1 - t0)), fewest_held_places, most_held_places);
+  const bool may_be_long = nothing_moves_ && t1 - t0 > short_step;
+  const double least = may_be_long ? resting_places : fewest_held_places;
+  const double held = std::clamp(std::ceil(held_places * (t1 - t0)), least, most_held_places);
   const int fewest = looks_at_all ? static_cast<int>(held) : condition_places;
   const double out = hidden_changes_->first(probe, fewest, t0, y0, t1, y1);
   static_cast<void>(equations_.bring_inputs(t1, y1));

@@ -116,7 +116,7 @@ class EventModes final : public EventSource {
   LawKinks& kinks_;
   const Loads& loads_;
   ModeEquations& equations_;
-  int nq_;
+  int nq_, nv_;
   EventLog& log_;
   std::vector<int> sides_, present_sides_;  // of the forces: held, and those of the present state
   std::vector<double> g_, gdot_;            // indicators
@@ -136,6 +136,7 @@ class EventModes final : public EventSource {
   std::vector<double> probed_, probed_rates_;  // by indicator: workspace
   std::unique_ptr<ModeProbe> kink_probe_, mode_probe_;
   std::unique_ptr<HiddenChanges> hidden_changes_;
+  bool nothing_moves_ = false;  // at the ends of the step in which changes are searched for
 };
 
 // During its lifetime the modes are those in which a step at (t, y) would begin with the present inputs; reading

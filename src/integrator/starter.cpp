@@ -174,8 +174,8 @@ class StartedMultistep final : public Integrator {
   void advance_multistep(double end) {
     if (using_starter_) begin_multistep();
     const double before = t_;
-    // If stability would limit erk's steps, the multistep method locates events itself.
-    const bool passes_events = course_.size() > 0 && starts_.near();
+    // If stability would limit erk's steps, the multistep method locates events itself; it also ends steps at breaks.
+    const bool passes_events = course_.size() > 0 && starts_.near() && !system_.modes().has_breaks();
     multistep_->pass_events(passes_events);
     bool passed_event = false;
     try {

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import csv
 import math
+import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,8 @@ MAX_BYTES = 10_000_000  # of a file: text of 100,000 values
 OF_FILES = ("file", "columns")
 # Takes the place of a table with faults, so that the rest of the scene is checked, too.
 ANY = {"x": [0, 1], "values": [0, 0]}
+
+_NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?", re.ASCII)
 
 Columns = tuple[str | int, str | int] | None
 
@@ -67,15 +70,13 @@ def load(path: Path, name: str, columns: Columns) -> dict[str, Any]:
     if lines.width == 2:
         x, values = ([lines.number(row, column) for row in lines.rows] for column in range(2))
         return {"x": x, "values": values}
-    if lines.headers and not all(map(_is_number, lines.headers[1:])):
+    if lines.headers:
         raise FileFaultError(
             f"{name!r} with the columns {', '.join(lines.headers)}",
             "two columns, or columns: [.., ..], those of x and of the values",
         )
-    rows = lines.rows if lines.headers else lines.rows[1:]
-    y = [float(cell) for cell in lines.headers[1:]] if lines.headers else [
-        lines.number(lines.rows[0], column) for column in range(1, lines.width)
-    ]  # fmt: skip
+    rows = lines.rows[1:]  # the first cell of the first line is of no meaning
+    y = [lines.number(lines.rows[0], column) for column in range(1, lines.width)]
     return {
         "x": [lines.number(row, 0) for row in rows],
         "y": y,
@@ -84,10 +85,11 @@ def load(path: Path, name: str, columns: Columns) -> dict[str, Any]:
 
 
 def _is_number(cell: str) -> bool:
-    try:
-        return math.isfinite(float(cell))
-    except ValueError:
-        return False
+    return _NUMBER.fullmatch(cell) is not None and math.isfinite(float(cell))
+
+
+def _begins_as_number(cell: str) -> bool:
+    return re.match(r"[-+.]?\d|nan\b|inf", cell, re.IGNORECASE) is not None
 
 
 class _Lines:
@@ -112,7 +114,7 @@ class _Lines:
         ]
         self.headers: list[str] = []
         self.rows = [(k, row) for (k, _), row in zip(numbered, cells, strict=True)]
-        if self.rows and not all(map(_is_number, self.rows[0][1])):
+        if self.rows and not any(map(_begins_as_number, self.rows[0][1])):
             self.headers = self.rows.pop(0)[1]
         if len(self.rows) < 2:
             raise FileFaultError(f"{name!r} with {len(self.rows)} lines of numbers", "at least 2")
@@ -132,6 +134,10 @@ class _Lines:
                     f"{column}", f"a column from 1 to {self.width} of {self._name!r}", "columns"
                 )
             return column - 1
+        if self.headers.count(column) > 1:
+            raise FileFaultError(
+                repr(column), f"a header that only one column has, in {self._name!r}", "columns"
+            )
         if column not in self.headers:
             known = (
                 f"one of {', '.join(self.headers)}"

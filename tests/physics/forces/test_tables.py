@@ -289,6 +289,85 @@ def test_table_of_a_file_in_the_folder_of_the_scene(tmp_path: Path) -> None:
         assert simulation.output("S.a") == pytest.approx(50 - 1 + 0.2 + 50, abs=1e-12)
 
 
+@pytest.mark.parametrize("steps", [1, 10, 100, 1000])
+@pytest.mark.parametrize("integrator", [*ADAPTIVE, "rk4"])
+def test_no_pulse_is_missed_where_friction_holds(integrator: str, steps: int) -> None:
+    """100 N for some milliseconds against 10 N of friction: 1 kg moves by what the triangle leaves."""
+    table = {"x": [0, 3.3, 3.305, 3.31, 5], "values": [0, 0, 100, 0, 0], "interpolation": "linear"}
+    solver = {"integrator": integrator, "step": 1e-3}
+    law = slide(
+        "table(p, t)", {"s": 0.0}, joint={"friction": {"coulomb": 10.0}}, solver=solver, tables={"p": table}
+    )
+    found = final(law, [5 * (k + 1) / steps for k in range(steps)], 1e-8)[-1]
+    # From 3.3005 s on, F - 10 = 2e4 t - 10: 0.2025 N s until 3.3095 s, and 10 N s/s brake from there.
+    rise, fall, end = 0.0045, 0.0045, 3.31
+    top = 90.0
+    v1 = top * rise / 2
+    s1 = top * rise**2 / 6
+    v2 = v1 + top * fall / 2
+    s2 = s1 + v1 * fall + top * fall**2 / 3
+    t3 = end - 3.3095  # from -0 to -10 N
+    v3 = v2 - 10 * t3 / 2
+    s3 = s2 + v2 * t3 - 10 * t3**2 / 6
+    assert found[0] == pytest.approx(s3 + v3**2 / 20, abs=1e-8)
+    assert found[1] == 0
+
+
+@pytest.mark.parametrize("integrator", ADAPTIVE)
+@pytest.mark.parametrize("step", [0.1, 0.05, 0.01])
+def test_points_at_communication_times_but_for_rounding(integrator: str, step: float) -> None:
+    """0.3 and 3 times 0.1 differ by rounding: no steps of this length, and no point passed twice."""
+    table = {"x": [0, 0.1, 0.3, 0.6, 0.7, 1], "values": [0, 1, 0, 2, 1, 0], "interpolation": "linear"}
+    law = slide("table(p, t)", {"s": 0.0}, solver={"integrator": integrator}, tables={"p": table})
+    found = gelenk.simulate(law, stop=1, step=step)
+    impulse = 0.1 / 2 + 0.2 / 2 + 0.3 + 0.15 + 0.3 / 2
+    assert found["S.v"][-1] == pytest.approx(impulse, abs=1e-6)
+    moved = {"time": [0, 0.1, 0.4], "value": [0, 1, 0], "interpolation": "pchip", "periodic": True}
+    out = scene(
+        {"mass": body(2.0, com=(0, 0, 0))},
+        {"S": joint("prismatic", frame("ground"), frame("mass"), axis=[1, 0, 0])},
+        solver={"integrator": integrator},
+    ) | {"constraints": {"M": {"type": "motion", "joint": "S", "table": moved}}}
+    assert gelenk.simulate(out, stop=4, step=step)["S.s"][-1] == pytest.approx(0, abs=1e-9)
+
+
+@pytest.mark.parametrize("steps", [1, 100])
+def test_cost_of_many_points_does_not_depend_on_the_length_of_steps(steps: int) -> None:
+    """About ninety points are crossed, in one communication step or in a hundred."""
+    x = np.linspace(-1, 1, 5001)
+    law = slide(
+        "table(p, s)", {"s": 0.9},
+        tables={"p": {"x": x, "values": -100 * np.sin(x), "interpolation": "linear"}},
+    )  # fmt: skip
+    simulation = gelenk.Simulation(law)
+    simulation.initialize(0.0, 1e-6)
+    for k in range(steps):
+        simulation.step_to(0.03 * (k + 1) / steps)
+    assert simulation.diagnostic("solver.evaluations") < 4000
+
+
+@pytest.mark.parametrize(
+    ("text", "answer"),
+    [
+        ("0,nan\n1,2\n2,3\n", "'nan' in line 1"),
+        ("0;7,5\n1;2\n2;3\n", "the decimal point is '.'"),
+        ("0,7 N\n1,2\n2,3\n", "'7 N' in line 1"),
+        ("1_0,2\n3,4\n5,6\n", "'1_0' in line 1"),
+        ("a,b\n1,2\n", "1 lines of numbers"),
+        ("1,2\n3\n", "1 numbers in line 2"),
+        ("a,b,c\n1,2,3\n2,3,4\n", "the columns a, b, c"),
+        ("1\n2\n", "a single column"),
+        ("", "0 lines of numbers"),
+    ],
+)
+def test_files_that_are_no_tables(tmp_path: Path, text: str, answer: str) -> None:
+    (tmp_path / "a.csv").write_text(text)
+    description = slide("table(p, s)", {"s": 0.0}, tables={"p": {"file": "a.csv"}})
+    (tmp_path / "scene.json").write_text(json.dumps(description))
+    with pytest.raises(gelenk.SceneError, match=answer):
+        gelenk.load(tmp_path / "scene.json")
+
+
 def test_motion_that_follows_a_table_exactly() -> None:
     """The driving force is the mass times the second derivative of SciPy's curve, beside its jumps."""
     times, values = [0, 1, 1.1, 3, 4], [0, 0, 1, 1, 1]
