@@ -4,10 +4,8 @@
 from __future__ import annotations
 
 import itertools
-import json
 import math
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -263,32 +261,6 @@ def test_held_by_friction_until_a_table_of_the_time_exceeds_it() -> None:
     assert found[2] == pytest.approx([0.5**3 / 6, 0.5**2 / 2], abs=1e-8)
 
 
-def test_table_of_a_file_in_the_folder_of_the_scene(tmp_path: Path) -> None:
-    """Columns by name and by number, tables over two arguments, and what is saved elsewhere."""
-    (tmp_path / "gas.csv").write_text("# measured\nangle;time;force\n0;9;100\n0.1;9;50\n0.2;9;1\n")
-    (tmp_path / "map.csv").write_text("x\\y,0,1,2\n0,0,1,2\n1,10,11,12\n")
-    (tmp_path / "two.txt").write_text("0 0\n1 2\n")
-    description = slide(
-        "table(gas, s) - table(map, s, v) + table(two, s) + table(third, s)", {"s": 0.1},
-        tables={
-            "gas": {"file": "gas.csv", "columns": ["angle", "force"], "extrapolation": "linear"},
-            "third": {"file": "gas.csv", "columns": [1, 3]},
-            "map": {"file": "map.csv"},
-            "two": {"file": "two.txt"},
-        },
-    )  # fmt: skip
-    file = tmp_path / "scene.json"
-    file.write_text(json.dumps(description))
-    loaded = gelenk.load(file)
-    elsewhere = tmp_path / "elsewhere"
-    elsewhere.mkdir()
-    loaded.save(elsewhere / "scene.yaml")
-    for one in (loaded, gelenk.load(elsewhere / "scene.yaml")):
-        simulation = gelenk.Simulation(one)
-        simulation.initialize(0.0, 1e-8)
-        assert simulation.output("S.a") == pytest.approx(50 - 1 + 0.2 + 50, abs=1e-12)
-
-
 @pytest.mark.parametrize("steps", [1, 10, 100, 1000])
 @pytest.mark.parametrize("integrator", [*ADAPTIVE, "rk4"])
 def test_no_pulse_is_missed_where_friction_holds(integrator: str, steps: int) -> None:
@@ -344,28 +316,6 @@ def test_cost_of_many_points_does_not_depend_on_the_length_of_steps(steps: int) 
     for k in range(steps):
         simulation.step_to(0.03 * (k + 1) / steps)
     assert simulation.diagnostic("solver.evaluations") < 4000
-
-
-@pytest.mark.parametrize(
-    ("text", "answer"),
-    [
-        ("0,nan\n1,2\n2,3\n", "'nan' in line 1"),
-        ("0;7,5\n1;2\n2;3\n", "the decimal point is '.'"),
-        ("0,7 N\n1,2\n2,3\n", "'7 N' in line 1"),
-        ("1_0,2\n3,4\n5,6\n", "'1_0' in line 1"),
-        ("a,b\n1,2\n", "1 lines of numbers"),
-        ("1,2\n3\n", "1 numbers in line 2"),
-        ("a,b,c\n1,2,3\n2,3,4\n", "the columns a, b, c"),
-        ("1\n2\n", "a single column"),
-        ("", "0 lines of numbers"),
-    ],
-)
-def test_files_that_are_no_tables(tmp_path: Path, text: str, answer: str) -> None:
-    (tmp_path / "a.csv").write_text(text)
-    description = slide("table(p, s)", {"s": 0.0}, tables={"p": {"file": "a.csv"}})
-    (tmp_path / "scene.json").write_text(json.dumps(description))
-    with pytest.raises(gelenk.SceneError, match=answer):
-        gelenk.load(tmp_path / "scene.json")
 
 
 def test_motion_that_follows_a_table_exactly() -> None:
