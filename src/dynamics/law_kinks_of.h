@@ -31,6 +31,7 @@ class LawKinksOf final : public LawKinks {
     const auto look = [&](const Formula& formula) {
       count_ = std::max(count_, formula.first_branch() + formula.branches());
       reads_time_ = reads_time_ || (formula.branches() > 0 && formula.reads_time());
+      for (int k = 0; k < formula.branches() && !may_jump_; ++k) may_jump_ = !formula.tape().is_knot(k);
     };
     laws_.each_branching([&](const auto& force, int, const double*, const double*) {
       look(force.element.formula());
@@ -96,7 +97,8 @@ class LawKinksOf final : public LawKinks {
   void hold(const bool* positive) override { state_.loads.branches->first = positive; }
 
   bool are_passed() override {
-    if (held_branches() == nullptr || count_ == 0) return false;
+    // Beyond a point of a table its polynomial is as good until the step ends there.
+    if (held_branches() == nullptr || !may_jump_) return false;
     decide();
     for (int i = 0; i < count_; ++i) {
       if (distance(i) < -state_rounding) return true;
@@ -213,6 +215,7 @@ class LawKinksOf final : public LawKinks {
   int count_ = 0;
   bool between_bodies_ = false;  // some are of forces between bodies
   bool depends_on_speed_ = false, reads_time_ = false;
+  bool may_jump_ = false;        // some are not of tables
   std::vector<Course> courses_;  // by indicator
   std::vector<double> values_;   // by indicator: workspace
   std::vector<Dual> arguments_;  // by indicator: workspace
