@@ -45,9 +45,9 @@ class EventSource {
   // infinite: none.
   virtual bool has_breaks() const { return false; }
   virtual double next_break(double /*t*/) { return INFINITY; }
-  // After t [s], where a step begins, functions of time are those up to the next break, there too; NaN: at a break they
-  // are those after it.
-  virtual void begin_stretch(double /*t*/) {}
+  // From one break to the next [s] functions of time are those in between, at both ends, too; NaN: at a break they are
+  // those after it.
+  virtual void begin_stretch(double /*from*/, double /*to*/) {}
   // Called where a step has ended at a break.
   virtual void pass_break() {}
 

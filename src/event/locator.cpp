@@ -53,17 +53,24 @@ void Locator::save_high(const Stepping& method) {
   std::copy_n(method.state(), high_y_.size(), high_y_.begin());
 }
 
-Step Locator::step(Stepping& method, double end) {
-  if (!source_.has_breaks()) return step_to_event(method, end);
+Step Locator::step(Stepping& method, double end) { return step_to_break(method, end, &Locator::step_to_event); }
+
+Step Locator::step_across(Stepping& method, double end) {
+  return step_to_break(method, end, &Locator::step_over_events);
+}
+
+// Makes a step to `end` or to the next break before it.
+Step Locator::step_to_break(Stepping& method, double end, Step (Locator::*make)(Stepping&, double)) {
+  if (!source_.has_breaks()) return (this->*make)(method, end);
   // A break at the beginning has been passed, and one at the end is there: no method can step from one to the other.
   const double near = shortest_stretch * std::max(std::abs(method.time()), std::abs(end));
   const double ahead = source_.next_break(method.time() + near);
   const bool meets_break = ahead <= end + near;
   const double stop = ahead < end - near ? ahead : end;
   if (stop != end) method.stop_at(stop);
-  source_.begin_stretch(method.time());
-  const Step step = step_to_event(method, stop);
-  source_.begin_stretch(NAN);
+  source_.begin_stretch(method.time(), ahead);
+  const Step step = (this->*make)(method, stop);
+  source_.begin_stretch(NAN, NAN);
   if (step == Step::made && meets_break && method.time() == stop) {
     source_.pass_break();
     std::copy_n(method.state(), high_y_.size(), high_y_.begin());
@@ -76,19 +83,22 @@ Step Locator::step(Stepping& method, double end) {
   return step;
 }
 
-// The same without breaks.
+// Where there are no events.
+Step Locator::step_alone(Stepping& method, double end) {
+  next_step_ = method.next_step();
+  return method.step_towards(end);
+}
+
 Step Locator::step_to_event(Stepping& method, double end) {
+  if (course_.size() == 0) return step_alone(method, end);
   stop_ = end_ = end;
-  if (course_.size() == 0) {
-    next_step_ = method.next_step();
-    return method.step_towards(end);
-  }
   const Step step = step_in_mode(method, end);
   if (stop_ != end) method.stop_at(end);
   return step;
 }
 
-Step Locator::step_across(Stepping& method, double end) {
+Step Locator::step_over_events(Stepping& method, double end) {
+  if (course_.size() == 0) return step_alone(method, end);
   save_start(method, end);
   if (!source_.refusal().empty()) return Step::refused;
   const Step step = method.step_towards(end);

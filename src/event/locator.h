@@ -43,15 +43,18 @@ class Locator {
   bool is_needed() const { return course_.size() > 0 || source_.has_breaks(); }
   // Makes one step of the method to `end`, to the first event or break before it, or less far.
   Step step(Stepping& method, double end);
-  // Makes one step that may extend across events; these are reported at approximate times. For methods that cannot make
-  // very short steps.
+  // Makes one step that may extend across events, but not across breaks; events are reported at approximate times. For
+  // methods that cannot make very short steps.
   Step step_across(Stepping& method, double end);
   // Call if the method continues from another state.
   void restart() { event_ahead_ = 0; }
   void serialize(Archive& archive) { archive.serialize(event_ahead_); }
 
  private:
+  Step step_to_break(Stepping& method, double end, Step (Locator::*make)(Stepping&, double));
+  Step step_alone(Stepping& method, double end);
   Step step_to_event(Stepping& method, double end);
+  Step step_over_events(Stepping& method, double end);
   Step step_in_mode(Stepping& method, double end);
   // Whether the step has been ended for good.
   struct Trial {

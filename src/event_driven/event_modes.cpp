@@ -72,6 +72,8 @@ EventModes::EventModes(const Context& context)
       kinks_(dynamics_.kinks()),
       loads_(context.loads),
       equations_(context.equations),
+      reads_time_(reads_time(loads_)),
+      has_breaks_(gelenk::has_breaks(loads_) || equations_.has_breaks()),
       nq_(context.mechanism.nq),
       nv_(context.mechanism.nv),
       log_(context.log),
@@ -105,7 +107,7 @@ double EventModes::touch_within(double t0, const double* y0, double t1, const do
 // Whether something at rest or closed is loaded by what depends on the time, other than by the motion.
 bool EventModes::may_hide_changes() const {
   const bool holds = locks_.any_at_rest() || (nothing_moves_ && !contacts_->equations().closed().empty());
-  return holds && (equations_.loads_move() || reads_time(loads_));
+  return holds && (equations_.loads_move() || reads_time_);
 }
 
 double EventModes::hidden_change(double t0, const double* y0, double t1, const double* y1) {

@@ -98,9 +98,9 @@ class EventModes final : public EventSource {
   int switching_indicators() const { return 2 * static_cast<int>(sides_.size()); }
   int smooth_indicators() const override { return own_indicators() + forces_.loads().signed_count(); }
   int contact_indicators() const;
-  bool has_breaks() const override { return gelenk::has_breaks(loads_) || equations_.has_breaks(); }
+  bool has_breaks() const override { return has_breaks_; }
   double next_break(double t) override;
-  void begin_stretch(double t) override { equations_.begin_stretch(t); }
+  void begin_stretch(double from, double to) override { equations_.begin_stretch(from, to); }
   void pass_break() override;
   double touch_within(double t0, const double* y0, double t1, const double* y1) override;
   void keep_directions_below(double speed) override;
@@ -116,6 +116,8 @@ class EventModes final : public EventSource {
   LawKinks& kinks_;
   const Loads& loads_;
   ModeEquations& equations_;
+  // Of all expressions that act, of which tuning changes no name; and whether motions have breaks.
+  bool reads_time_, has_breaks_;
   int nq_, nv_;
   EventLog& log_;
   std::vector<int> sides_, present_sides_;  // of the forces: held, and those of the present state

@@ -20,7 +20,7 @@ class ModeEquations {
   // Of prescribed motions, see EventSource.
   virtual bool has_breaks() const = 0;
   virtual double next_break(double t) = 0;
-  virtual void begin_stretch(double t) = 0;
+  virtual void begin_stretch(double from, double to) = 0;
 
  protected:
   ~ModeEquations() = default;

@@ -53,7 +53,7 @@ class Drives {
   // See EventSource.
   bool has_breaks() const { return targets_.has_breaks(); }
   double next_break(double t) const { return targets_.next_break(t); }
-  void begin_stretch(double t) { targets_.begin_stretch(t); }
+  void begin_stretch(double from, double to) { targets_.begin_stretch(from, to); }
   // s and ds/dt of each coordinate row at t.
   void targets_at(double t, std::vector<double>& out);
 

@@ -128,7 +128,7 @@ class Formulation : public Equations, private ModeEquations {
   bool loads_move() const final { return drives_.inputs().moving() || mechanism_.driven(); }
   bool has_breaks() const final { return drives_.has_breaks(); }
   double next_break(double t) final { return drives_.next_break(t); }
-  void begin_stretch(double t) final { drives_.begin_stretch(t); }
+  void begin_stretch(double from, double to) final { drives_.begin_stretch(from, to); }
   void accelerations_at(double t, const double* y, double* vdot) final;
   void rates_at(double t, const double* y, double* ydot) final;
   void add_other_rates(const double* y, double* ydot);

@@ -7,9 +7,6 @@
 namespace gelenk {
 namespace {
 
-// Of times at the ends of a stretch, relative.
-constexpr double rounding = 2e-14;
-
 // derivative(order): of the input, for orders 0 to 2; higher ones are unknown.
 template <class Derivative>
 MotionLaw::Derivatives of_row(const CoordinateRow& row, double t, Derivative derivative) {
@@ -45,13 +42,9 @@ double Targets::next_break(double t) const {
   return out;
 }
 
-void Targets::begin_stretch(double t) {
-  stretch_[0] = t;
-  stretch_[1] = next_break(t + rounding * std::abs(t));
-}
-
 // At an end of the present stretch, laws are those within it: moved there by rounding.
 double Targets::inside_stretch(double t) const {
+  constexpr double rounding = 2e-14;  // relative; twice that of times at which steps end
   const double near = rounding * std::abs(t);
   if (std::abs(t - stretch_[0]) < near) return stretch_[0] + near;
   if (std::abs(t - stretch_[1]) < near) return stretch_[1] - near;

@@ -2,6 +2,7 @@
 // Targets of the coordinate rows of a mechanism as functions of time.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -18,7 +19,7 @@ class Targets {
   // See EventSource.
   bool has_breaks() const;
   double next_break(double t) const;
-  void begin_stretch(double t);
+  void begin_stretch(double from, double to) { stretch_ = {from, to}; }
   // s, s', s'' of each row at t [s] (Dynamics::set_targets); overwritten by the next call.
   const double* at(double t, const Inputs& inputs);
   // The same at the present time t of the run, as read by outputs (Inputs::rate).
@@ -32,7 +33,7 @@ class Targets {
   double inside_stretch(double t) const;
 
   const std::vector<CoordinateRow>& rows_;
-  double stretch_[2] = {NAN, NAN};  // s: from one break to the next, see EventSource
+  std::array<double, 2> stretch_{NAN, NAN};  // s: from one break to the next, see EventSource
   std::vector<double> now_;
 };
 

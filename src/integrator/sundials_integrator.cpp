@@ -48,6 +48,13 @@ void SundialsIntegrator::serialize(Archive& archive) {
   stalls_.reset();
 }
 
+void SundialsIntegrator::add_counts() {
+  if (fresh_) return;
+  const Counts made = count();
+  steps_ = base_counts_.steps + made.steps;
+  rejected_ = base_counts_.rejected + made.rejected;
+}
+
 void SundialsIntegrator::keep_counts() { base_counts_ = {steps_, rejected_}; }
 
 double SundialsIntegrator::advance(double end, double* y) {
@@ -93,9 +100,7 @@ double SundialsIntegrator::advance_some(double end, double* y, long max_steps) {
     if (!stall_.empty() && !locates) refuse(system_, t_, sundials::data(y_.get()), stall_);
     if (!stall_.empty() || system_.budget_exhausted()) break;
   }
-  const Counts made = count();
-  steps_ = base_counts_.steps + made.steps;
-  rejected_ = base_counts_.rejected + made.rejected;
+  add_counts();
   std::copy_n(sundials::data(y_.get()), system_.size(), y);
   return t_;
 }

@@ -65,6 +65,8 @@ class SundialsIntegrator : public Integrator, private Stepping {
   bool resumed_ = false;
 
  private:
+  // Brings steps_ and rejected_ up to date, unless a restart has ended the counting.
+  void add_counts();
   // Continues from (t_, y_) if fresh_, with the stop time `end`.
   virtual void begin(double end) { prepare(end); }
   // Called at the start of each step, and of each repetition; what it sets must not depend on what was before a
@@ -76,7 +78,10 @@ class SundialsIntegrator : public Integrator, private Stepping {
     before_step();
     return make_step(end);
   }
-  void go_to(double t, const double* y) final { restart(t, y); }
+  void go_to(double t, const double* y) final {
+    add_counts();
+    restart(t, y);
+  }
   void stop_at(double end) final { begin(end); }
   [[noreturn]] void fail(Step step, double start);
 
