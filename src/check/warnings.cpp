@@ -75,7 +75,7 @@ void warn_about_motors(const Scene& scene, Faults& faults) {
 
 void warn_about_tables(const Scene& scene, Faults& faults) {
   for (const SceneTable& table : scene.tables) {
-    const std::string overshoot = expression::doubt_about(table.is->data());
+    const std::string overshoot = table.is->doubt();
     if (!overshoot.empty()) faults.warn("tables." + table.name, overshoot, "interpolation: pchip, or more points");
   }
 }

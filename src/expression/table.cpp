@@ -350,40 +350,30 @@ double excess(double h, double f0, double f1, double d0, double d1) {
   return out;
 }
 
-double overshoot_along(std::size_t argument, const Numbers& f, const Table::Data& data) {
-  if (data.interpolation == Interpolation::linear) return 0;
-  const Numbers& x = argument == 0 ? data.x : data.y;
-  const Numbers d = derivatives_of(x, f, data.interpolation, data.is_periodic(argument));
-  double out = 0;
-  for (std::size_t i = 0; i + 1 < x.size(); ++i)
-    out = std::max(out, excess(x[i + 1] - x[i], f[i], f[i + 1], d[i], d[i + 1]));
-  return out;
-}
-
-double overshoot(const Table::Data& data) {
-  const auto [least, largest] = std::ranges::minmax(data.values);
-  const std::size_t columns = std::max<std::size_t>(1, data.y.size());
-  double out = 0;
-  Numbers line;
-  for (std::size_t j = 0; j < columns; ++j) {
-    line.clear();
-    for (std::size_t i = 0; i < data.x.size(); ++i) line.push_back(data.values[i * columns + j]);
-    out = std::max(out, overshoot_along(0, line, data));
-  }
-  for (std::size_t i = 0; i < data.x.size() && !data.y.empty(); ++i) {
-    const auto first = data.values.begin() + static_cast<std::ptrdiff_t>(i * columns);
-    out = std::max(out, overshoot_along(1, Numbers(first, first + static_cast<std::ptrdiff_t>(columns)), data));
-  }
-  return largest > least ? out / (largest - least) : 0;
-}
-
 }  // namespace
 
-std::string doubt_about(const Table::Data& data) {
+// Along each line of points.
+double Table::overshoot() const {
+  const std::vector<double>& f = data_.values;
+  const auto [least, largest] = std::ranges::minmax(f);
+  if (data_.interpolation == Interpolation::linear || !(largest > least)) return 0;
+  const std::size_t columns = std::max<std::size_t>(1, data_.y.size());
+  double out = 0;
+  for (std::size_t k = 0; k < f.size(); ++k) {
+    const std::size_t i = k / columns;
+    const std::size_t j = k % columns;
+    if (const std::size_t next = k + columns; next < f.size())
+      out = std::max(out, excess(data_.x[i + 1] - data_.x[i], f[k], f[next], fx_[k], fx_[next]));
+    if (j + 1 < columns) out = std::max(out, excess(data_.y[j + 1] - data_.y[j], f[k], f[k + 1], fy_[k], fy_[k + 1]));
+  }
+  return out / (largest - least);
+}
+
+std::string Table::doubt() const {
   constexpr double permitted = 0.1;
-  const double found = overshoot(data);
+  const double found = overshoot();
   if (!(found > permitted)) return {};
-  return std::string("interpolation ") + interpolations[static_cast<std::size_t>(data.interpolation)] +
+  return std::string("interpolation ") + interpolations[static_cast<std::size_t>(data_.interpolation)] +
          ", which leaves the range of the points around it by up to " + std::to_string(std::lround(100 * found)) +
          " % of the range of all values";
 }

@@ -89,11 +89,15 @@ class Table {
   const TableAxis& axis(std::size_t k) const { return axes_[k]; }
   // Whether x is beyond the ends of an argument, where there are no values.
   bool refuses(std::size_t argument, double x) const;
+  // What is said of a curve that leaves the range of the two values around it by more than 10 % of the range of all
+  // values, with two arguments along a line of points; otherwise empty.
+  std::string doubt() const;
   // A derivative at a place, with the polynomials of these segments.
   double at(const std::array<double, 2>& place, const Segments& segments, const Orders& derivatives) const;
 
  private:
   void differentiate();
+  double overshoot() const;
 
   Data data_;
   std::vector<TableAxis> axes_;
@@ -103,9 +107,5 @@ class Table {
 // Names of interpolations and extrapolations, in their order.
 inline constexpr const char* interpolations[] = {"linear", "pchip", "akima", "spline"};
 inline constexpr const char* extrapolations[] = {"hold", "linear", "refuse", "periodic"};
-
-// What is said of a curve that leaves the range of the two values around it by more than 10 % of the range of all
-// values, with two arguments along a line of points; otherwise empty.
-std::string doubt_about(const Table::Data& data);
 
 }  // namespace gelenk::expression

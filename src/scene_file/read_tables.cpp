@@ -17,25 +17,13 @@ using expression::Table;
 constexpr std::size_t max_table_points = 10'000;   // along one argument
 constexpr std::size_t max_table_values = 100'000;  // of one table
 
-// A list of `count` numbers, or of 2 to max_table_points if count is 0; empty after an error.
-std::vector<double> read_some(const Json& value, const std::string& path, std::size_t count, Faults& faults) {
+std::vector<double> read_ascending(const Json& value, const std::string& path, Faults& faults) {
   const std::size_t size = value.is_array() ? value.size() : 0;
-  if (count == 0 ? size < 2 || size > max_table_points : size != count) {
-    faults.add(path, shown(value),
-               count == 0 ? "a list of 2 to " + std::to_string(max_table_points) + " numbers"
-                          : "a list of " + std::to_string(count) + " numbers");
+  if (size < 2 || size > max_table_points) {
+    faults.add(path, shown(value), "a list of 2 to " + std::to_string(max_table_points) + " numbers");
     return {};
   }
-  std::vector<double> out;
-  for (std::size_t i = 0; i < size; ++i) {
-    if (const auto x = read_number(value[i], path + "[" + std::to_string(i + 1) + "]", faults, "")) out.push_back(*x);
-  }
-  if (out.size() != size) out.clear();
-  return out;
-}
-
-std::vector<double> read_ascending(const Json& value, const std::string& path, Faults& faults) {
-  std::vector<double> out = read_some(value, path, 0, faults);
+  std::vector<double> out = read_list(value, path, faults, size, "").value_or(std::vector<double>());
   for (std::size_t i = 1; i < out.size(); ++i) {
     if (out[i] > out[i - 1]) continue;
     faults.add(path + "[" + std::to_string(i + 1) + "]", text::number(out[i]),
@@ -73,7 +61,7 @@ void read_extrapolation(const Json& value, const std::string& path, Table::Data&
 
 std::vector<double> read_values(const Json& value, const std::string& path, const Table::Data& data, Faults& faults) {
   const std::size_t rows = data.x.size();
-  if (data.y.empty()) return read_some(value, path, rows, faults);
+  if (data.y.empty()) return read_list(value, path, faults, rows, "").value_or(std::vector<double>());
   const std::size_t columns = data.y.size();
   if (!value.is_array() || value.size() != rows) {
     faults.add(path, shown(value), "a list of " + std::to_string(rows) + " lists, one for each x");
@@ -81,10 +69,9 @@ std::vector<double> read_values(const Json& value, const std::string& path, cons
   }
   std::vector<double> out;
   for (std::size_t i = 0; i < rows; ++i) {
-    const std::vector<double> row = read_some(value[i], path + "[" + std::to_string(i + 1) + "]", columns, faults);
-    out.insert(out.end(), row.begin(), row.end());
+    const auto row = read_list(value[i], path + "[" + std::to_string(i + 1) + "]", faults, columns, "");
+    if (row) out.insert(out.end(), row->begin(), row->end());
   }
-  if (out.size() != rows * columns) out.clear();
   return out;
 }
 

@@ -111,7 +111,7 @@ void bind_expressions(nb::module_& m) {
                                                         int extrapolation) {
     new (at) NamedTable(made_table(name, x, y, values, interpolation, extrapolation));
   });
-  m.def("doubt_about", [](const NamedTable& table) { return doubt_about(table.table->data()); });
+  m.def("doubt_about", [](const NamedTable& table) { return table.table->doubt(); });
   nb::class_<Expression>(m, "Expression")
       .def(nb::init<const std::string&, const std::vector<std::string>&, const std::vector<NamedTable>&, int>(),
            nb::arg("text"), nb::arg("names"), nb::arg("tables") = std::vector<NamedTable>(), nb::arg("clock") = -1)

@@ -29,7 +29,7 @@ std::optional<ElementFault> Motion::fault(const Coordinate&) const {
 }
 
 std::optional<ElementFault> Motion::doubt() const {
-  const std::string overshoot = table ? expression::doubt_about(table->data()) : "";
+  const std::string overshoot = table ? expression::Table(table->data()).doubt() : "";
   if (overshoot.empty()) return {};
   return {{"table", overshoot, "interpolation: pchip, whose acceleration jumps at the points, or more points"}};
 }
