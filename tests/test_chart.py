@@ -211,6 +211,16 @@ def test_methods_are_those_of_the_core() -> None:
     assert {m.integrator for m in methods[1:]} == set(integrators)
 
 
+def test_steps_are_fixed_where_the_tolerance_changes_nothing() -> None:
+    pendulum = Case("pendulum", "", mechanisms.shipped("pendulum"), 0.5, 0.1)
+    for method in all_methods():
+        if method.automatic or method.formulation != "projection":
+            continue
+        step = 0.01 if method.fixed_step else None
+        counts = {measured(Task(pendulum, method, x, step), None).evaluations for x in (1e-4, 1e-10)}
+        assert (len(counts) == 1) == method.fixed_step, method.name
+
+
 def test_methods_are_chosen_by_name() -> None:
     assert chosen(["auto", "rk4", "baumgarte", "independent+ida"]) == [
         AUTO, Method("projection", "rk4"), Method("baumgarte", "erk"), Method("independent", "ida"),

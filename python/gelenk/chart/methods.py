@@ -13,7 +13,7 @@ from gelenk import _core
 from gelenk.errors import UsageError
 from gelenk.model.values import unknown
 
-FIXED_STEP = frozenset({"rk4", "euler", "generalized-alpha", "hht", "newmark"})
+FIXED_STEP = frozenset({"rk4", "euler", "generalized-alpha", "hht", "newmark", "moreau-jean"})
 # Formulations that are differential-algebraic equations and their integrators; the others can use any.
 OWN_INTEGRATORS = {
     "stabilized-index2": ("ida",),

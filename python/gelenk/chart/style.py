@@ -14,7 +14,7 @@ from gelenk.file_writing import writing
 COLORS = {
     "erk": "#0072B2", "ida": "#D55E00", "rk4": "#009E73", "euler": "#999999", "cvode": "#E69F00",
     "cvode-adams": "#56B4E9", "dirk": "#CC79A7", "generalized-alpha": "#7F3C8D", "hht": "#8C564B",
-    "newmark": "#BCBD22",
+    "newmark": "#BCBD22", "moreau-jean": "#A50F15",
 }  # fmt: skip
 LINES = {
     "projection": ("-", "o"), "baumgarte": ("--", "s"), "udwadia-kalaba": (":", "v"),
@@ -23,7 +23,7 @@ LINES = {
     "index3": ((0, (3, 3)), ">"),
 }  # fmt: skip
 SPARE = "#4B4B4B"
-PALETTE_SIZE = 128
+PALETTE_SIZE = 256
 
 
 def look(method: Method) -> dict[str, Any]:
