@@ -4,7 +4,8 @@
 Pictures are written to docs/pictures/, all figures as CSV to out/charts/. The text between the markers of a
 page is replaced; the rest, including the discussion of each chart, is written by hand.
 
-`--quick` runs a small part of everything and writes to out/charts/ only, as a test.
+`--quick` runs a small part of everything and writes to out/charts/ only, as a test. With `--only` and
+`--scenes`, a part is measured; rows of other scenes remain in the table of `auto`.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from benchmarks.page_parts import put
+from benchmarks.page_parts import merged_tables, part, put
 
 from gelenk.chart import draw_stability, draw_work_precision, master, published, runs_csv, stability, tables
 from gelenk.chart import work_precision as wp
@@ -30,6 +31,8 @@ from gelenk.chart.reference_set import reference_set
 
 ROOT = Path(__file__).resolve().parent.parent
 NUMBERS = ROOT / "out" / "charts"
+MAKER = "benchmarks/charts.py"
+QUICK_SCENES = ("four_bar", "andrews", "speed-drive")
 
 
 def machine() -> str:
@@ -87,12 +90,11 @@ def orders_table(cases: Sequence[Case], settings: wp.Settings) -> str:
     return tables.rows(["scene", *(method.name for method in methods)], lines)
 
 
-def work_precision(pictures: Path, jobs: int, quick: bool) -> dict[str, str]:
-    """Return the parts of docs/work-precision.md."""
-    cases = reference_set()
+def work_precision(pictures: Path, jobs: int, quick: bool, scenes: Sequence[str]) -> dict[str, str]:
+    """Return the parts of docs/work-precision.md on these scenes; none: on all, or the quick selection."""
+    wanted = scenes or (QUICK_SCENES if quick else ())
+    cases = [case for case in reference_set() if case.name in wanted or not wanted]
     settings = replace(wp.QUICK, jobs=jobs) if quick else wp.Settings(jobs=jobs)
-    if quick:
-        cases = [case for case in cases if case.name in ("four_bar", "andrews")]
     parts, studies = {}, []
     for case in cases:
         with status_line(sys.stderr) as progress:
@@ -107,7 +109,7 @@ def work_precision(pictures: Path, jobs: int, quick: bool) -> dict[str, str]:
     parts["regret"] = (
         regret_table(regrets) + f"\nCPU time of the steps, minimum of {settings.rounds} rounds; {machine()}."
     )
-    parts["orders"] = orders_table(cases, settings)
+    parts["orders"] = orders_table(cases if quick else reference_set(), settings)
     return parts
 
 
@@ -157,13 +159,16 @@ def main() -> None:
     parser.add_argument("--quick", action="store_true")
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--only", choices=["work-precision", "master", "stability"])
+    parser.add_argument(
+        "--scenes", nargs="+", default=[], help="of the work-precision diagrams; default: all"
+    )
     given = parser.parse_args()
     pictures = NUMBERS if given.quick else ROOT / "docs" / "pictures"
     for folder in (NUMBERS, pictures):
         folder.mkdir(parents=True, exist_ok=True)
     pages: dict[str, dict[str, str]] = {"work-precision.md": {}, "stability.md": {}}
     if given.only in (None, "work-precision"):
-        pages["work-precision.md"] |= work_precision(pictures, given.jobs, given.quick)
+        pages["work-precision.md"] |= work_precision(pictures, given.jobs, given.quick, given.scenes)
     if given.only in (None, "master"):
         pages["work-precision.md"] |= masters(given.jobs, given.quick)
     if given.only in (None, "stability"):
@@ -173,7 +178,9 @@ def main() -> None:
         if given.quick:
             page = NUMBERS / name
             page.write_text("", encoding="utf-8")
-        put(page, "benchmarks/charts.py", parts, "\n*Not discussed yet.*\n")
+        if given.scenes and "regret" in parts:
+            parts["regret"] = merged_tables(part(page, MAKER, "regret"), parts["regret"])
+        put(page, MAKER, parts, "\n*Not discussed yet.*\n")
         print(f"{page.relative_to(ROOT)}: {len(parts)} parts updated")
 
 

@@ -91,7 +91,8 @@ def _lines(axis: Any, study: Study, methods: Sequence[Method], field: str, label
     axis.axvspan(low, LIMIT * digits, color="#dddddd", zorder=0)
     axis.text(LIMIT * digits, 0.99, " accuracy limit of the reference", rotation=90, fontsize=7,
               va="top", ha="left", color="#666666", transform=axis.get_xaxis_transform())  # fmt: skip
-    axis.set_xlabel("largest error of joint positions and speeds")
+    own = " and states of elements" if study.case.scene.get("states") else ""
+    axis.set_xlabel(f"largest error of joint positions{',' if own else ' and'} speeds{own}")
     axis.set_ylabel(label)
     axis.grid(which="major", alpha=0.35)
 

@@ -32,9 +32,9 @@ class Task:
 
 @dataclass(frozen=True)
 class Course:
-    """The result of a run: joint positions and speeds at the samples, energies and constraint errors."""
+    """The result of a run: its states at the samples, energies and constraint errors."""
 
-    states: Array  # joint positions and speeds, shape (samples, signals)
+    states: Array  # joint positions and speeds, states of elements; shape (samples, signals)
     kinetic: Array  # kinetic energy [J], shape (samples + 1,): the start is included
     total: Array  # total energy [J], shape (samples + 1,)
     position_residual: float  # largest closure error of the loops [m, rad]
@@ -128,7 +128,9 @@ class Runner:
         self._constants = self._inputs((int, float))
         self._waves = self._inputs(Smooth)
         self._jumps = self._inputs(Jumps)
-        self.states = [i for i, s in enumerate(self.simulation._signals) if s.level in (0, 1)]
+        own = task.case.scene.get("states", {})
+        signals = self.simulation._signals
+        self.states = [i for i, s in enumerate(signals) if s.level in (0, 1) or s.name in own]
         self.names = [self.simulation._signals[i].name for i in self.states]
         self._ends = task.case.grid[1:].tolist()
         self._values = [[x.at(k) for _, x in self._jumps] for k in range(len(self._ends))]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The test cases of `docs/work-precision.md`: the example scenes and some of the stability map."""
+"""The test cases of `docs/work-precision.md`: example scenes, some of the stability map, laws and states."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from gelenk.chart import mechanisms
 from gelenk.chart.case import SAMPLES, Case
+from gelenk.chart.laws import law_cases
 from gelenk.chart.scenes import stability_cases
 
 # The example scenes, their constant inputs [N m, N] and descriptions
@@ -49,6 +50,7 @@ def reference_set() -> list[Case]:
         cases.append(Case(name, about, scene, stop, stop / SAMPLES, inputs))
     known = {case.name: case for case in stability_cases()}
     cases += [replace(known[name], stop=stop, step=stop / SAMPLES) for name, stop in MORE.items()]
+    cases += law_cases()
     published = known["andrews"]
     return [
         replace(case, published=published.published, source=published.source)
