@@ -17,8 +17,10 @@ import sys
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
+from benchmarks import draw_poles, poles
 from benchmarks.page_parts import merged_tables, part, put
 
 from gelenk.chart import draw_stability, draw_work_precision, master, published, runs_csv, stability, tables
@@ -152,13 +154,28 @@ def stability_map(pictures: Path, jobs: int, quick: bool) -> dict[str, str]:
     return parts
 
 
+def pole_maps(pictures: Path, jobs: int, quick: bool) -> dict[str, str]:
+    """Return the maps of stiff poles in docs/stability.md."""
+    parts = {}
+    for name, jumps in (("poles", False), ("poles-jumps", True)):
+        settings = replace(poles.QUICK if quick else poles.Settings(), jumps=jumps, jobs=jobs)
+        with status_line(sys.stderr) as progress:
+            found = poles.pole_map(settings, partial(progress, name))
+        runs_csv.write(found.runs, NUMBERS / f"stability-{name}.csv")
+        picture = pictures / f"stability-{name}.png"
+        draw_poles.draw(found, picture)
+        text = "with a voltage that jumps" if jumps else "at a constant voltage"
+        parts[name] = f"![methods against time constants of the armature, {text}](pictures/{picture.name})"
+    return parts
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--quick", action="store_true")
     parser.add_argument("--jobs", type=int, default=1)
-    parser.add_argument("--only", choices=["work-precision", "master", "stability"])
+    parser.add_argument("--only", choices=["work-precision", "master", "stability", "poles"])
     parser.add_argument(
         "--scenes", nargs="+", default=[], help="of the work-precision diagrams; default: all"
     )
@@ -173,6 +190,8 @@ def main() -> None:
         pages["work-precision.md"] |= masters(given.jobs, given.quick)
     if given.only in (None, "stability"):
         pages["stability.md"] |= stability_map(pictures, given.jobs, given.quick)
+    if given.only in (None, "poles"):
+        pages["stability.md"] |= pole_maps(pictures, given.jobs, given.quick)
     for name, parts in pages.items():
         page = ROOT / "docs" / name
         if given.quick:
