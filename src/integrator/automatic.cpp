@@ -15,7 +15,10 @@
 namespace gelenk {
 namespace {
 
-constexpr int window_steps = 100;      // steps over which a cost is measured
+constexpr int window_steps = 100;  // steps over which a cost is measured, at least
+// The same at most, of an implicit method: within a communication step it measures up to the end of the step. After
+// a jump of inputs its steps are short and become long, so that the cost of the first hundred is not that of a second.
+constexpr int longest_window = 1000;
 constexpr double stages = 13;          // of an explicit step of order 8
 constexpr double accuracy_margin = 4;  // factor by which accuracy limits explicit steps more than stability does
 constexpr double required_gain = 0.8;  // a method must cost less than this fraction to be switched to
@@ -123,7 +126,7 @@ class Automatic final : public Integrator {
       const long steps = window_.steps;
       advance_window(end, max_steps - made);
       made += std::max(1L, window_.steps - steps);
-      if (window_.steps >= window_steps) review();
+      if (window_.steps >= (t_ < end ? most_steps() : window_steps)) review();
     } while (t_ < end && made < max_steps && !counter_.budget_exhausted());
     count();
     std::ranges::copy(y_, y);
@@ -138,12 +141,14 @@ class Automatic final : public Integrator {
     double cost_per_second() const { return cost / time; }
   };
 
+  int most_steps() const { return current_ == explicit_method ? window_steps : longest_window; }
+
   void advance_window(double end, long max_steps) {
     const double cost = counter_.cost();
     const long steps = methods_[current_]->steps();
     const double start = t_;
     try {
-      t_ = methods_[current_]->advance_some(end, y_.data(), std::min(max_steps, window_steps - window_.steps));
+      t_ = methods_[current_]->advance_some(end, y_.data(), std::min(max_steps, most_steps() - window_.steps));
     } catch (const RefusedMotion&) {
       throw;
     } catch (const IntegrationError& first) {
