@@ -240,7 +240,17 @@ class DependencyAnalysis {
       const Variable& v = catalog_.variables()[i];
       if (v.source == Source::input && std::ranges::find(names, v.name) != names.end()) on.insert(static_cast<int>(i));
     }
+    if (formula.reads_forces()) add_all_inputs(island_of_named(signal), on);
     return listed(on);
+  }
+
+  // Those that act anywhere on an island.
+  void add_all_inputs(int island, std::set<int>& on) const {
+    for (std::size_t body = 0; body < scene_.bodies.size(); ++body) {
+      if (reduced_.bodies[body].island != island) continue;
+      const std::set<int>& inputs = inputs_of_[static_cast<std::size_t>(cluster_[body])];
+      on.insert(inputs.begin(), inputs.end());
+    }
   }
 
   Knowns of_element(const Signal& signal) {

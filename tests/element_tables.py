@@ -57,12 +57,12 @@ def default(field: dict[str, Any]) -> str:
     """What a field is where it is not given."""
     if field["required"]:
         return "required"
-    if field["way"]:
+    if field["alternative"]:
         return "alternative"
     value = field["default"]
     if field["type"] == "choice":
         return f"`{field['words'][value]}`"
-    if value is None or value != value:
+    if value in (None, "") or value != value:
         return "none"
     if isinstance(value, list):
         return f"`[{', '.join(f'{x:g}' for x in value)}]`"

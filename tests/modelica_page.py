@@ -25,7 +25,7 @@ MISSING = {
         "Elementary.ThreeSprings": "a point without mass between springs",
         "Rotational3DEffects.BevelGear1D": "rotors with one moment of inertia on a carrier that moves",
     },
-    "Mechanics.Rotational": {"HeatLosses": "an efficiency of a gear that depends on its speed"},
+    "Mechanics.Rotational": {},
     "Mechanics.Translational": {},
     "PlanarMechanics": {
         "InvertedCraneCrab": "a force at one joint that moves another one as prescribed",

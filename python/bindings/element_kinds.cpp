@@ -23,7 +23,7 @@ const char* field_type(Field::Type type) {
   return names[static_cast<int>(type)];
 }
 const char* range_name(Range range) {
-  static constexpr const char* names[] = {"any", "not_negative", "positive", "not_zero", "fraction"};
+  static constexpr const char* names[] = {"any", "not_negative", "positive", "not_zero", "fraction", "at_most_one"};
   return names[static_cast<int>(range)];
 }
 const char* port_kind(Port::Kind kind) {
@@ -153,7 +153,8 @@ nb::list shown_fields(std::span<const Field> fields, const void* defaults) {
     entry["tunable"] = field.tunable;
     entry["settable"] = field.settable;
     entry["by_time"] = field.by_time;
-    entry["way"] = field.alternative;
+    entry["alternative"] = field.alternative;
+    entry["way"] = field.alternative != 0 ? field.alternative : field.goes_with;
     entry["size"] = field.type == Field::Type::vector || field.type == Field::Type::direction ? 3 : field.min_count;
     entry["words"] = list_of(field.words);
     nb::list variables;

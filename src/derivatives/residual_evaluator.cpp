@@ -118,8 +118,12 @@ class ResidualEvaluatorOf final : public WithReadings<A, ResidualEvaluator<typen
         for (const FrictionLoad& load : friction_loads_) {
           if (load.force != index || (side != 1 && side != -1)) continue;
           const std::array<T, 3> transmitted = transmitted_force(load, this->model_, this->ws_, this->ws_.F, lambda);
-          const T of_bearing = force.element.load_factor(side, T(T(force.sign) * v[force.v]), u + force.input);
-          const T factor = load.friction_per_size(side, transmitted[0] < T(0) ? -1 : 1, of_bearing);
+          const T speed = T(force.sign) * v[force.v];
+          const T of_bearing =
+              force.with_inputs(u, [&](const T* own) { return force.element.load_factor(side, speed, own); });
+          std::array<T, 2> of_mesh{T(0), T(0)};
+          if (load.losses >= 0) of_mesh = this->loads_.losses[static_cast<std::size_t>(load.losses)].at(speed, u);
+          const T factor = load.friction_per_size(side, transmitted[0] < T(0) ? -1 : 1, of_mesh, of_bearing);
           const T friction = T(-side) * factor * size_of_load(transmitted);
           this->loaded_friction_[static_cast<std::size_t>(index)] += friction;
           add_along(load, T(T(-force.sign) * friction));

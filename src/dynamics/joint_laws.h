@@ -58,10 +58,6 @@ class JointLaws {
   std::span<double> inputs() { return inputs_; }
   std::span<const double> inputs() const { return inputs_; }
   const double* all_inputs() const { return inputs_.data(); }
-  template <class Force>
-  const double* inputs_of(const Force& force) const {
-    return inputs_.data() + force.input;
-  }
 
   // Calls visit(force, q, v) for all forces, with the coordinates and velocities to which they refer.
   template <class Visit>
@@ -88,8 +84,8 @@ class JointLaws {
       using Law = std::decay_t<decltype(at.element)>;
       if constexpr (Sticks<Law>) {
         double q = NAN;
-        if constexpr (Law::depends_on_position) q = position(at, force);
-        visit(at.element, q, inputs_of(at));
+        if (Law::depends_on_position || at.has_formula()) q = position(at, force);
+        at.with_inputs(all_inputs(), [&](const double* u) { visit(at.element, q, u); });
       }
     });
   }
@@ -108,6 +104,20 @@ class JointLaws {
       if (!state_.loads.cuts[c].has_formulas()) continue;
       const auto at = cut_motion(c);
       look(state_.loads.cuts[c], c, at.q.data(), at.v.data());
+    }
+  }
+
+  // Calls visit(formula, v) for each expression of the losses of meshes that has branches, with the index of the
+  // velocity of the joint of which they are friction.
+  template <class Visit>
+  void each_branching_loss(Visit visit) const {
+    std::size_t number = 0;
+    for (const CoordinateRow& row : state_.model.coordinate_rows) {
+      if (!row.has_losses()) continue;
+      const int v = row.terms[static_cast<std::size_t>(row.lossy_term)].v;
+      MeshLosses::each(state_.loads.losses[number++], [&](const Formula& formula) {
+        if (formula.branches() > 0) visit(formula, v);
+      });
     }
   }
 
@@ -214,6 +224,7 @@ class JointLaws {
     };
     each_formula(std::as_const(*state_.loads.forces), [&](const Formula& formula, int) { add_all(formula); });
     for (const Formula& rate : state_.loads.rates) add_all(rate);
+    for (const MeshLosses& of : state_.loads.losses) MeshLosses::each(of, add_all);
     inputs_.resize(static_cast<std::size_t>(end) + 1);
   }
 

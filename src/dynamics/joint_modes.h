@@ -33,7 +33,7 @@ class JointModes final : public SwitchingForces {
                friction_loads(state.model, state.loads).empty() ? rank_threshold : rank_threshold_with_loads),
         contact_rows_(state.model, state.ws, M, Y, locks_),
         holding_(laws_.signs()),
-        loaded_(state.model, state.loads, state.ws, laws_.count()),
+        loaded_(state.model, state.loads, state.ws, laws_.count(), laws_.all_inputs()),
         force_size_(state.model, state.loads, state.v, M),
         work_(static_cast<std::size_t>(state.model.nv)) {}
 
@@ -196,8 +196,11 @@ class JointModes final : public SwitchingForces {
     laws_.each([&](const auto& force, const double* q, const double* v) {
       if constexpr (TakesLoads<std::decay_t<decltype(force.element)>>) {
         const int side = held_ == nullptr ? force.side(q, v) : held_[index];
-        const double factor = force.element.load_factor(side, force.sign * v[force.v], laws_.inputs_of(force));
-        if (loaded_.set_factor(index, factor) && (side == 1 || side == -1)) slipping_.push_back({index, side});
+        const double speed = force.sign * v[force.v];
+        const double factor = force.with_inputs(
+            laws_.all_inputs(), [&](const double* u) { return force.element.load_factor(side, speed, u); });
+        const bool has_loads = loaded_.set_factor(index, factor, speed);
+        if (has_loads && (side == 1 || side == -1)) slipping_.push_back({index, side});
       }
       ++index;
     });

@@ -42,6 +42,10 @@ class LawKinksOf final : public LawKinks {
       between_bodies_ = between_bodies_ || formula.branches() > 0;
     });
     for (const Formula& rate : state_.loads.rates) look(rate);
+    laws_.each_branching_loss([&](const Formula& formula, int) {
+      look(formula);
+      depends_on_speed_ = depends_on_speed_ || names_variable(formula, 0);
+    });
     if (count_ > 0 && state_.loads.signals() > state_.loads.first_state) {
       signals_.resize(static_cast<std::size_t>(state_.loads.signals()));
       rates_.resize(signals_.size(), NAN);
@@ -80,6 +84,15 @@ class LawKinksOf final : public LawKinks {
       const Formula& formula = force.element.formula();
       formula.take_signals(all, rates, At::of_signals, signals.data());
       force.element.decide(at, speed, signals.data(), arguments_.data() + formula.first_branch());
+    });
+    laws_.each_branching_loss([&](const Formula& formula, int v) {
+      Dual speed(std::abs(state_.v[static_cast<std::size_t>(v)]));
+      const double sign = state_.v[static_cast<std::size_t>(v)] < 0 ? -1 : 1;
+      if (vdot != nullptr) speed.derivatives()[At::along_motion] = sign * vdot[v];
+      speed.derivatives()[vdot == nullptr ? At::velocity : At::position + 1] = 1;  // whether its rate is unknown
+      std::array<Dual, Formula::max_signals> signals;
+      formula.take_signals(all, rates, At::of_signals, signals.data());
+      formula.decide(&speed, signals.data(), arguments_.data() + formula.first_branch());
     });
     for (int i = 0; i < count_; ++i) {
       const Dual& of = arguments_[static_cast<std::size_t>(i)];
@@ -139,6 +152,12 @@ class LawKinksOf final : public LawKinks {
       formula.take_signals(all, signals.data());
       double* const out = values_.data() + formula.first_branch();
       force.element.decide(force.sign * q[force.q], force.sign * v[force.v], signals.data(), out);
+    });
+    laws_.each_branching_loss([&](const Formula& formula, int v) {
+      const double speed = std::abs(state_.v[static_cast<std::size_t>(v)]);
+      std::array<double, Formula::max_signals> signals;
+      formula.take_signals(all, signals.data());
+      formula.decide(&speed, signals.data(), values_.data() + formula.first_branch());
     });
   }
 

@@ -29,21 +29,23 @@ class LoadedFriction final : public LoadDependence {
   };
   struct Load {
     FrictionLoad is;
-    double factor = 0;  // friction per size in the present motion, if it is a bearing's [m, 1]
+    double factor = 0;               // friction per size in the present motion, if it is a bearing's [m, 1]
+    std::array<double, 2> losses{};  // the same of a mesh
     std::array<double, 3> force{};
     std::array<double, 3> solved{};  // that of the last solve()
     bool has_sign = false;           // it is along a line
     int held_sign = 0;               // 0: that of the force
     double sign() const { return held_sign != 0 ? held_sign : force[0] < 0 ? -1 : 1; }
     double size() const { return has_sign ? sign() * force[0] : size_of_load(force); }
-    // Against motion in this direction. of_bearing: per size, of a bearing or a guide.
-    double friction(int direction, double of_bearing) const {
-      return is.friction_per_size(direction, sign(), of_bearing) * size();
+    // Against motion in this direction. of_mesh, of_bearing: per size.
+    double friction(int direction, const std::array<double, 2>& of_mesh, double of_bearing) const {
+      return is.friction_per_size(direction, sign(), of_mesh, of_bearing) * size();
     }
   };
 
-  LoadedFriction(const Model<A>& model, const Loads& loads, const Workspace<A>& ws, int forces)
-      : model_(model), ws_(ws), torque_(static_cast<std::size_t>(forces)) {
+  // signals: all, on which losses depend; must outlive it.
+  LoadedFriction(const Model<A>& model, const Loads& loads, const Workspace<A>& ws, int forces, const double* signals)
+      : model_(model), of_scene_(loads), ws_(ws), signals_(signals), torque_(static_cast<std::size_t>(forces)) {
     for (const FrictionLoad& load : friction_loads(model, loads)) {
       loads_.push_back({load});
       const bool is_planar_guide = A::planar && load.of == FrictionLoad::Of::guide;
@@ -75,24 +77,28 @@ class LoadedFriction final : public LoadDependence {
   }
   // |L^-T f| for the present forces f, to which rounding is relative.
   void set_force_size(double size) { force_size_ = size; }
-  // Sets what the friction with this index is per size of the load of its bearing; returns whether it has loads.
-  bool set_factor(int force, double factor) {
+  // Sets what the friction with this index is per size of the load of its bearing, and at this speed of its mesh;
+  // returns whether it has loads.
+  bool set_factor(int force, double factor, double speed) {
     bool any = false;
     for (Load& load : loads_) {
       if (load.is.force != force) continue;
       load.factor = factor;
+      load.losses = losses(load, speed);
       any = true;
     }
     return any;
   }
-  // What the friction with this index can exert: without loads, and per size of the load of a bearing.
-  DirectedLimit limit(int force, double without, double of_bearing) const {
+  // What the friction with this index can exert at this speed: without loads, and per size of the load of a
+  // bearing.
+  DirectedLimit limit(int force, double speed, double without, double of_bearing) const {
     DirectedLimit out{.positive = without, .negative = without, .vanishes = without == 0 && of_bearing == 0};
     for (const Load& load : loads_) {
       if (load.is.force != force) continue;
       out.vanishes = out.vanishes && load.is.of != FrictionLoad::Of::mesh;
-      out.positive += load.friction(1, of_bearing);
-      out.negative += load.friction(-1, of_bearing);
+      const std::array<double, 2> of_mesh = losses(load, speed);
+      out.positive += load.friction(1, of_mesh, of_bearing);
+      out.negative += load.friction(-1, of_mesh, of_bearing);
     }
     return out;
   }
@@ -102,20 +108,20 @@ class LoadedFriction final : public LoadDependence {
   DirectedLimit at_rest(int force, const Friction& friction, double q, const double* u) const {
     double of_bearing = 0;
     if constexpr (TakesLoads<Friction>) of_bearing = friction.sticking_load_factor(u);
-    return limit(force, friction.sticking_limit(q, u), of_bearing);
+    return limit(force, 0, friction.sticking_limit(q, u), of_bearing);
   }
   template <class Friction>
   DirectedLimit at_first(int force, const Friction& friction, double q, const double* u) const {
     double of_bearing = 0;
     if constexpr (TakesLoads<Friction>) of_bearing = friction.slipping_load_factor(u);
-    return limit(force, friction.slipping_limit(q, u), of_bearing);
+    return limit(force, 0, friction.slipping_limit(q, u), of_bearing);
   }
   template <class Friction>
   DirectedLimit in_motion(int force, const Friction& friction, double q, double speed, const double* u) const {
     const int side = speed < 0 ? -1 : 1;
     double of_bearing = 0;
     if constexpr (TakesLoads<Friction>) of_bearing = friction.load_factor(side, speed, u);
-    return limit(force, friction.friction(side, q, speed, u), of_bearing);
+    return limit(force, speed, friction.friction(side, q, speed, u), of_bearing);
   }
   // By force with modes: the friction in motion due to loads, in the user's sign.
   const std::vector<double>& torque() const { return torque_; }
@@ -225,6 +231,10 @@ class LoadedFriction final : public LoadDependence {
   static constexpr double load_rounding = 1e-13;  // of loads, relative to |L^-T f|
   static constexpr double affecting = 1e-8;       // of multipliers of size 1; less is rounding
 
+  std::array<double, 2> losses(const Load& load, double speed) const {
+    if (load.is.losses < 0) return {};
+    return of_scene_.losses[static_cast<std::size_t>(load.is.losses)].at(speed, signals_);
+  }
   std::array<double, 3> transmitted(const Load& load, const std::vector<double>& lambda) const {
     return transmitted(load, lambda.data());
   }
@@ -240,7 +250,7 @@ class LoadedFriction final : public LoadDependence {
     for (std::size_t l = 0; l < loads_.size(); ++l) {
       const Load& load = loads_[l];
       if (load.is.force != slipping_[j].force) continue;
-      visit(l, load.is.friction_per_size(slipping_[j].direction, load.sign(), load.factor));
+      visit(l, load.is.friction_per_size(slipping_[j].direction, load.sign(), load.losses, load.factor));
     }
   }
   // The rate of the size of a load for a change of its force.
@@ -317,7 +327,9 @@ class LoadedFriction final : public LoadDependence {
   }
 
   const Model<A>& model_;
+  const Loads& of_scene_;
   const Workspace<A>& ws_;
+  const double* signals_;
   std::vector<Load> loads_;
   std::vector<int> owners_;  // frictions with loads
   std::vector<Slipping> slipping_;

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "element/locking.h"
 
-#include <array>
 #include <optional>
 #include <tuple>
 #include <type_traits>
 #include <variant>
 
-#include "element/constraints/mesh_losses.h"
 #include "element/constraints/registry.h"
 #include "element/joint_forces/registry.h"
 
@@ -58,9 +56,18 @@ int lossy_joint(const AnyConstraint& constraint) {
   return std::visit(
       [](const auto& of) {
         if constexpr (LosesPower<std::decay_t<decltype(of)>>) {
-          if (of.losses() != std::array<double, 2>{}) return of.lossy_joint;
+          if (of.losses().are_any()) return of.lossy_joint;
         }
         return -1;
+      },
+      constraint);
+}
+
+MeshLosses losses_of(const AnyConstraint& constraint) {
+  return std::visit(
+      [](const auto& of) -> MeshLosses {
+        if constexpr (LosesPower<std::decay_t<decltype(of)>>) return of.losses();
+        return {};
       },
       constraint);
 }

@@ -3,6 +3,7 @@
 
 #include <string_view>
 
+#include "element/constraints/mesh_losses.h"
 #include "element/kinds.h"
 
 namespace gelenk {
@@ -17,6 +18,8 @@ bool takes_loads(const JointForces& forces);
 bool is_loaded_guide(const JointForces& forces);
 // Which of its joints has the friction by which a constraint loses power; -1: it loses none.
 int lossy_joint(const AnyConstraint& constraint);
+// These losses; none if it loses none.
+MeshLosses losses_of(const AnyConstraint& constraint);
 
 void erase_friction(JointForces& forces);
 // Removes the elements that can keep the coordinate at rest.

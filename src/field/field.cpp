@@ -40,6 +40,8 @@ bool permits(Range allowed, double x) {
       return x != 0;
     case Range::fraction:
       return x >= 0 && x <= 1;
+    case Range::at_most_one:
+      return x <= 1;
     case Range::any:
       break;
   }
@@ -56,6 +58,8 @@ std::string bound(Range allowed, std::string_view unit) {
       return "a number other than 0";
     case Range::fraction:
       return "0 to 1";
+    case Range::at_most_one:
+      return "1 or less";
     case Range::any:
       break;
   }
@@ -75,8 +79,8 @@ std::span<const Formula> formulas_of(const Field& field, const void* element) {
 std::vector<FormulaVariable> variables_of(const Field& field, const Coordinate& coordinate) {
   std::vector<FormulaVariable> out(field.variables.begin(), field.variables.end());
   for (FormulaVariable& variable : out) {
-    const bool fits = coordinate.name.empty() || variable.unit == "s" || variable.name == coordinate.name ||
-                      variable.name == coordinate.speed;
+    const bool fits = coordinate.name.empty() || variable.everywhere || variable.unit == "s" ||
+                      variable.name == coordinate.name || variable.name == coordinate.speed;
     if (!fits) variable.name = {};
   }
   return out;

@@ -28,7 +28,7 @@
 namespace gelenk {
 
 // Permitted range of a number.
-enum class Range { any, not_negative, positive, not_zero, fraction };
+enum class Range { any, not_negative, positive, not_zero, fraction, at_most_one };
 
 // Index of one of a field's words, or none.
 struct Choice {
@@ -51,10 +51,11 @@ struct FieldInfo {
   bool settable = true;       // may be a parameter
   bool by_time = false;       // of a list: entry i, from 0, has this unit divided by s^i
   int alternative = 0;        // if not 0: exactly one alternative must be given, by one or more of its fields
+  int goes_with = 0;          // if not 0: of no meaning with another alternative
   std::size_t min_count = 0;  // of a list that is given: minimum number of entries
   std::span<const std::string_view> words = {};     // of a choice: its permitted values
   std::span<const FormulaVariable> variables = {};  // of a formula
-  bool reads_signals = false;                       // of a formula: whether it may name the time and inputs
+  FormulaReads reads = FormulaReads::nothing;       // of a formula: what it may name
 };
 
 struct Field : FieldInfo {

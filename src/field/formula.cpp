@@ -14,16 +14,18 @@ namespace gelenk {
 namespace {
 
 std::vector<std::string> all_names(std::span<const FormulaVariable> variables, const FormulaNames& known,
-                                   bool reads_signals) {
+                                   FormulaReads reads) {
   std::vector<std::string> out;
   for (const FormulaVariable& variable : variables) {
     if (!variable.name.empty()) out.emplace_back(variable.name);
   }
   for (const FormulaNames::Constant& constant : known.constants) out.push_back(constant.name);
-  if (!reads_signals) return out;
+  if (reads == FormulaReads::nothing) return out;
   out.insert(out.end(), known.signals.begin(), known.signals.end());
   out.emplace_back(time_signal);
   if (known.coordinates != nullptr) out.insert(out.end(), known.coordinates->begin(), known.coordinates->end());
+  if (reads == FormulaReads::forces && known.forces != nullptr)
+    out.insert(out.end(), known.forces->begin(), known.forces->end());
   for (const FormulaNames::Expression& expression : known.expressions) out.push_back(expression.name);
   return out;
 }
@@ -32,8 +34,10 @@ std::vector<std::string> all_names(std::span<const FormulaVariable> variables, c
 class FormulaParser {
  public:
   FormulaParser(expression::Graph& graph, std::span<const FormulaVariable> variables, const FormulaNames& known,
-                bool reads_signals, std::vector<std::string>& named)
-      : graph_(graph), variables_(variables), known_(known), reads_signals_(reads_signals), named_(named) {}
+                FormulaReads reads, std::vector<std::string>& named)
+      : graph_(graph), variables_(variables), known_(known), reads_(reads), named_(named) {}
+
+  bool reads_forces() const { return reads_forces_; }
 
   expression::Term read(std::string_view text) { return read(text, variables_); }
 
@@ -42,7 +46,7 @@ class FormulaParser {
 
   expression::Term read(std::string_view text, std::span<const FormulaVariable> variables) {
     expression::Names names;
-    names.known = [&] { return all_names(variables, known_, reads_signals_); };
+    names.known = [&] { return all_names(variables, known_, reads_); };
     names.find = [&](std::string_view name) { return find(name, variables); };
     names.advice = [&](std::string_view name) { return advice(name); };
     names.tables = &known_.tables;
@@ -54,10 +58,12 @@ class FormulaParser {
     if (found != variables.end()) return graph_.variable(static_cast<int>(found - variables.begin()));
     const auto constant = std::ranges::find(known_.constants, name, &FormulaNames::Constant::name);
     if (constant != known_.constants.end()) return graph_.constant(constant->value);
-    if (!reads_signals_) return std::nullopt;
+    if (reads_ == FormulaReads::nothing) return std::nullopt;
     const auto expression = std::ranges::find(known_.expressions, name, &FormulaNames::Expression::name);
     if (expression != known_.expressions.end()) return inserted(*expression);
-    if (!is_signal(name)) return std::nullopt;
+    const bool is_force = reads_ == FormulaReads::forces && is_of(known_.forces, name);
+    if (!is_force && !is_signal(name)) return std::nullopt;
+    reads_forces_ = reads_forces_ || is_force;
     const auto signal = std::ranges::find(named_, name);
     const auto k = static_cast<std::size_t>(signal - named_.begin());
     if (signal == named_.end()) named_.emplace_back(name);
@@ -66,22 +72,31 @@ class FormulaParser {
 
   bool is_signal(std::string_view name) const {
     if (name == time_signal || std::ranges::find(known_.signals, name) != known_.signals.end()) return true;
-    return known_.coordinates != nullptr && known_.coordinates->contains(std::string(name));
+    return is_of(known_.coordinates, name);
+  }
+  static bool is_of(const std::shared_ptr<const std::unordered_set<std::string>>& names, std::string_view name) {
+    return names != nullptr && names->contains(std::string(name));
   }
 
   // On a name with a point that nothing has, although there is a joint or a sensor before the point.
   std::string advice(std::string_view name) const {
     const std::size_t point = name.find('.');
-    if (point == name.npos || !reads_signals_ || known_.coordinates == nullptr) return {};
+    if (point == name.npos || reads_ == FormulaReads::nothing || known_.coordinates == nullptr) return {};
     std::vector<std::string> of_owner;
-    for (const std::string& one : *known_.coordinates) {
-      if (one.starts_with(name.substr(0, point + 1))) of_owner.push_back(one);
-    }
+    const auto look = [&](const std::unordered_set<std::string>& names) {
+      for (const std::string& one : names) {
+        if (one.starts_with(name.substr(0, point + 1))) of_owner.push_back(one);
+      }
+    };
+    look(*known_.coordinates);
+    if (reads_ == FormulaReads::forces && known_.forces != nullptr) look(*known_.forces);
     if (of_owner.empty()) return {};
     std::ranges::sort(of_owner);
     const std::string near = text::nearest(name, of_owner);
     return "expected one of " + text::list(of_owner) + (near.empty() ? "" : "; did you mean '" + near + "'?") +
-           " (accelerations, forces, energies and the quaternions of joints cannot be named)";
+           (reads_ == FormulaReads::forces
+                ? ""
+                : " (accelerations and forces can be named only by `expressions` that nothing but outputs reads)");
   }
 
   // Of a named expression, which knows no variables of elements. A mistake in it is that of its own section. Each is
@@ -102,21 +117,39 @@ class FormulaParser {
   expression::Graph& graph_;
   std::span<const FormulaVariable> variables_;
   const FormulaNames& known_;
-  bool reads_signals_;
+  FormulaReads reads_;
+  bool reads_forces_ = false;
   std::vector<std::string>& named_;
   int depth_ = 0;
   std::unordered_map<std::string_view, expression::Term> inserted_;  // by name
 };
 
+expression::Term bounded(expression::Graph& graph, expression::Term term, const FormulaBounds& bounds) {
+  if (bounds.lower > -HUGE_VAL) {
+    const expression::Term lower = graph.constant(bounds.lower);
+    term = graph.choose(graph.subtract(term, lower), term, lower);
+  }
+  if (bounds.upper < HUGE_VAL) {
+    const expression::Term upper = graph.constant(bounds.upper);
+    term = graph.choose(graph.subtract(upper, term), term, upper);
+  }
+  return term;
+}
+
 }  // namespace
 
 Formula::Formula(std::string text, std::span<const FormulaVariable> variables, const FormulaNames& known,
-                 bool reads_signals) {
+                 FormulaReads reads, const FormulaBounds& bounds) {
   const auto parsed = std::make_shared<Parsed>();
   parsed->text = std::move(text);
   parsed->count = variables.size();
   std::vector<std::string>& named = parsed->signals;
-  parsed->term = FormulaParser(parsed->graph, variables, known, reads_signals, named).read(parsed->text);
+  FormulaParser parser(parsed->graph, variables, known, reads, named);
+  parsed->term = parser.read(parsed->text);
+  parsed->reads_forces = parser.reads_forces();
+  parsed->reads = reads;
+  parsed->bounds = bounds;
+  if (!parsed->graph.is_constant(parsed->term)) parsed->term = bounded(parsed->graph, parsed->term, bounds);
   parsed->clock = static_cast<std::size_t>(std::ranges::find(named, time_signal) - named.begin());
   if (named.size() > max_signals) {
     throw expression::SyntaxError(0, parsed->text.size(),
@@ -134,8 +167,8 @@ Formula::Formula(std::string text, std::span<const FormulaVariable> variables, c
   std::ranges::fill(signal_sizes_, 1.0);
 }
 
-void Formula::renew(std::span<const FormulaVariable> variables, const FormulaNames& names, bool reads_signals) {
-  Formula renewed(std::string(text()), variables, names, reads_signals);
+void Formula::renew(std::span<const FormulaVariable> variables, const FormulaNames& names) {
+  Formula renewed(std::string(text()), variables, names, parsed_->reads, parsed_->bounds);
   renewed.set_sizes(size_, sizes_);
   *this = std::move(renewed);
 }

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -22,6 +23,7 @@ namespace gelenk {
 // place only.
 struct FormulaVariable {
   std::string_view name, unit;
+  bool everywhere = false;  // it is not of the coordinate to which the element refers
 };
 
 // What formulas may name besides the variables of their element.
@@ -37,8 +39,9 @@ struct FormulaNames {
   std::vector<std::string> signals;     // inputs of the scene and states of elements
   std::vector<Expression> expressions;  // of these, in place of which names are used
   std::vector<expression::NamedTable> tables;
-  // Coordinates of joints and their rates, such as "A.phi", in any order; null: none.
-  std::shared_ptr<const std::unordered_set<std::string>> coordinates;
+  // Coordinates of joints and their rates, such as "A.phi", and outputs that depend on accelerations, such as forces;
+  // in any order; null: none.
+  std::shared_ptr<const std::unordered_set<std::string>> coordinates, forces;
 };
 inline constexpr std::string_view time_signal = "t";
 
@@ -47,24 +50,29 @@ struct HeldBranches {
   const bool* first = nullptr;
 };
 
+// The range of the value of a formula; one that is not constant and beyond counts as that at the bound.
+struct FormulaBounds {
+  double lower = -HUGE_VAL, upper = HUGE_VAL;
+};
+
+// What a formula may name besides variables and constants: the time, signals and coordinates; forces and accelerations.
+enum class FormulaReads { nothing, signals, forces };
+
 class Formula {
  public:
   static constexpr std::size_t max_variables = 9;
-  static constexpr std::size_t max_signals = 2 * dual_directions - 2;  // in one formula
+  static constexpr std::size_t max_signals = 3 * dual_directions - 2;  // in one formula
 
   Formula() = default;  // not given
-  // reads_signals: whether it may also name the time t, the signals and the coordinates. Throws
-  // expression::SyntaxError, also for a text that is too long to be evaluated.
+  // Throws expression::SyntaxError, also for a text that is too long to be evaluated.
   Formula(std::string text, std::span<const FormulaVariable> variables, const FormulaNames& known = {},
-          bool reads_signals = false);
+          FormulaReads reads = FormulaReads::nothing, const FormulaBounds& bounds = {});
 
   // Reads the text again with other constants; keeps the sizes.
-  void renew(std::span<const FormulaVariable> variables, const FormulaNames& names, bool reads_signals);
+  void renew(std::span<const FormulaVariable> variables, const FormulaNames& names);
 
   bool is_given() const { return parsed_ != nullptr; }
   std::string_view text() const { return is_given() ? std::string_view(parsed_->text) : std::string_view(); }
-  // Whether there are points where a derivative or the value jumps.
-  bool has_kinks() const { return graph().has_choices(term()); }
   const expression::Graph& graph() const { return parsed_->graph; }
   expression::Term term() const { return parsed_->term; }
 
@@ -74,8 +82,8 @@ class Formula {
   void set_sizes(double of_result, std::span<const double> of_variables);
 
   bool reads_time() const { return is_given() && parsed_->reads_clock(); }
-  // Whether it names the k-th variable.
-  bool names_variable(int k) const { return graph().depends_on(term(), k); }
+  // Whether it names forces or accelerations. Outputs alone may: nothing else waits until these are known.
+  bool reads_forces() const { return is_given() && parsed_->reads_forces; }
   // The signals that it names; for each, after bind_signal(): its index among all signals.
   std::span<const std::string> signal_names() const {
     return is_given() ? std::span<const std::string>(parsed_->signals) : std::span<const std::string>();
@@ -145,8 +153,8 @@ class Formula {
       if (k != parsed_->clock) named[k].derivatives()[along.known] = 1;
     }
   }
-  // The same, on the branches of the state, with what decides on each of them: the first one is taken where that is
-  // positive. Periodic tables stay in the period that is held.
+  // The same, on the branches of the state, with what decides on each of them, if not null: the first one is taken
+  // where that is positive. Periodic tables stay in the period that is held.
   template <class T>
   [[gnu::noinline]] T decide(const T* variables, const T* signals, T* arguments) const {
     T at[max_variables + max_signals];
@@ -167,6 +175,9 @@ class Formula {
     std::size_t count = 0;             // number of variables
     std::vector<std::string> signals;  // that it names
     std::size_t clock = max_signals;   // which of them is the time
+    FormulaReads reads = FormulaReads::nothing;
+    FormulaBounds bounds{};
+    bool reads_forces = false;
 
     bool reads_clock() const { return clock < signals.size(); }
   };
@@ -189,5 +200,15 @@ class Formula {
   const HeldBranches* branches_ = nullptr;
   int first_branch_ = 0;
 };
+
+// Whether it names the k-th variable.
+inline bool names_variable(const Formula& of, int k) { return of.graph().depends_on(of.term(), k); }
+// Whether there are points where a derivative or the value jumps.
+inline bool has_kinks(const Formula& of) { return of.graph().has_choices(of.term()); }
+// The value in SI units if it is one number.
+inline std::optional<double> constant_value(const Formula& of) {
+  if (!of.is_given() || !of.graph().is_constant(of.term())) return std::nullopt;
+  return of.graph()[of.term()].value;
+}
 
 }  // namespace gelenk

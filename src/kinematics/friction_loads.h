@@ -19,21 +19,21 @@ namespace gelenk {
 struct FrictionLoad {
   enum class Of { bearing, guide, mesh };
   Of of = Of::bearing;
-  int force = 0;      // index of the friction among all forces with modes
-  int velocity = 0;   // of its coordinate: in the tree, or among those of the cut
-  double sign = 1;    // user's coordinate = sign times the mechanism's
-  int cut = -1;       // of a bearing that closes a loop
-  int link = -1;      // of a joint of the tree
-  int row = -1;       // of a mesh
-  double factor = 1;  // of the coordinate in that row
-  std::array<double, 2> losses{};
+  int force = 0;                     // index of the friction among all forces with modes
+  int velocity = 0;                  // of its coordinate: in the tree, or among those of the cut
+  double sign = 1;                   // user's coordinate = sign times the mechanism's
+  int cut = -1;                      // of a bearing that closes a loop
+  int link = -1;                     // of a joint of the tree
+  int row = -1;                      // of a mesh
+  double factor = 1;                 // of the coordinate in that row
+  int losses = -1;                   // of a mesh: index in Loads::losses
   bool may_be_undetermined = false;  // the force of least norm counts where constraint equations are redundant
 
   // Friction per size of the load against motion in a direction (1, -1; in the user's sign). along: of a mesh, a number
-  // with the sign of its force. of_bearing: the same of a bearing or guide.
+  // with the sign of its force. of_mesh: MeshLosses::at(). of_bearing: the same of a bearing or guide.
   template <class T>
-  T friction_per_size(int direction, double along, const T& of_bearing) const {
-    return of == Of::mesh ? T(losses[direction * sign * along < 0 ? 0 : 1]) : of_bearing;
+  T friction_per_size(int direction, double along, const std::array<T, 2>& of_mesh, const T& of_bearing) const {
+    return of == Of::mesh ? of_mesh[direction * sign * along < 0 ? 0 : 1] : of_bearing;
   }
 };
 
@@ -53,16 +53,18 @@ std::vector<FrictionLoad> friction_loads(const Model<A>& model, const Loads& loa
         load.of = force.element.is_guide() ? FrictionLoad::Of::guide : FrictionLoad::Of::bearing;
         out.push_back(load);
       }
+      int losses = -1;
       for (std::size_t r = 0; r < model.coordinate_rows.size() && cut < 0; ++r) {
         const CoordinateRow& row = model.coordinate_rows[r];
         if (!row.has_losses()) continue;
+        ++losses;
         const CoordinateRow::Term& term = row.terms[static_cast<std::size_t>(row.lossy_term)];
         if (term.v != force.v) continue;
         load.of = FrictionLoad::Of::mesh;
         load.may_be_undetermined = false;
         load.row = model.first_coordinate_row + static_cast<int>(r);
         load.factor = term.factor;
-        load.losses = row.losses;
+        load.losses = losses;
         out.push_back(load);
       }
     }

@@ -28,31 +28,39 @@ struct AlongCoordinate {
   int motor = -1;                 // of the scene; -1: the element is one of the joint
 
   // The inputs of the element, by their indices in the scene.
+  bool has_formula() const {
+    if constexpr (HasFormula<F>) return element.formula().is_given();
+    return false;
+  }
   int input_count() const {
     if constexpr (HasFormula<F>) {
-      return static_cast<int>(element.formula().signals().size());
-    } else {
-      return count_of(own_inputs(element));
+      if (has_formula()) return static_cast<int>(element.formula().signals().size());
     }
+    return count_of(own_inputs(element));
   }
   int input_at(int k) const {
     if constexpr (HasFormula<F>) {
-      return element.formula().signals()[static_cast<std::size_t>(k)];
-    } else {
-      return input + k;
+      if (has_formula()) return element.formula().signals()[static_cast<std::size_t>(k)];
     }
+    return input + k;
+  }
+  // Calls use(own) with the inputs of the element. u: all inputs of the scene.
+  template <class T, class Use>
+  auto with_inputs(const T* u, Use use) const {
+    if constexpr (HasFormula<F>) {
+      if (has_formula()) {
+        std::array<T, Formula::max_signals> signals;
+        element.formula().take_signals(u, signals.data());
+        return use(signals.data());
+      }
+    }
+    return use(u + input);
   }
 
   // Generalized force [N m, N], in the mechanism's sign. u: all inputs of the scene.
   template <class T>
   T effort(const T* at, const T* speed, const T* u) const {
-    if constexpr (HasFormula<F>) {
-      std::array<T, Formula::max_signals> signals;
-      for (int k = 0; k < input_count(); ++k) signals[static_cast<std::size_t>(k)] = u[input_at(k)];
-      return along(at, speed, signals.data());
-    } else {
-      return along(at, speed, u + input);
-    }
+    return with_inputs(u, [&](const T* own) { return along(at, speed, own); });
   }
   // own: the inputs of the element.
   template <class T>
@@ -62,7 +70,9 @@ struct AlongCoordinate {
   // The same on a given branch (element/joint_forces/coordinate_force.h).
   template <class T>
   T held(int side, const T* at, const T* speed, const T* u) const {
-    return T(sign) * element.held(side, T(T(sign) * at[q]), T(T(sign) * speed[v]), u + input);
+    return with_inputs(u, [&](const T* own) {
+      return T(T(sign) * element.held(side, T(T(sign) * at[q]), T(T(sign) * speed[v]), own));
+    });
   }
   // The branch on which the state is.
   template <class T>
@@ -140,7 +150,9 @@ struct JointLoads {
   void each_formula(Visit&& visit) const {
     each_list(lists, [&](const auto& list) {
       for (const auto& force : list) {
-        if constexpr (HasFormula<std::decay_t<decltype(force.element)>>) visit(force);
+        if constexpr (HasFormula<std::decay_t<decltype(force.element)>>) {
+          if (force.has_formula()) visit(force);
+        }
       }
     });
   }

@@ -11,7 +11,9 @@ namespace gelenk {
 
 void each_placed_formula(const Loads& loads, const std::function<void(const Formula&, const BranchPlace&)>& visit) {
   const auto of_joint = [&](const auto& force) {
-    visit(force.element.formula(), BranchPlace{BranchPlace::Of::joint, force.joint});
+    constexpr bool is_friction = Switches<std::decay_t<decltype(force.element)>>;
+    visit(force.element.formula(),
+          BranchPlace{is_friction ? BranchPlace::Of::friction : BranchPlace::Of::joint, force.joint});
   };
   loads.tree.each_formula(of_joint);
   for (const JointLoads& on : loads.cuts) on.each_formula(of_joint);
@@ -20,6 +22,9 @@ void each_placed_formula(const Loads& loads, const std::function<void(const Form
   });
   for (int k = 0; k < loads.states(); ++k)
     visit(loads.rates[static_cast<std::size_t>(k)], BranchPlace{BranchPlace::Of::state, k});
+  for (int k = 0; k < static_cast<int>(loads.losses.size()); ++k)
+    MeshLosses::each(loads.losses[static_cast<std::size_t>(k)],
+                     [&](const Formula& formula) { visit(formula, BranchPlace{BranchPlace::Of::mesh, k}); });
 }
 
 std::vector<BranchPlace> branch_places(const Loads& loads) {

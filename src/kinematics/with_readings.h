@@ -66,7 +66,8 @@ class WithReadings : public Base {
   }
   void expression_values(const T* u, T* out) override {
     const T* const all = with_named(u);
-    for (const Formula& value : loads_.values) *out++ = value.value_among<T>(nullptr, all);
+    for (const Formula& value : loads_.values)
+      *out++ = value.reads_forces() ? T(0) : value.value_among<T>(nullptr, all);  // Outputs has those of forces
   }
 
   Pose link_pose(int link) const override { return kernels::pose3<A>(ws_.X_0L[link], height(link)); }

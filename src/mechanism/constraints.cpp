@@ -59,8 +59,7 @@ struct CoordinateRowBuilder {
     const int component = component_of(kind, c.coordinate);
     row.is_angle = kind.q[component].unit == "rad";
     if constexpr (LosesPower<C>) {
-      row.losses = element.losses();
-      row.lossy_term = C::lossy_joint;
+      if (element.losses().are_any()) row.lossy_term = C::lossy_joint;
     }
     if constexpr (requires { element.factor(0, [](int) { return true; }); }) add_terms(row, c, element, component);
     if constexpr (requires { element.constant(); }) row.constant = element.constant();

@@ -43,8 +43,10 @@ void couple_by_expressions(const Scene& scene, std::size_t groups, const auto& g
     if (const int of = state(signal); of >= 0) coupled.push_back(of);
     const std::string_view owner = signal.substr(0, signal.find('.'));
     if (const auto moved = moved_group.find(owner); moved != moved_group.end()) coupled.push_back(moved->second);
-    const auto sensor = std::ranges::find(scene.sensors, owner, &Sensor::name);
-    if (sensor != scene.sensors.end()) std::ranges::copy(groups_of(*sensor), std::back_inserter(coupled));
+    each_section(scene, [&](const Section&, const auto& elements) {
+      const auto found = std::ranges::find_if(elements, [&](const auto& element) { return element.name == owner; });
+      if (found != elements.end()) std::ranges::copy(groups_of(*found), std::back_inserter(coupled));
+    });
   };
   for (const FormulaReader& reader : formula_readers(scene)) {
     std::vector<int> coupled;

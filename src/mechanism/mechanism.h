@@ -69,13 +69,10 @@ struct CoordinateRow {
   bool holds_position = true;    // otherwise nonholonomic: only the rates
   std::optional<MotionLaw> law;  // s; none: s is constant or an input
   double constant = 0;
-  int input = -1;  // index in the scene: s, or its rate if positions are not held
-  // Friction along the coordinate of one of the terms per force of the constraint on it, if that coordinate drives, and
-  // if it is driven.
-  std::array<double, 2> losses{};
-  int lossy_term = 0;
+  int input = -1;       // index in the scene: s, or its rate if positions are not held
+  int lossy_term = -1;  // along whose coordinate the losses of a mesh are friction; -1: it has none
 
-  bool has_losses() const { return losses != std::array<double, 2>{}; }
+  bool has_losses() const { return lossy_term >= 0; }
   // Whether the constraint is rheonomic.
   bool moves() const { return law || input >= 0; }
 };

@@ -5,6 +5,7 @@
 #include "element/kinds.h"
 #include "mechanism/mechanism.h"
 #include "outputs/outputs_impl.h"
+#include "scene/formulas.h"
 #include "scene/scene.h"
 
 namespace gelenk {
@@ -15,10 +16,31 @@ Outputs::Outputs(const Scene& scene, const ReducedScene& reduced, const std::vec
     ports_.emplace_back(scene, reduced, sensor, kind_of(*sensor.is).reads_reaction);
   }
   for (const Force& force : scene.forces) force_ports_.emplace_back(scene, reduced, force, false);
-  for (const Signal& signal : signals) {
-    sources_.push_back(signal.level == 3   ? joint_force_source(signal, switching_forces)
-                       : signal.joint >= 0 ? joint_source(signal)
-                                           : element_source(scene, signal));
+  for (const Signal& signal : signals) sources_.push_back(source_of(scene, signal, switching_forces));
+  find_named_forces(scene, switching_forces);
+}
+
+Outputs::Source Outputs::source_of(const Scene& scene, const Signal& signal,
+                                   const SwitchingForces& switching_forces) const {
+  if (signal.level == 3) return joint_force_source(signal, switching_forces);
+  return signal.joint >= 0 ? joint_source(signal) : element_source(scene, signal);
+}
+
+// Of the expressions that name any.
+void Outputs::find_named_forces(const Scene& scene, const SwitchingForces& switching_forces) {
+  const auto reads_forces = [](const Source& source) { return source.kind == Kind::expression_of_forces; };
+  if (std::ranges::none_of(sources_, reads_forces)) return;
+  const std::vector<Signal> forces = force_signals(scene);
+  for (Source& source : sources_) {
+    if (!reads_forces(source)) continue;
+    const std::vector<int>& expressions = reduced_.islands[static_cast<std::size_t>(source.island)].expressions;
+    const int number = expressions[static_cast<std::size_t>(source.index)];
+    source.group = static_cast<int>(named_forces_.size());
+    std::vector<Source>& named = named_forces_.emplace_back();
+    for (const std::string& name : scene.expressions[static_cast<std::size_t>(number)].value.signal_names()) {
+      const auto found = std::ranges::find(forces, name, &Signal::name);
+      named.push_back(found == forces.end() ? Source() : source_of(scene, *found, switching_forces));
+    }
   }
 }
 
@@ -98,6 +120,8 @@ Outputs::Source Outputs::named_source(const Signal& signal) const {
     out.island = static_cast<int>(i);
     out.index = static_cast<int>(found - among.begin());
   }
+  if (!is_state && scene_.expressions[static_cast<std::size_t>(signal.element)].value.reads_forces())
+    out.kind = Kind::expression_of_forces;
   return out;
 }
 
@@ -134,8 +158,9 @@ Outputs::Source Outputs::element_source(const Scene& scene, const Signal& signal
   return out;
 }
 
-double Outputs::constant(int output) const {
-  const Source& s = sources_[output];
+double Outputs::constant(int output) const { return constant(sources_[output]); }
+
+double Outputs::constant(const Source& s) const {
   if (s.kind == Kind::constant) return s.sign;
   return s.kind == Kind::force ? force_value<double>(s, nullptr) : sensor_value<double>(s, nullptr);
 }

@@ -27,7 +27,10 @@ struct ReadingOf {
   const T* cut_v = nullptr;
   const T* states = nullptr;       // of elements, in the order of Mechanism::states
   const T* state_rates = nullptr;  // after velocities
-  const T* expressions = nullptr;  // values of those of the island, after velocities
+  const T* expressions = nullptr;  // values of those of the island that name no forces, after velocities
+  // For those that name forces: all signals (kinematics/loads.h), and the expressions of the island.
+  const T* signals = nullptr;
+  const Formula* formulas = nullptr;
   // Of each force with modes (SwitchingForces) its force in the user's sign and its mode; null: there is none.
   const T* forces = nullptr;
   const int* modes = nullptr;
@@ -74,6 +77,7 @@ class Outputs {
     state,
     state_rate,
     expression,
+    expression_of_forces,
     cut_q,
     cut_v,
     cut_a,
@@ -91,10 +95,17 @@ class Outputs {
     int island = none;
     // In q, v or vdot (tree), cut_q, the element states or the forces with modes; or of the cut, sensor or constraint.
     int index = 0;
-    int group = 0;      // group among the outputs of an element
+    int group = 0;      // group among the outputs of an element; of an expression of forces: its index in named_forces_
     int component = 0;  // within a cut joint, or a group
     double sign = 1;    // the value, for a constant
   };
+  using SwitchingForces = std::vector<std::vector<SwitchingForce>>;
+  Source source_of(const Scene& scene, const Signal& signal, const SwitchingForces& switching_forces) const;
+  void find_named_forces(const Scene& scene, const SwitchingForces& switching_forces);
+  template <class T>
+  T value_of(const Source& source, const ReadingOf<T>& reading) const;
+  template <class T>
+  [[gnu::noinline]] T value_of_forces(const Source& source, const ReadingOf<T>& reading) const;
   Source joint_source(const Signal& signal) const;
   Source joint_force_source(const Signal& signal,
                             const std::vector<std::vector<SwitchingForce>>& switching_forces) const;
@@ -107,11 +118,13 @@ class Outputs {
   template <class T>
   [[gnu::noinline]] T force_value(const Source& source, const Readings<T>* dynamics) const;
   Source named_source(const Signal& signal) const;
+  double constant(const Source& source) const;
   Source element_source(const Scene& scene, const Signal& signal) const;
 
   const Scene& scene_;  // of elements, which may be tunable
   const ReducedScene& reduced_;
   std::vector<Source> sources_;
+  std::vector<std::vector<Source>> named_forces_;  // by expression that names forces: what it names
   std::vector<PortPlaces> ports_;
   std::vector<PortPlaces> force_ports_;
 };

@@ -15,7 +15,11 @@ namespace gelenk {
 
 template <class T>
 T Outputs::value(int output, const ReadingOf<T>& reading) const {
-  const Source& s = sources_[output];
+  return value_of(sources_[output], reading);
+}
+
+template <class T>
+inline T Outputs::value_of(const Source& s, const ReadingOf<T>& reading) const {
   const auto component = [&s](auto&& read) {
     T joint[max_cut_nv] = {};
     read(joint);
@@ -34,6 +38,8 @@ T Outputs::value(int output, const ReadingOf<T>& reading) const {
       return reading.state_rates[s.index];
     case Kind::expression:
       return reading.expressions[s.index];
+    case Kind::expression_of_forces:
+      return value_of_forces<T>(s, reading);
     case Kind::cut_q:
       return T(s.sign) * reading.cut_q[s.index];
     case Kind::cut_v:
@@ -64,6 +70,21 @@ T Outputs::value(int output, const ReadingOf<T>& reading) const {
       break;
   }
   return T(0);
+}
+
+template <class T>
+T Outputs::value_of_forces(const Source& source, const ReadingOf<T>& reading) const {
+  const Formula& formula = reading.formulas[source.index];
+  const std::vector<Source>& sources = named_forces_[static_cast<std::size_t>(source.group)];
+  std::array<T, Formula::max_signals> named;
+  for (std::size_t k = 0; k < sources.size(); ++k) {
+    const int signal = formula.signals()[k];
+    const bool is_fixed = sources[k].island == none;
+    named[k] = signal >= 0 ? reading.signals[signal]
+               : is_fixed  ? T(constant(sources[k]))
+                           : value_of<T>(sources[k], reading);
+  }
+  return formula.value<T>(nullptr, named.data());
 }
 
 template <class T>

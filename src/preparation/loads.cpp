@@ -9,6 +9,7 @@
 
 #include "element/forces/force.h"
 #include "element/joint_forces/registry.h"
+#include "element/locking.h"
 #include "element/motors/registry.h"
 #include "joint/kinds.h"
 #include "preparation/signal_binder.h"
@@ -28,6 +29,7 @@ void clear(Loads& loads) {
   loads.rates.clear();
   loads.values.clear();
   loads.named.clear();
+  loads.losses.clear();
   loads.potential_offset = 0;
 }
 
@@ -149,8 +151,10 @@ struct LoadCollector {
           {part, (cut ? 0 : place.iq) + i, (cut ? 0 : place.iv) + i, place.v_sign[i], input, joint, i});
     };
     push(element);
-    if constexpr (HasFormula<E>)
-      bind(std::get<std::vector<AlongCoordinate<E>>>(to.lists).back().element.formula(), place.island);
+    if constexpr (HasFormula<E>) {
+      auto& added = std::get<std::vector<AlongCoordinate<E>>>(to.lists).back();
+      if (added.has_formula()) bind(added.element.formula(), place.island);
+    }
     if constexpr (requires { element.excess(); }) {
       if (const std::optional<E> part = element.excess()) push(*part);
     }
@@ -204,13 +208,20 @@ struct LoadCollector {
     }
   }
 
-  // Registers the inputs of coordinate constraints.
-  void motions() {
+  // Registers the inputs of coordinate constraints, and binds the expressions of their losses.
+  void coordinate_rows() {
     for (std::size_t i = 0; i < reduced.islands.size(); ++i) {
       for (const CoordinateRow& row : reduced.islands[i].coordinate_rows) {
         if (row.input >= 0) out[i].inputs.push_back(row.input);
+        if (row.has_losses()) losses(row, static_cast<int>(i));
       }
     }
+  }
+
+  void losses(const CoordinateRow& row, int island) {
+    const Constraint& constraint = scene.constraints[static_cast<std::size_t>(row.constraint)];
+    MeshLosses& added = out[static_cast<std::size_t>(island)].losses.emplace_back(losses_of(*constraint.is));
+    MeshLosses::each(added, [&](Formula& formula) { bind(formula, island); });
   }
 
   void force(int f, int input) {
@@ -259,7 +270,7 @@ void LoadAssembler::fill(std::vector<Loads>& loads) const {
   }
   collector.gravity_field();
   collector.bind_forces();
-  collector.motions();
+  collector.coordinate_rows();
   for (Loads& of : loads) {
     of.only_along_tree =
         is_empty(*of.forces) && std::ranges::all_of(of.cuts, [](const JointLoads& on) { return on.empty(); });

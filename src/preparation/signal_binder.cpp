@@ -50,8 +50,17 @@ SignalBinder::SignalBinder(const Scene& scene, const ReducedScene& reduced, int 
       signals_(first_input + static_cast<int>(scene.inputs.size()) + (reads_time(scene) ? 1 : 0)) {}
 
 void SignalBinder::bind(Formula& formula, const Mechanism& mechanism, Loads& loads) {
+  if (formula.reads_forces() && force_units_.empty()) {
+    for (Signal& signal : force_signals(scene_)) force_units_.emplace(std::move(signal.name), std::move(signal.unit));
+  }
   for (std::size_t k = 0; k < formula.signal_names().size(); ++k) {
-    const Bound at = find(formula.signal_names()[k], mechanism, loads);
+    const std::string& name = formula.signal_names()[k];
+    const auto force = formula.reads_forces() ? force_units_.find(name) : force_units_.end();
+    if (force != force_units_.end()) {
+      formula.bind_signal(k, -1, scene_.units.size_of(force->second));
+      continue;
+    }
+    const Bound at = find(name, mechanism, loads);
     formula.bind_signal(k, at.index, at.size);
   }
 }
@@ -80,9 +89,10 @@ SignalBinder::Bound SignalBinder::find(std::string_view name, const Mechanism& m
     }
     return {.index = add(quantity, loads), .size = scene_.units.size_of(group.unit)};
   }
-  const JointQuantity of = find_coordinate(scene_, name).value();
-  const NamedQuantity coordinate = quantity_of(of, reduced_.joints[static_cast<std::size_t>(of.joint)]);
-  return {.index = add(coordinate, loads), .size = scene_.units.size_of(of.unit)};
+  const std::optional<JointQuantity> of = find_coordinate(scene_, name);
+  if (!of) return {.index = -1};  // a force of what was removed, such as friction from a scene that is looked at only
+  const NamedQuantity coordinate = quantity_of(*of, reduced_.joints[static_cast<std::size_t>(of->joint)]);
+  return {.index = add(coordinate, loads), .size = scene_.units.size_of(of->unit)};
 }
 
 }  // namespace gelenk

@@ -21,6 +21,7 @@ class SignalBinder {
   // Number of the signals of the whole scene: its inputs and its clock. Element states of an island follow.
   int signals() const { return signals_; }
   // Binds the names of a formula of this island, the element states of which `loads` has; adds coordinates to `loads`.
+  // Forces are no signals: their index is -1.
   void bind(Formula& formula, const Mechanism& mechanism, Loads& loads);
 
  private:
@@ -33,6 +34,7 @@ class SignalBinder {
   const Scene& scene_;
   const ReducedScene& reduced_;
   int first_input_, signals_;
+  std::unordered_map<std::string, std::string> force_units_;  // by name, once a formula names one
   // By name: an output of a sensor that several expressions name is computed once.
   std::unordered_map<std::string, std::shared_ptr<const NamedReading>> readings_;
 };

@@ -81,7 +81,8 @@ void add_coordinate_names(std::string_view joint, const JointKind& kind, std::un
 }
 
 FormulaNames formula_names(const Scene& scene) {
-  FormulaNames out{.constants = scene.constants, .signals = {}, .expressions = {}, .tables = {}, .coordinates = {}};
+  FormulaNames out;
+  out.constants = scene.constants;
   for (const SceneTable& table : scene.tables) out.tables.push_back({table.name, table.is});
   for (const SceneInput& input : scene.inputs) out.signals.push_back(input.name);
   for (const ElementState& state : scene.states) out.signals.push_back(state.name);
@@ -91,6 +92,26 @@ FormulaNames formula_names(const Scene& scene) {
   for (const Joint& joint : scene.joints) add_coordinate_names(joint.name, *find_joint_kind(joint.type), *coordinates);
   for (const Sensor& sensor : scene.sensors) add_sensor_names(sensor.name, kind_of(*sensor.is), *coordinates);
   out.coordinates = coordinates;
+  if (!scene.expressions.empty()) out.forces = force_names(scene);
+  return out;
+}
+
+std::shared_ptr<const std::unordered_set<std::string>> force_names(const Scene& scene) {
+  const auto out = std::make_shared<std::unordered_set<std::string>>();
+  for (const Signal& signal : force_signals(scene)) out->insert(signal.name);
+  return out;
+}
+
+std::vector<Signal> force_signals(const Scene& scene) {
+  std::vector<Signal> out = output_signals(scene);
+  std::erase_if(out, [&](const Signal& signal) {
+    if (signal.section == sections::states || signal.section == sections::expressions) return true;
+    if (signal.section == sections::contacts) return true;
+    if (signal.section == sections::sensors &&
+        kind_of(*scene.sensors[static_cast<std::size_t>(signal.element)].is).of_whole)
+      return true;
+    return signal.stage != Stage::acceleration;
+  });
   return out;
 }
 
@@ -113,7 +134,7 @@ std::optional<JointQuantity> find_coordinate(const Scene& scene, std::string_vie
 void renew_formulas(Scene& scene) {
   const FormulaNames names = formula_names(scene);
   each_formula(scene, [&](Formula& formula, const Field& field, const Coordinate& coordinate, const auto&) {
-    formula.renew(variables_of(field, coordinate), names, field.reads_signals);
+    formula.renew(variables_of(field, coordinate), names);
   });
 }
 

@@ -2,6 +2,7 @@
 // The expressions of a scene, and the names of which they are made.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include "scene/scene.h"
+#include "scene/signals.h"
 
 namespace gelenk {
 
@@ -35,6 +37,11 @@ struct SensorOutput {
   int sensor = -1, group = 0, component = 0;
 };
 std::optional<SensorOutput> find_sensor_output(const Scene& scene, std::string_view name);
+
+// The outputs that expressions of outputs may name besides: forces and accelerations. Those of contacts between shapes
+// and of the whole mechanism are not among them.
+std::vector<Signal> force_signals(const Scene& scene);
+std::shared_ptr<const std::unordered_set<std::string>> force_names(const Scene& scene);
 
 // Whether it names element states or anything of the motion, not only inputs and the time.
 bool couples(const Scene& scene, const Formula& formula);

@@ -108,7 +108,7 @@ struct ElementState {
 
   static std::span<const Field> fields() {
     static constexpr Field all[] = {field<&ElementState::rate>(
-        {.name = "rate", .text = "rate of the state", .required = true, .reads_signals = true})};
+        {.name = "rate", .text = "rate of the state", .required = true, .reads = FormulaReads::signals})};
     return all;
   }
 };
@@ -120,7 +120,7 @@ struct NamedExpression {
 
   static std::span<const Field> fields() {
     static constexpr Field all[] = {field<&NamedExpression::value>(
-        {.name = "value", .text = "value of the expression", .required = true, .reads_signals = true})};
+        {.name = "value", .text = "value of the expression", .required = true, .reads = FormulaReads::forces})};
     return all;
   }
 };

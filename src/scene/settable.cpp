@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scene/settable.h"
 
+#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -43,6 +44,13 @@ void add(std::vector<SettableNumber>& out, SettableNumber::Of of, std::size_t ow
   });
 }
 
+// Whether the alternative is given with which the field goes.
+bool has_meaning(const Field& field, std::span<const Field> among, const void* element) {
+  return field.goes_with == 0 || std::ranges::any_of(among, [&](const Field& other) {
+           return other.alternative == field.goes_with && is_given(other, element);
+         });
+}
+
 void add_joint(std::vector<SettableNumber>& out, const Joint& joint, std::size_t j) {
   using Of = SettableNumber::Of;
   const JointKind* kind = find_joint_kind(joint.type);
@@ -53,7 +61,7 @@ void add_joint(std::vector<SettableNumber>& out, const Joint& joint, std::size_t
     for (const Field& field : force.fields) {
       for (int i = 0; i < kind->nv; ++i) {
         const void* there = force.in(*joint.along[static_cast<std::size_t>(i)]);
-        if (there == nullptr) continue;
+        if (there == nullptr || !has_meaning(field, force.fields, there)) continue;
         add(out, Of::along, j, std::span(&field, 1), there,
             [&](const SettableNumber& x) { return x.along(force, i, kind->nv); });
       }

@@ -202,7 +202,7 @@ std::vector<Signal> output_signals(const Scene& scene) {
   }
   for (std::size_t i = 0; i < scene.expressions.size(); ++i) {
     Signal& signal = add_named(signals, scene.expressions[i], "expression");
-    signal.stage = Stage::velocity;
+    signal.stage = scene.expressions[i].value.reads_forces() ? Stage::acceleration : Stage::velocity;
     signal.section = sections::expressions;
     signal.element = static_cast<int>(i);
   }

@@ -50,7 +50,8 @@ std::string expected_of(const Field& field, const Coordinate& coordinate) {
     for (const FormulaVariable& variable : variables_of(field, coordinate)) {
       if (!variable.name.empty()) names.emplace_back(variable.name);
     }
-    if (field.reads_signals) names.insert(names.end(), {"t", "inputs", "states", "coordinates of joints"});
+    if (field.reads != FormulaReads::nothing)
+      names.insert(names.end(), {"t", "inputs", "states", "coordinates of joints"});
     return "an expression of " + text::list(names) + in_unit;
   }
   return (field.type == Field::Type::numbers ? "a list of numbers" : "a number") + in_unit;
@@ -65,12 +66,19 @@ void read_choice(const Json& value, const std::string& path, Faults& faults, con
   choice.index = static_cast<int>(found - words.begin());
 }
 
+FormulaBounds bounds_of(Range range) {
+  FormulaBounds out;
+  if (range == Range::not_negative || range == Range::fraction) out.lower = 0;
+  if (range == Range::fraction || range == Range::at_most_one) out.upper = 1;
+  return out;
+}
+
 void read_formula(const Json& value, const std::string& path, Faults& faults, const Field& field,
                   const Coordinate& coordinate, const FormulaNames& names, Formula& formula) {
   if (!value.is_string() && !value.is_number()) return faults.add(path, shown(value), expected_of(field, coordinate));
   const std::string text = value.is_number() ? text::number(value.get<double>()) : value.get<std::string>();
   try {
-    formula = Formula(text, variables_of(field, coordinate), names, field.reads_signals);
+    formula = Formula(text, variables_of(field, coordinate), names, field.reads, bounds_of(field.range));
   } catch (const expression::SyntaxError& error) {
     faults.add(path, text::quoted(text), expected_of(field, coordinate) + "; " + with_caret(error, text));
   }

@@ -99,6 +99,18 @@ const Json* required_section(Fields& fields, const std::string& name, const std:
   return section;
 }
 
+// The rates of states and the named expressions, after all that these may name. Which forces there are is known only if
+// that is sound; otherwise mistakes in expressions are reported when all others have been mended.
+void read_named(const Json* states, const Json* expressions, Reader& reader) {
+  if (reader.faults.count() == 0) {
+    if (expressions != nullptr) reader.names.forces = force_names(reader.scene);
+    return read_formulas(states, expressions, reader);
+  }
+  Faults ignored(reader.scene.file);
+  Reader silent{reader.scene, ignored, {}, {}, reader.suspect_names, reader.names};
+  read_formulas(states, expressions, silent);
+}
+
 void read_sections(Fields& fields, Scene& scene, SuspectNames& suspect_names) {
   const Json* gravity = fields.find("gravity");
   const Json* bodies = required_section(fields, "bodies", "at least one body");
@@ -112,7 +124,6 @@ void read_sections(Fields& fields, Scene& scene, SuspectNames& suspect_names) {
   if (states != nullptr) read_states(*states, reader);
   if (expressions != nullptr) read_expressions(*expressions, reader);
   reader.names = names_in({.joints = joints, .sensors = fields.peek("sensors"), .expressions = expressions}, scene);
-  read_formulas(states, expressions, reader);
   if (gravity != nullptr) read_gravity(*gravity, fields, reader);
   if (bodies != nullptr && bodies->is_object()) reader.bodies = {ground};
   for (std::string& name : keys(bodies)) reader.bodies.push_back(std::move(name));
@@ -120,6 +131,7 @@ void read_sections(Fields& fields, Scene& scene, SuspectNames& suspect_names) {
   if (const Json* shapes = fields.find(ground)) read_ground(*shapes, reader);
   if (joints != nullptr) read_joints(*joints, reader);
   read_elements(fields, reader);
+  read_named(states, expressions, reader);
   constexpr std::pair<const char*, Read> rest[] = {{"parameters", read_parameters},
                                                    {"outputs", read_outputs},
                                                    {"assembly", read_assembly},

@@ -7,7 +7,7 @@ Json number(const std::string& unit, const std::string& description, Range allow
   Json out;
   out["type"] = "number";
   if (allowed == Range::not_negative || allowed == Range::fraction) out["minimum"] = 0;
-  if (allowed == Range::fraction) out["maximum"] = 1;
+  if (allowed == Range::fraction || allowed == Range::at_most_one) out["maximum"] = 1;
   if (allowed == Range::positive) out["exclusiveMinimum"] = 0;
   if (allowed == Range::not_zero) out["not"] = {{"const", 0}};
   out["description"] = unit.empty() ? description : description + " [" + unit + "]";

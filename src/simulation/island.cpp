@@ -317,17 +317,20 @@ void Island::realize(Stage stage) {
 void Island::realize_named() {
   const double* const u = equations_->drives().u().data();
   if (!rates_.empty()) dynamics_->readings().state_rates(u, rates_.data());
-  if (!values_.empty()) dynamics_->readings().expression_values(u, values_.data());
+  if (values_.empty()) return;
+  dynamics_->readings().expression_values(u, values_.data());
+  reading_->signals = dynamics_->readings().all_signals(u);
 }
 
 // Again when the integrator has decided whether steps are made with impulses.
 void Island::make_reading() {
   const RevolutionCounter& turns = equations_->revolutions();
   EventModes& modes = equations_->modes();
-  reading_.emplace(
-      Reading{dynamics_->readings(), y_.data(), y_.data() + mechanism().nq, vdot_.data(), turns.coordinates().data(),
-              turns.speeds().data(), y_.data() + mechanism().nq + mechanism().nv, rates_.data(), values_.data(),
-              modes.outputs().forces().data(), modes.outputs().sides().data(), &equations_->contacts().readings()});
+  reading_.emplace(Reading{dynamics_->readings(), y_.data(), y_.data() + mechanism().nq, vdot_.data(),
+                           turns.coordinates().data(), turns.speeds().data(),
+                           y_.data() + mechanism().nq + mechanism().nv, rates_.data(), values_.data(), nullptr,
+                           loads_.values.data(), modes.outputs().forces().data(), modes.outputs().sides().data(),
+                           &equations_->contacts().readings()});
 }
 
 std::vector<MotionLaw::Derivatives> Island::targets() const {

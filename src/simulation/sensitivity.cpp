@@ -109,6 +109,8 @@ void Sensitivity::read(int i, CarriedState<T>& at, Take take) const {
                              .states = at.u.data() + u_.signals(),
                              .state_rates = rates.data(),
                              .expressions = values.data(),
+                             .signals = at.equations->all_signals(at.u.data()),
+                             .formulas = islands_[static_cast<std::size_t>(i)]->loads().values.data(),
                              .forces = at.forces.data(),
                              .modes = at.modes};
   const EnergyOf<T> energy = e.energy();

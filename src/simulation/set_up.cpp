@@ -52,7 +52,8 @@ void Simulation::Impl::make_islands() {
   for (std::size_t i = 0; i < prepared.islands.size(); ++i) {
     islands.push_back(std::make_unique<Island>(scene, prepared.islands[i], std::move(loads[i]), u, time));
     const auto add = [&](std::vector<std::vector<int>>& islands_of, int input) {
-      if (input >= static_cast<int>(u.signals())) return;  // an element state, or what is named of the motion
+      if (input < 0 || input >= static_cast<int>(u.signals()))
+        return;  // an element state, what is named of the motion, a force
       std::vector<int>& of = islands_of[static_cast<std::size_t>(input)];
       if (of.empty() || of.back() != static_cast<int>(i)) of.push_back(static_cast<int>(i));
     };

@@ -138,17 +138,25 @@ def is_formula(case: Case) -> bool:
     return any(field["type"] in FORMULAS for field in case.kind["fields"])
 
 
-def general_cases(kind: Kind) -> Iterator[Case]:
+def by_way(kind: Kind) -> Iterator[tuple[str, Kind]]:
+    """The kind with the fields of each of its alternatives, with a label if there are several."""
+    ways = sorted({f["way"] for f in kind["fields"] if f["way"]}) or [0]
+    for way in ways:
+        fields = [f for f in kind["fields"] if f["way"] in (0, way)]
+        yield f"way={way}" if len(ways) > 1 else "", {**kind, "fields": fields}
+
+
+def general_cases(of: Kind) -> Iterator[Case]:
     """With numbers without zeros and symmetries, that fit each other."""
-    make = elements.Force if kind in KINDS["forces"] else elements.Along
+    make = elements.Force if of in KINDS["forces"] else elements.Along
     rng = np.random.default_rng(20261122)
-    for label, words in words_and_flags(kind):
+    for way, kind, label, words in [(*one, *more) for one in by_way(of) for more in words_and_flags(one[1])]:
         for _ in range(100):
             described = [f for f in kind["fields"] if is_number(f) or f["type"] in FORMULAS]
             numbers = {f["name"]: drawn(f, rng) for f in described} | words
             if make(kind["name"], numbers).is_sound:
                 break
-        yield Case(kind, numbers, label)
+        yield Case(kind, numbers, "-".join(x for x in (way, label) if x))
 
 
 def special_cases(kind: Kind) -> Iterator[Case]:

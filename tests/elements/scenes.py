@@ -131,10 +131,10 @@ class Given:
 def all_given(section: str) -> Iterator[Given]:
     """Each kind with each of its ways and words and with its flags up and down."""
     for kind in KINDS[section]:
-        ways = sorted({f["way"] for f in kind["fields"] if f["way"]}) or [0]
-        for way in ways:
-            fields = [f for f in kind["fields"] if f["way"] in (0, way)]
-            for label, words in laws.words_and_flags({"fields": fields}):
+        for of_way, of in laws.by_way(kind):
+            fields = of["fields"]
+            way = max(f["way"] for f in fields) if fields else 0
+            for label, words in laws.words_and_flags(of):
                 by_word = {
                     f["name"]: bool(words[f["name"]])
                     if f["type"] == "flag"
@@ -142,7 +142,7 @@ def all_given(section: str) -> Iterator[Given]:
                     for f in fields
                     if f["name"] in words
                 }
-                labels = [f"way={way}" if len(ways) > 1 else "", label]
+                labels = [of_way, label]
                 numbers = sound(section, kind, way, by_word)
                 yield Given(section, kind, numbers, "-".join(x for x in labels if x))
 

@@ -150,7 +150,7 @@ def changed(x: Any, field: Kind) -> Any:
 
 # Laws of impact differ only where several limits are struck together (test_laws_of_impact.py), those of stops
 # where contacts begin and end (test_modelica_drives.py).
-ELSEWHERE = {("limit", "law"), ("stop", "law")}
+ELSEWHERE = {("limit", "law"), ("stop", "law"), ("friction", "peak")}
 
 
 @warned.GUESSES

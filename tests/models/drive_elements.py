@@ -120,6 +120,7 @@ class LossyGear:
     driving: float  # efficiency if a drives
     driven: float  # if b drives
     bearing: float = 0.0
+    worse: float = 0.0  # by which both efficiencies fall with the size of a's speed [s/rad]
 
     def modes(self, _q: float, v: float) -> Sequence[tuple[int, int]]:
         """Return the direction of motion of a (0: at rest), and the sign of the torque it delivers."""
@@ -130,9 +131,10 @@ class LossyGear:
         """Return the friction on a per torque in the mesh up to which it rests; `bearing` is added."""
         return -sign * self.loss(1, sign), sign * self.loss(-1, sign)
 
-    def loss(self, direction: int, sign: int) -> float:
+    def loss(self, direction: int, sign: int, speed: float = 0.0) -> float:
         """Return the friction on a per torque in the mesh."""
-        return 1 / self.driving - 1 if direction * sign > 0 else 1 - self.driven
+        less = self.worse * abs(speed)
+        return 1 / (self.driving - less) - 1 if direction * sign > 0 else 1 - (self.driven - less)
 
 
 type Element = Friction | OneWay | Rigid | Flanks | LossyGear

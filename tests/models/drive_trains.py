@@ -90,7 +90,7 @@ class DriveTrain:
                     columns += [mesh, on_a]
                     rows.append(on_a)
                 else:
-                    columns.append(mesh - direction * e.loss(direction, sign) * sign * on_a)
+                    columns.append(mesh - direction * e.loss(direction, sign, self.speed(e, w)) * sign * on_a)
                     load += -direction * e.bearing * on_a
         m = len(columns)
         system = np.zeros((n + m, n + m))

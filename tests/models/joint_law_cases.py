@@ -110,13 +110,15 @@ def clutch() -> Case:
     )
 
 
-def loop(bearing: dict[str, Any] | None = None, **fields: Any) -> Case:
-    """A four-bar with dry friction in all joints, whose crank is driven and brakes."""
+def loop(bearing: dict[str, Any] | None = None, law: str | None = None, **fields: Any) -> Case:
+    """A four-bar with dry friction in all joints, whose crank is driven and brakes; law: of joint C."""
     source = four_bar(damping=0.0)
     for name, coulomb in zip("ABCD", (0.4, 0.3, 0.5, 0.2), strict=True):
         source["joints"][name]["friction"] = {"coulomb": coulomb}
         if bearing is not None:
             source["joints"][name]["friction"]["bearing"] = bearing
+    if law is not None:
+        source["joints"]["C"]["friction"] = {"law": law}
     source["joints"]["A"]["start"]["w"] = 4.0
     return Case({**source, **fields}, 0.5, {"drive.tau": lambda t: 9.0 if t < 0.2 else 4.0})
 
@@ -154,6 +156,12 @@ CASES: dict[str, Callable[[], Case]] = {
     ),
     "Stribeck's curve": lambda: stribeck(2),
     "Stribeck's curve, exponent 1": lambda: stribeck(1),
+    "a law of the speed": lambda: block(pulses, v=0.21, friction={"law": "0.4 + 0.6*exp(-v/0.3)"}),
+    "a law that jumps as it slips": lambda: block(
+        pulses, v=0.21, friction={"law": "0.4 + 0.2*v", "peak": 2.0}
+    ),
+    "a law of the way": lambda: block(pulses, v=0.21, friction={"law": "0.5 + 2*max(0, s)"}),
+    "a law in a loop": lambda: loop(law="0.3 + 0.2*exp(-w)"),
     "brake": braked,
     "clutch": clutch,
     "friction in a loop": loop,
@@ -202,6 +210,7 @@ CASES: dict[str, Callable[[], Case]] = {
         bearing={"coefficient": 0.2, "radius": 0.05, "reaction": "least_norm"}
     ),
     "gear with losses": lambda: geared(efficiency=0.7),
+    "gear with losses by its speed": lambda: geared(efficiency="0.8 - 0.3*exp(-w)", backdriving="0.6"),
     "gear with losses, backwards": lambda: geared(ratio=-0.4, efficiency=0.8),
     "stops": between_stops,
     "damped stops": lambda: between_stops(damping=5.0),

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <array>
-#include <limits>
 #include <optional>
 
 #include "element/constraints/constraint.h"
@@ -29,10 +27,9 @@ struct Gear {
        .optional = true,
        .fits = is_rotary}};
 
-  double ratio = 1;   // dimensionless
-  double offset = 0;  // rad
-  double efficiency = 1;
-  double backdriving = std::numeric_limits<double>::quiet_NaN();  // NaN: 2 - 1 / efficiency
+  double ratio = 1;                 // dimensionless
+  double offset = 0;                // rad
+  Formula efficiency, backdriving;  // see MeshLosses
 
   static std::span<const Field> fields() {
     static constexpr Field all[] = {
@@ -42,9 +39,12 @@ struct Gear {
                              .range = Range::not_zero,
                              .required = true}),
         field<&Gear::offset>({.name = "offset", .unit = "rad", .text = "angle of `joint` when `with` is at 0"}),
-        field<&Gear::efficiency>(efficiency_info("part of the power that leaves the mesh if `joint` drives `with`")),
+        field<&Gear::efficiency>(
+            MeshLosses::efficiency_info("part of the power that leaves the mesh if `joint` drives `with`, 1 if not "
+                                        "given; may be an expression of the speed w")),
         field<&Gear::backdriving>(
-            backdriving_info("part of the power that leaves the mesh if `with` drives `joint`; 0 or less: it cannot"))};
+            MeshLosses::backdriving_info("part of the power that leaves the mesh if `with` drives `joint`; 0 or less: "
+                                         "it cannot; may be an expression of the speed w"))};
     return all;
   }
   static constexpr SignalGroup outputs[] = {{"tau", 0, "N.m", "torque of the gear on joint {joint}"}};
@@ -57,8 +57,8 @@ struct Gear {
   }
   double constant() const { return offset; }
   static constexpr int lossy_joint = 0;
-  std::array<double, 2> losses() const { return losses_of_mesh(efficiency, backdriving); }
-  std::optional<ElementFault> fault(const Coordinate&) const { return fault_of_mesh(efficiency, backdriving); }
+  MeshLosses losses() const { return {efficiency, backdriving}; }
+  std::optional<ElementFault> fault(const Coordinate&) const { return losses().fault(); }
   template <class Seen>
   auto output(const Seen& seen, int, int) const {
     return seen.coordinate_force();

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <array>
-#include <limits>
 #include <optional>
 
 #include "element/constraints/constraint.h"
@@ -23,10 +21,9 @@ struct Rack {
          return kind.nq == 1 && kind.nv == 1 && kind.q[0].unit == "rad";
        }}};
 
-  double radius = 1;  // m
-  double offset = 0;  // m
-  double efficiency = 1;
-  double backdriving = std::numeric_limits<double>::quiet_NaN();  // NaN: 2 - 1 / efficiency
+  double radius = 1;                // m
+  double offset = 0;                // m
+  Formula efficiency, backdriving;  // see MeshLosses
 
   static std::span<const Field> fields() {
     static constexpr Field all[] = {
@@ -36,9 +33,12 @@ struct Rack {
                               .range = Range::not_zero,
                               .required = true}),
         field<&Rack::offset>({.name = "offset", .unit = "m", .text = "position of the rack when the pinion is at 0"}),
-        field<&Rack::efficiency>(efficiency_info("part of the power that leaves the mesh if `pinion` drives `rack`")),
-        field<&Rack::backdriving>(backdriving_info(
-            "part of the power that leaves the mesh if `rack` drives `pinion`; 0 or less: it cannot"))};
+        field<&Rack::efficiency>(
+            MeshLosses::efficiency_info("part of the power that leaves the mesh if `pinion` drives `rack`, 1 if not "
+                                        "given; may be an expression of the speed w")),
+        field<&Rack::backdriving>(
+            MeshLosses::backdriving_info("part of the power that leaves the mesh if `rack` drives `pinion`; 0 or less: "
+                                         "it cannot; may be an expression of the speed w"))};
     return all;
   }
   static constexpr SignalGroup outputs[] = {{"f", 0, "N", "force of the pinion on joint {joint}"}};
@@ -49,8 +49,8 @@ struct Rack {
   }
   double constant() const { return offset; }
   static constexpr int lossy_joint = 1;
-  std::array<double, 2> losses() const { return losses_of_mesh(efficiency, backdriving); }
-  std::optional<ElementFault> fault(const Coordinate&) const { return fault_of_mesh(efficiency, backdriving); }
+  MeshLosses losses() const { return {efficiency, backdriving}; }
+  std::optional<ElementFault> fault(const Coordinate&) const { return losses().fault(); }
   template <class Seen>
   auto output(const Seen& seen, int, int) const {
     return seen.coordinate_force();

@@ -27,13 +27,13 @@ struct BodyForce {
                                   .text = "expressions for the components of the force",
                                   .settable = false,
                                   .variables = variables,
-                                  .reads_signals = true}),
+                                  .reads = FormulaReads::signals}),
         field<&BodyForce::torque>({.name = "torque",
                                    .unit = "N.m",
                                    .text = "expressions for the components of the torque",
                                    .settable = false,
                                    .variables = variables,
-                                   .reads_signals = true}),
+                                   .reads = FormulaReads::signals}),
         field<&BodyForce::frame>(
             {.name = "frame", .text = "axes of the components, of vx, vy, vz and of wx, wy, wz", .words = axes})};
     return all;

@@ -23,7 +23,7 @@ struct GravityField {
                                    .settable = false,
                                    .alternative = 1,
                                    .variables = variables,
-                                   .reads_signals = true}),
+                                   .reads = FormulaReads::signals}),
         field<&GravityField::mu>({.name = "mu",
                                   .unit = "m3/s2",
                                   .text = "gravitational constant times the mass of a body at the center",

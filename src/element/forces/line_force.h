@@ -24,7 +24,7 @@ struct LineForce {
                                     .required = true,
                                     .settable = false,
                                     .variables = variables,
-                                    .reads_signals = true})};
+                                    .reads = FormulaReads::signals})};
     return all;
   }
 

@@ -24,7 +24,7 @@ struct JointLaw {
                                  .required = true,
                                  .settable = false,
                                  .variables = variables,
-                                 .reads_signals = true})};
+                                 .reads = FormulaReads::signals})};
     return all;
   }
 
@@ -32,7 +32,7 @@ struct JointLaw {
   // Of expressions: the signals that this one names, and what decides on its branches.
   const Formula& formula() const { return force; }
   Formula& formula() { return force; }
-  bool reads_speed() const { return force.names_variable(1) || force.names_variable(3); }
+  bool reads_speed() const { return names_variable(force, 1) || names_variable(force, 3); }
   template <class T>
   void decide(const T& q, const T& v, const T* signals, T* arguments) const {
     const T at[] = {q, v, q, v};

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Stiff plants whose inputs jump at every communication step: transients far shorter than the step, in closed form."""
+"""Stiff plants whose inputs jump at each communication step; transients far shorter than it, exactly."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def run(
 def test_what_decays_within_a_step_is_within_the_tolerance(
     integrator: str, step: float, tolerance: float
 ) -> None:
-    """Of a velocity and of a state; once dirk was wrong by 170 tolerances, its estimate being damped twice."""
+    """Of a velocity and of a state; dirk was once wrong by 170 tolerances: its estimate was damped twice."""
     plant = gelenk.Simulation(braked(1e6, integrator=integrator))
     assert run(plant, "drive.tau", "A.w", 1e6, 1.0, tolerance, step) < 2
     plant = gelenk.Simulation(filtered(1e6, integrator=integrator))

@@ -146,7 +146,7 @@ def test_units_of_other_sizes(size: float) -> None:
         ({"a1": "2*nothing"}, "expressions.a1.*nothing"),
         ({"a1": {"unit": "W"}}, "expressions.a1.*value"),
         ({"limit": "1"}, "expressions.limit.*constants.limit"),
-        ({"a1": "A.a"}, "expressions.a1.*A.a"),
+        ({"a1": "A.b"}, "expressions.a1.*A.b.*expected one of A.a, A.phi, A.w"),
         ({"a1": "A.phi +"}, "expressions.a1.*column"),
     ],
 )
