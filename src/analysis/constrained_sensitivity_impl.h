@@ -40,7 +40,8 @@ void ConstrainedSensitivity::set_forces(CarriedState<T>& at, const std::vector<T
   std::vector<T> by_force(sides_.size());
   share_holding_forces(dynamics_->switching_forces(), sides_.data(), holding.data(), by_force.data());
   at.forces.resize(sides_.size());
-  at.equations->switching_forces(at.u.data(), sides_.data(), by_force.data(), at.forces.data());
+  at.equations->switching_forces(at.equations->all_signals(at.u.data()), sides_.data(), by_force.data(),
+                                 at.forces.data());
 }
 
 }  // namespace gelenk

@@ -7,6 +7,7 @@
 #include "element/constraints/cut_joint.h"
 #include "joint/kinds.h"
 #include "joint/rows.h"
+#include "kinematics/coordinate_rows.h"
 #include "math/rotations.h"
 
 namespace gelenk {
@@ -153,8 +154,17 @@ LoopGeometry::Equations LoopGeometry::equations(const std::vector<double>& q) co
     next += cut.rows;
   }
   for (std::size_t i = 0; i < coordinate_rows_.size() && next < rows_; ++i, ++next) {
-    out.Phi[next] = -coordinate_rows_[i]->constant;
-    for (const CoordinateRow::Term& term : coordinate_rows_[i]->terms) {
+    const CoordinateRow& row = *coordinate_rows_[i];
+    if (row.relation) {
+      const kernels::RelationState<double> at(row, q.data(), nullptr);
+      double factors[RelationLaw::most_terms];
+      out.Phi[next] = row.relation->value(at.x, at.rates, factors);
+      for (std::size_t k = 0; k < row.terms.size(); ++k)
+        out.J(next, row.terms[k].v) += row.terms[k].factor * factors[k];
+      continue;
+    }
+    out.Phi[next] = -row.constant;
+    for (const CoordinateRow::Term& term : row.terms) {
       out.Phi[next] += term.factor * q[term.q];
       out.J(next, term.v) += term.factor;
     }

@@ -62,7 +62,7 @@ class ResidualEvaluatorOf final : public WithReadings<A, ResidualEvaluator<typen
     std::copy(v, v + model_.nv, v_.begin());
     kernels::velocities(model_, q_.data(), v, kernels::root_acceleration<A>(loads_), ws_);
     kernels::loop_velocities(model_, ws_);
-    kernels::coordinate_row_velocities(model_, v, targets_, ws_);
+    kernels::coordinate_row_velocities(model_, q_.data(), v, targets_, ws_);
     kernels::coordinate_rates(model_, q_.data(), v, qdot_.data());
   }
 
@@ -74,7 +74,7 @@ class ResidualEvaluatorOf final : public WithReadings<A, ResidualEvaluator<typen
     std::copy(lambda, lambda + model_.rows, ws_.lambda.begin());
     kernels::accelerations(model_, vdot, ws_);
     kernels::loop_accelerations(model_, ws_, c_.data());
-    kernels::coordinate_row_accelerations(model_, vdot, targets_, c_.data());
+    kernels::coordinate_row_accelerations(model_, vdot, targets_, ws_, c_.data());
     // accelerations() sets ws_.F to the wrench that each joint transmits; along S it consists of motors, springs and
     // the forces of coordinate constraints.
     std::ranges::fill(r_, T(0));
@@ -85,10 +85,10 @@ class ResidualEvaluatorOf final : public WithReadings<A, ResidualEvaluator<typen
         r_[k] = A::dot(ws_.S[k], ws_.F[i]) - r_[k] + loads_.added_inertia[k] * vdot[k];
       }
     }
-    for (std::size_t i = 0; i < model_.coordinate_rows.size(); ++i) {
+    kernels::each_coordinate_row(model_, [&](const CoordinateRow& row, std::size_t i, std::size_t k) {
       const T& l = lambda[model_.first_coordinate_row + i];
-      for (const CoordinateRow::Term& term : model_.coordinate_rows[i].terms) r_[term.v] += T(term.factor) * l;
-    }
+      for (const CoordinateRow::Term& term : row.terms) r_[term.v] += kernels::factor_of(row, term, k++, ws_) * l;
+    });
     if (!friction_loads_.empty()) add_loaded_friction(u, lambda);
   }
 

@@ -120,7 +120,7 @@ class DynamicsOf final : public WithKinematics<A, AllOfDynamics> {
     std::copy(v, v + model_.nv, v_.begin());
     kernels::velocities(model_, q_.data(), v, kernels::root_acceleration<A>(loads_), ws_);
     kernels::loop_velocities(model_, ws_);
-    kernels::coordinate_row_velocities(model_, v, targets_, ws_);
+    kernels::coordinate_row_velocities(model_, q_.data(), v, targets_, ws_);
     stages_.realize(Stage::velocity);
   }
 
@@ -187,7 +187,9 @@ class DynamicsOf final : public WithKinematics<A, AllOfDynamics> {
     const LinearizationPoint at{q_.data(),       v_.data(),        u, vdot, lambda, cut_reference_.data(),
                                 targets_.data(), modes_.held(true)};
     const bool has_loads = !modes_.loads().empty();
-    if (!by_duals && !has_loads && !names_beyond_tree(loads_)) {
+    const bool relates =
+        std::ranges::any_of(model_.coordinate_rows, [](const auto& row) { return row.relation != nullptr; });
+    if (!by_duals && !has_loads && !relates && !names_beyond_tree(loads_)) {
       if (!recursive_) recursive_ = std::make_unique<RecursiveJacobians<A>>(model_, ws_, loads_);
       const bool of_inputs = out.of_inputs;
       const int coordinates = static_cast<int>(loads_.named.size());

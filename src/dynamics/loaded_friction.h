@@ -296,12 +296,18 @@ class LoadedFriction final : public LoadDependence {
     for (int k = 0; k < most_iterations; ++k) {
       double left = 0;
       double size = 0;
+      bool is_finite = true;
       for (std::size_t j = 0; j < n; ++j) {
         double sum = 0;
         each_load(j, [&](std::size_t l, double factor) { sum += factor * loads_[l].size(); });
         rest_[j] = -(torque_of(j) + slipping_[j].direction * sum);
+        is_finite = is_finite && std::isfinite(rest_[j]);
         left = std::max(left, std::abs(rest_[j]));
         size = std::max(size, std::abs(sum));
+      }
+      if (!is_finite) {
+        undetermined_ = slipping_.front().force;  // by no number that a law gives; it does not seize
+        return;
       }
       const bool is_unique = set_matrix();
       if (left <= tolerance * size || (k > 2 && left <= rounding * size)) {

@@ -124,14 +124,15 @@ class FormulaParser {
   std::unordered_map<std::string_view, expression::Term> inserted_;  // by name
 };
 
+// What is no number stays none.
 expression::Term bounded(expression::Graph& graph, expression::Term term, const FormulaBounds& bounds) {
   if (bounds.lower > -HUGE_VAL) {
     const expression::Term lower = graph.constant(bounds.lower);
-    term = graph.choose(graph.subtract(term, lower), term, lower);
+    term = graph.choose(graph.subtract(lower, term), lower, term);
   }
   if (bounds.upper < HUGE_VAL) {
     const expression::Term upper = graph.constant(bounds.upper);
-    term = graph.choose(graph.subtract(upper, term), term, upper);
+    term = graph.choose(graph.subtract(term, upper), upper, term);
   }
   return term;
 }

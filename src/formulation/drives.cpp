@@ -2,17 +2,20 @@
 #include "formulation/drives.h"
 
 #include <algorithm>
+#include <span>
 
 namespace gelenk {
 
-Drives::Drives(const Mechanism& mechanism, Dynamics& dynamics, Inputs& inputs, int states)
+Drives::Drives(const Mechanism& mechanism, Dynamics& dynamics, Inputs& inputs, const Loads& loads)
     : dynamics_(dynamics),
       inputs_(inputs),
       targets_(mechanism),
       rows_(mechanism.coordinate_rows.size()),
-      states_(states),
+      coordinates_(mechanism.nq),
+      states_(loads.states()),
       first_(mechanism.nq + mechanism.nv),
-      signals_(states == 0 ? 0 : static_cast<std::size_t>(count())),
+      named_(loads.named.size()),
+      signals_(states_ == 0 ? 0 : static_cast<std::size_t>(count())),
       others_(signals_) {}
 
 void Drives::go_to(double t) {
@@ -39,6 +42,18 @@ void Drives::go_to_outputs(double t, const double* y) {
   set_states(y + first_);
   if (targets_.none()) return;
   dynamics_.set_targets(is_at_end_of_step_ ? targets_.at(t, inputs_) : targets_.as_read(t, inputs_));
+}
+
+bool Drives::bring_signals(const double* y) {
+  const double* signals = u().data();
+  if (named_ > 0) {
+    dynamics_.set_position(y);
+    dynamics_.set_velocity(y + coordinates_);
+    signals = dynamics_.readings().all_signals(signals);
+  }
+  const std::span<double> inputs = dynamics_.switching_forces().inputs();
+  std::copy_n(signals, std::min(u().size() + named_, inputs.size()), inputs.begin());
+  return inputs_.moving() || states_ > 0 || named_ > 0;
 }
 
 void Drives::targets_at(double t, std::vector<double>& out) {

@@ -8,13 +8,13 @@
 #include "dynamics/dynamics.h"
 #include "formulation/inputs.h"
 #include "formulation/targets.h"
+#include "kinematics/loads.h"
 
 namespace gelenk {
 
 class Drives {
  public:
-  // states: number of element states, which follow (q, v) in y.
-  Drives(const Mechanism& mechanism, Dynamics& dynamics, Inputs& inputs, int states);
+  Drives(const Mechanism& mechanism, Dynamics& dynamics, Inputs& inputs, const Loads& loads);
 
   // Evaluates the inputs and the time-dependent targets at t [s].
   void go_to(double t);
@@ -47,6 +47,8 @@ class Drives {
   // The same with other inputs.
   const std::vector<double>& u(const Inputs& others);
   const Inputs& inputs() const { return inputs_; }
+  // Brings the signals on which laws of joints depend to those at y, after go_to(). Returns whether they may change.
+  bool bring_signals(const double* y);
 
   // Target of a coordinate row and its derivatives at t, the present time of the run (Targets::derivatives).
   MotionLaw::Derivatives target(int row, double t) const { return targets_.derivatives(row, t, inputs_); }
@@ -62,7 +64,8 @@ class Drives {
   Inputs& inputs_;
   Targets targets_;
   std::size_t rows_;
-  int states_, first_;                    // number of element states, and the index of the first one in y
+  int coordinates_, states_, first_;      // nq; number of element states, and the index of the first one in y
+  std::size_t named_;                     // number of quantities of the motion that expressions name
   std::vector<double> signals_, others_;  // empty if there are no element states
   bool is_at_end_of_step_ = false;
 };

@@ -16,8 +16,8 @@ namespace gelenk {
 namespace {
 
 constexpr int window_steps = 100;  // steps over which a cost is measured, at least
-// The same at most, of an implicit method: within a communication step it measures up to the end of the step. After
-// a jump of inputs its steps are short and become long, so that the cost of the first hundred is not that of a second.
+// The same at most, of an implicit method after a jump of inputs: its steps are short and become long, so that the cost
+// of the first hundred is not that of a second, and the window extends to the end of the communication step.
 constexpr int longest_window = 1000;
 constexpr double stages = 13;          // of an explicit step of order 8
 constexpr double accuracy_margin = 4;  // factor by which accuracy limits explicit steps more than stability does
@@ -87,7 +87,10 @@ class Automatic final : public Integrator {
       if (method) method->begin();
     }
   }
-  void inputs_changed() override { methods_[current_]->inputs_changed(); }
+  void inputs_changed() override {
+    window_.has_jump = true;
+    methods_[current_]->inputs_changed();
+  }
   void inputs_touched() override { methods_[current_]->inputs_touched(); }
 
   void warm_up(double end, double* y) override {
@@ -112,7 +115,7 @@ class Automatic final : public Integrator {
     if (archive.reading()) methods_[current_]->restart(t_, y_.data());
     methods_[explicit_method]->serialize(archive);
     if (both) methods_[implicit_method]->serialize(archive);
-    archive.serialize(window_.time, window_.cost, window_.steps, cost_per_second_);
+    archive.serialize(window_.time, window_.cost, window_.steps, window_.has_jump, cost_per_second_);
     fastest_rate_.serialize(archive);
     archive.serialize(probation_);
     trials_.serialize(archive);
@@ -138,10 +141,11 @@ class Automatic final : public Integrator {
   struct Window {
     double time = 0, cost = 0;  // s; evaluations
     long steps = 0;
+    bool has_jump = false;
     double cost_per_second() const { return cost / time; }
   };
 
-  int most_steps() const { return current_ == explicit_method ? window_steps : longest_window; }
+  int most_steps() const { return current_ == implicit_method && window_.has_jump ? longest_window : window_steps; }
 
   void advance_window(double end, long max_steps) {
     const double cost = counter_.cost();
@@ -153,13 +157,13 @@ class Automatic final : public Integrator {
       throw;
     } catch (const IntegrationError& first) {
       change_to(1 - current_);  // the other method may succeed
+      window_ = {};
       try {
         t_ = methods_[current_]->advance_some(end, y_.data(), window_steps);
       } catch (const IntegrationError&) {
         throw IntegrationError(first);
       }
       probation_ = 0;
-      window_ = {};
       return;
     }
     window_.time += t_ - start;

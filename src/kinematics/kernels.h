@@ -37,6 +37,7 @@ struct Workspace {
   // by constraint equation
   std::vector<Row<A>> row;
   std::vector<typename A::Scalar> Phi, rate, gamma, lambda;
+  std::vector<typename A::Scalar> factors;  // of the rates in coordinate constraints, by term; of relations alone
   SparseRows J;
 };
 

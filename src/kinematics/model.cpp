@@ -72,6 +72,7 @@ Workspace<A>::Workspace(const Model<A>& model)
     std::vector<int> speeds;
     for (const CoordinateRow::Term& term : row.terms) speeds.push_back(term.v);
     J.append(speeds);
+    factors.resize(factors.size() + speeds.size());
   }
 }
 

@@ -47,9 +47,9 @@ class Readings {
   // (the generalized force on a coordinate with factor 1).
   virtual T contact_force(int cut, int i) const = 0;
   virtual T coordinate_force(int row) const = 0;
-  // Forces [N m, N] of all elements with modes along joints, in the user's signs, after set_velocity. u: all inputs of
-  // the scene; sides: their modes (JointLoads::add); holding: for those that keep their coordinate at rest, the force
-  // with which they do.
+  // Forces [N m, N] of all elements with modes along joints, in the user's signs, after set_velocity. u: all signals
+  // (kinematics/loads.h); sides: their modes (JointLoads::add); holding: for those that keep their coordinate at rest,
+  // the force with which they do.
   virtual void switching_forces(const T* u, const int* sides, const T* holding, T* out) const = 0;
   // Poses of a constraint between bodies, after set_root_poses: its plane F in the root frame; M in F.
   virtual Pose plane_pose(int cut) const = 0;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "kinematics/coordinate_rows.h"
 #include "kinematics/force_modes.h"
 #include "kinematics/load_kernels.h"
 #include "kinematics/named_quantities.h"
@@ -90,7 +91,14 @@ class WithReadings : public Base {
   Force tree_reaction(int link) const override { return kernels::force3<A>(ws_.F[link]); }
   Force cut_reaction(int cut) const override { return kernels::force3<A>(kernels::cut_reaction(model_, ws_, cut)); }
   T contact_force(int cut, int i) const override { return -ws_.lambda[model_.cuts[cut].first_row + i]; }
-  T coordinate_force(int row) const override { return -ws_.lambda[model_.first_coordinate_row + row]; }
+  T coordinate_force(int row) const override {
+    const T& lambda = ws_.lambda[model_.first_coordinate_row + row];
+    T out = -lambda;
+    kernels::each_coordinate_row(model_, [&](const CoordinateRow& of, std::size_t i, std::size_t first) {
+      if (of.relation && static_cast<int>(i) == row) out = -lambda * ws_.factors[first] * T(of.terms.front().factor);
+    });
+    return out;
+  }
   void switching_forces(const T* u, const int* sides, const T* holding, T* out) const override {
     T* first = out;
     kernels::each_switching(model_, loads_, ws_, q_.data(), v_.data(), cut_reference_.data(),

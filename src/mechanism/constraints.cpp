@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Reduction of the scene's constraints to contacts between groups and constraint equations in joint coordinates.
 #include <algorithm>
+#include <memory>
+#include <optional>
 #include <string_view>
 #include <unordered_map>
 #include <utility>
@@ -10,6 +12,7 @@
 #include "element/kinds.h"
 #include "mechanism/graph.h"
 #include "scene/element_numbers.h"
+#include "scene/formulas.h"
 #include "scene/signals.h"
 
 namespace gelenk {
@@ -62,6 +65,7 @@ struct CoordinateRowBuilder {
       if (element.losses().are_any()) row.lossy_term = C::lossy_joint;
     }
     if constexpr (requires { element.factor(0, [](int) { return true; }); }) add_terms(row, c, element, component);
+    if constexpr (Relates<C>) relate(row, c, element, component);
     if constexpr (requires { element.constant(); }) row.constant = element.constant();
     if constexpr (requires { element.law(); }) row.law = element.law();
     if constexpr (requires { element.holds_position(); }) row.holds_position = element.holds_position();
@@ -88,6 +92,55 @@ struct CoordinateRowBuilder {
       }
       if (factor != 0) add_term(row, c, name, i == 0 ? component : 0, factor);
     }
+  }
+
+  // The coordinate whose force is shown comes first.
+  void relate(CoordinateRow& row, const Constraint& c, const Relation& element, int component) {
+    struct Coordinate {
+      int joint, component;
+      bool operator==(const Coordinate&) const = default;
+    };
+    const Formula& formula = element.relation();
+    const Coordinate own{joint_index.at(c.joints.front()), component};
+    std::vector<Coordinate> related = {own};
+    std::vector<RelationLaw::Named> named;
+    const std::string where = location(scene, c);
+    for (const std::string& name : formula.signal_names()) {
+      const std::optional<JointQuantity> of = find_coordinate(scene, name);
+      const Joint* const joint = of ? &scene.joints[static_cast<std::size_t>(of->joint)] : nullptr;
+      if (!of || (!of->is_rate && kind_of(*joint->is).nq != kind_of(*joint->is).nv)) {
+        errors.push_back(where + "found " + name + " in the relation, expected coordinates or rates of joints");
+        return;
+      }
+      if (!check_moves(c, joint->name)) return;
+      const Coordinate coordinate{of->joint, of->component};
+      const auto known = std::ranges::find(related, coordinate);
+      named.push_back({.term = static_cast<int>(known - related.begin()),
+                       .is_rate = of->is_rate,
+                       .size = scene.units.size_of(of->unit)});
+      if (known == related.end()) related.push_back(coordinate);
+    }
+    const bool names_own = std::ranges::find(named, 0, &RelationLaw::Named::term) != named.end();
+    const bool names_rates = std::ranges::any_of(named, &RelationLaw::Named::is_rate);
+    if (element.gives_coordinate() && names_rates) {
+      errors.push_back(where + "found a rate in gives, expected coordinates; a relation of rates is `zero`");
+      return;
+    }
+    if (!element.gives_coordinate() && !names_own) {
+      errors.push_back(where + "found no coordinate of joint " + c.joints.front() +
+                       " in zero, expected the joint whose force is the output to be one that the relation names");
+      return;
+    }
+    const std::string_view unit =
+        kind_of(*scene.joints[static_cast<std::size_t>(own.joint)].is).q[static_cast<std::size_t>(component)].unit;
+    if (element.gives_coordinate()) named.push_back({.term = 0, .is_rate = false, .size = scene.units.size_of(unit)});
+    for (const Coordinate& of : related)
+      add_term(row, c, scene.joints[static_cast<std::size_t>(of.joint)].name, of.component, 1);
+    row.relation = std::make_shared<RelationLaw>(formula, std::move(named), static_cast<int>(related.size()),
+                                                 element.gives_coordinate());
+    row.holds_position = !row.relation->is_of_rates();
+    if (!row.relation->is_linear())
+      errors.push_back(where + "found a relation that is not linear in the rates, expected one that is");
   }
 
   // Whether the joint can move; otherwise reports an error. Joints between immobile bodies are not in the graph.
@@ -133,6 +186,14 @@ std::vector<std::string_view> constrained_joints(const Scene& scene) {
     for (const std::string& name : c.joints) {
       if (!name.empty()) out.emplace_back(name);
     }
+    std::visit(
+        [&]<class C>(const C& element) {
+          if constexpr (Relates<C>) {
+            for (const std::string_view name : element.relation().signal_names())
+              out.push_back(name.substr(0, name.find('.')));
+          }
+        },
+        *c.is);
   }
   return out;
 }

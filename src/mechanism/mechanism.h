@@ -4,12 +4,14 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "element/constraints/motion_law.h"
+#include "element/constraints/relation_law.h"
 #include "element/kinds.h"
 #include "joint/kinds.h"
 #include "scene/reduction.h"
@@ -57,7 +59,7 @@ struct Cut {
   bool is_contact() const { return constraint >= 0; }
 };
 
-// A constraint equation in coordinates of tree joints, sum factor q = s(t), or only its rate.
+// A constraint equation in coordinates of tree joints, sum factor q = s(t), or only its rate; or a relation.
 struct CoordinateRow {
   struct Term {
     int q = 0, v = 0;   // indices of the coordinate and of its rate
@@ -69,7 +71,9 @@ struct CoordinateRow {
   bool holds_position = true;    // otherwise nonholonomic: only the rates
   std::optional<MotionLaw> law;  // s; none: s is constant or an input
   double constant = 0;
-  int input = -1;       // index in the scene: s, or its rate if positions are not held
+  int input = -1;  // index in the scene: s, or its rate if positions are not held
+  // Of the coordinates factor q and their rates, in place of the sum; the first one is that which shows the force.
+  std::shared_ptr<const RelationLaw> relation;
   int lossy_term = -1;  // along whose coordinate the losses of a mesh are friction; -1: it has none
 
   bool has_losses() const { return lossy_term >= 0; }

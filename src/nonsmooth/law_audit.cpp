@@ -18,9 +18,11 @@ constexpr double passed_distances = 1e6;
 
 using Kind = BrokenLaw::Kind;
 
-void audit_friction(const SwitchingForces::Lock& lock, double friction, double speed, bool moves, double slack,
-                    LawAudit& audit) {
-  const double permitted = lock.sticking_limit.against(friction > 0 ? -1 : 1);
+// in_motion: what friction of moving coordinates may be; some laws grow with the speed.
+void audit_friction(const SwitchingForces::Lock& lock, double friction, double speed, const DirectedLimit& in_motion,
+                    bool moves, double slack, LawAudit& audit) {
+  const int direction = friction > 0 ? -1 : 1;
+  const double permitted = std::max(lock.sticking_limit.against(direction), in_motion.against(direction));
   audit.add((std::abs(friction) - permitted) / (audited_fraction * permitted + slack),
             {Kind::friction_exceeded, lock.friction, friction, permitted});
   if (moves && friction * speed > 0)
@@ -60,7 +62,10 @@ LawAudit audit_locks(const SwitchingForces& switching_forces, std::span<const do
     const bool moves = std::abs(speed) > sign_rounding * fastest;
     double friction = 0;
     for (const int law : switching_forces.frictions(i)) friction += forces[static_cast<std::size_t>(law)];
-    if (lock.friction >= 0) audit_friction(lock, friction, speed, moves, slack, audit);
+    if (lock.friction >= 0) {
+      const DirectedLimit in_motion = moves ? switching_forces.sliding_limit(i, speed) : DirectedLimit();
+      audit_friction(lock, friction, speed, in_motion, moves, slack, audit);
+    }
     if (lock.limit >= 0) audit_limit(switching_forces, i, forces[static_cast<std::size_t>(lock.limit)], slack, audit);
   }
   return audit;

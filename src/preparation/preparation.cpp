@@ -124,6 +124,7 @@ struct Preparer {
     const Mechanism& mechanism = out.reduced.islands[i];
     check_prescribed_motions(scene, mechanism, time);
     const StartGuesses guesses = start_guesses(preferred, out.reduced, i);
+    check_relations(scene, mechanism, guesses.tree.q);
     PreparedIsland& island = out.islands[i];
     island.cut_start = guesses.cuts.q;
     try {

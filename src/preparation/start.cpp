@@ -9,6 +9,7 @@
 #include <unordered_set>
 
 #include "joint/turns.h"
+#include "kinematics/coordinate_rows.h"
 #include "mechanism/mechanism.h"
 #include "scene/scene.h"
 #include "util/text.h"
@@ -168,6 +169,18 @@ void check_prescribed_motions(const Scene& scene, const Mechanism& mechanism, do
                         " of its motion at t = " + text::rounded(time * scene.units.size_of("s")) +
                         " s, expected one with which the run can start"});
     }
+  }
+}
+
+void check_relations(const Scene& scene, const Mechanism& mechanism, const std::vector<double>& q) {
+  for (const CoordinateRow& row : mechanism.coordinate_rows) {
+    if (!row.relation) continue;
+    const kernels::RelationState<double> at(row, q.data(), nullptr);
+    if (row.relation->is_regular(at.x, at.rates)) continue;
+    throw SceneError({(scene.file.empty() ? "" : scene.file + ": ") + "constraints." +
+                      scene.constraints[static_cast<std::size_t>(row.constraint)].name +
+                      ": found no finite value of the relation, or derivatives that all vanish, at the start values; "
+                      "expected ones that say how the joints move together"});
   }
 }
 

@@ -33,5 +33,7 @@ std::vector<double> velocities_of(const ReducedScene& reduced, int joint, const 
 // Throws SceneError if a prescribed motion of the island has no finite value, speed or acceleration at `time`, as
 // log(t) at 0.
 void check_prescribed_motions(const Scene& scene, const Mechanism& mechanism, double time);
+// Throws SceneError for a relation of coordinates that has no finite value or no gradient at this position.
+void check_relations(const Scene& scene, const Mechanism& mechanism, const std::vector<double>& q);
 
 }  // namespace gelenk

@@ -102,6 +102,7 @@ bool TimeStepper::attempt(double h, const double* u, double* y, bool last) {
   dynamics_.set_velocity(v0_.data());
   if (dynamics_.switching_forces().locks() > 0) dynamics_.solve(u, vdot_.data());
   collect(h);
+  if (joints_.are_undefined()) return false;
   vm_ = v0_;
   if (!converge(h, u, last)) return false;
   add_passed_limits(h);

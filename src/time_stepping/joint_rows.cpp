@@ -58,6 +58,7 @@ void JointRows::add(const Start& at, ContactRows& rows, std::vector<Cone>& cones
       Row row{.lock = i, .slides = slides ? (speed > 0 ? 1 : -1) : 0};
       row.at_rest = lock.sticking_limit;
       row.sliding = slides ? switching_.sliding_limit(i, speed) : row.at_rest;
+      if (std::isnan(row.sliding.positive + row.sliding.negative)) are_undefined_ = true;
       cones.push_back(Cone::within(rows.count(), 0, 0));
       set_friction_of(row, at.h, cones.back());
       rows.add_lock(i, lock.sign);

@@ -36,7 +36,12 @@ class JointRows {
   std::size_t count() const { return rows_.size(); }
   const Row& operator[](std::size_t i) const { return rows_[i]; }
   void reserve(std::size_t rows) { rows_.reserve(rows); }
-  void clear() { rows_.clear(); }
+  void clear() {
+    rows_.clear();
+    are_undefined_ = false;
+  }
+  // Whether a law gave no number.
+  bool are_undefined() const { return are_undefined_; }
   // Add rows, and their cones.
   void add(const Start& at, ContactRows& rows, std::vector<Cone>& cones);
   // Of limits that the velocities v1 at the end of the step lead beyond, although those at its start did not reach
@@ -66,6 +71,7 @@ class JointRows {
   SwitchingForces& switching_;
   std::vector<int> beside_;  // by lock: another one of the same coordinate, that of a one-way clutch; -1: there is none
   std::vector<Row> rows_;
+  bool are_undefined_ = false;
 };
 
 }  // namespace gelenk

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable
+from contextlib import suppress
 from ctypes import c_void_p
 from functools import cache
 from pathlib import Path
@@ -19,6 +20,7 @@ import pytest
 from fmu.host import ERROR, Fmu, Slave
 from fmu.states import deserialize
 from looped import looped
+from mechanisms import four_bar
 
 import gelenk
 from gelenk import _core
@@ -38,8 +40,25 @@ def content(fuzzer: str, seed: str) -> bytes:
 
 def test_every_fuzzer_has_seeds() -> None:
     fuzzers = {path.stem for path in HERE.glob("*.cpp")}
-    assert fuzzers == {path.name for path in (HERE / "corpus").iterdir()} == {*SCENES, "fmu_state"}
+    assert (
+        fuzzers == {path.name for path in (HERE / "corpus").iterdir()} == {*SCENES, "fmu_state", "expression"}
+    )
     assert all(len(seeds(fuzzer)) > 50 for fuzzer in fuzzers)
+
+
+# --- expressions ---
+
+
+@pytest.mark.parametrize("seed", seeds("expression"))
+def test_texts_are_expressions_or_mistakes(seed: str) -> None:
+    """As the force of a joint, of which a step is made."""
+    text = content("expression", seed).decode("utf-8", "replace")
+    source = four_bar()
+    source["joints"]["A"]["law"] = {"effort": text}
+    with suppress(gelenk.GelenkError):
+        simulation = gelenk.Simulation(source)
+        simulation.initialize(0.0, 1e-6)
+        simulation.step_to(1e-3)
 
 
 # --- scenes ---

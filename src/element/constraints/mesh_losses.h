@@ -55,8 +55,18 @@ struct MeshLosses {
   template <class T>
   std::array<T, 2> at(const T& speed, const T* all) const {
     const T of[] = {speed < T(0) ? T(-speed) : speed};
-    const T driving = efficiency.is_given() ? T(T(1) / efficiency.value_among(of, all) - T(1)) : T(0);
+    const T driving = efficiency.is_given() ? T(T(1) / positive(efficiency, of, all) - T(1)) : T(0);
     return {driving, backdriving.is_given() ? T(T(1) - backdriving.value_among(of, all)) : driving};
+  }
+
+  // Within a step that passes a kink, the branch that is held may fall to 0 beyond it, where the state is on another.
+  template <class T>
+  static T positive(const Formula& efficiency, const T* of, const T* all) {
+    T out = efficiency.value_among(of, all);
+    if (out > T(0)) return out;
+    std::array<T, Formula::max_signals> named;
+    efficiency.take_signals(all, named.data());
+    return efficiency.decide<T>(of, named.data(), nullptr);
   }
 
   std::optional<ElementFault> fault() const {

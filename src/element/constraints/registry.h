@@ -10,11 +10,12 @@
 #include "element/constraints/motion.h"
 #include "element/constraints/point_on_surface.h"
 #include "element/constraints/rack.h"
+#include "element/constraints/relation.h"
 #include "element/constraints/rolling.h"
 
 namespace gelenk {
 
-struct AnyConstraint : std::variant<Motion, Gear, Rack, Coupling, Rolling, KnifeEdge, PointOnSurface> {
+struct AnyConstraint : std::variant<Motion, Gear, Rack, Coupling, Rolling, KnifeEdge, PointOnSurface, Relation> {
   using variant::variant;
 };
 

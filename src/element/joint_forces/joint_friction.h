@@ -196,16 +196,12 @@ struct JointFriction : DryFriction<JointFriction> {
   }
 
  private:
-  // At this size of the speed; a step continues a little beyond 0, where the law may be undefined.
+  // At this speed in the direction of motion; where a step continues a little beyond 0, at its size.
   template <class T>
   T by_law(const T& q, const T& speed, const T* signals) const {
-    const T at[] = {q, speed, q, speed};
-    T size = law.value(at, signals);
-    if (speed < T(0) && !std::isfinite(value_of(size))) {
-      const T rest[] = {q, T(0), q, T(0)};
-      size = law.value(rest, signals);
-    }
-    return size;
+    const T size = speed < T(0) ? T(-speed) : speed;
+    const T at[] = {q, size, q, size};
+    return law.value(at, signals);
   }
   // Branches that are held are those of the motion, which may have been fast until now.
   double law_at_rest(double q, const double* signals) const {
@@ -240,7 +236,7 @@ struct JointFriction : DryFriction<JointFriction> {
     if (!law.signal_names().empty() || constant_value(law) == 0.0) return {};
     for (const double speed : {0.0, 1e-3, 1.0, 1e3}) {
       const double of[] = {0, speed, 0, speed};
-      if (law.decide<double>(of, nullptr, nullptr) > 0) return {};
+      if (!(law.decide<double>(of, nullptr, nullptr) <= 0)) return {};
     }
     return {{"law", text::quoted(std::string(law.text())),
              "friction above 0: " + std::string(at.speed) + " is the size of the speed, the same in both directions"}};

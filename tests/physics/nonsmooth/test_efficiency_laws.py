@@ -80,7 +80,7 @@ def test_it_holds_at_rest_as_much_as_the_efficiency_there_leaves() -> None:
 def test_expressions_of_one_value_are_numbers(integrator: str) -> None:
     """Whether it is folded when read, or first known in a run; through starts, rest and reversals."""
     torque = "12*sin(4*t)"
-    options = {"stop": 3.0, "step": 0.05, "tolerance": 1e-9, "integrator": integrator}
+    options: dict[str, Any] = {"stop": 3.0, "step": 0.05, "tolerance": 1e-9, "integrator": integrator}
     number, folded, late = (
         gelenk.simulate(hoist(1.0, torque, -4.0, mesh, states={"one": {"rate": "0", "start": 1}}), **options)
         for mesh in (
@@ -118,7 +118,7 @@ def solve_pieces() -> float:
     for speed in (3.0, 10.0):
 
         def at_point(_: float, y: Any, speed: float = speed) -> float:
-            return y[1] - speed
+            return float(y[1] - speed)
 
         at_point.terminal = True  # type: ignore[attr-defined]
         piece = solve_ivp(rate, (t, 2.0), y, events=at_point, method="DOP853", rtol=1e-12, atol=1e-12)
@@ -168,3 +168,27 @@ def test_the_linear_model_follows_the_slope_of_the_efficiency() -> None:
 def test_mistakes_are_answered_in_words(mesh: dict[str, Any], message: str) -> None:
     with pytest.raises(gelenk.SceneError, match=message):
         gelenk.Simulation(hoist(0.0, "0", 0.0, mesh))
+
+
+@pytest.mark.parametrize("integrator", ["auto", "erk", "cvode", "rk4"])
+def test_an_efficiency_of_0_or_none_ends_the_run(integrator: str) -> None:
+    """Not as if the gear had no losses."""
+    for eta in ("0.6 - 0.5*t", "0.5 + 0.1*sqrt(1.2 - t)"):
+        of = hoist(5.0, "9", -5.0, {"efficiency": eta, "backdriving": 0.3})
+        with pytest.raises(gelenk.StepError):
+            gelenk.simulate(of, stop=2.0, step=0.1, integrator=integrator)
+
+
+@pytest.mark.parametrize("integrator", EVENT_DRIVEN)
+def test_steps_may_pass_a_kink_towards_0(integrator: str) -> None:
+    """A stage beyond the kink continues the branch that is held, down to 0."""
+    of = hoist(5.0, "9", -5.0, {"efficiency": "max(0.05, 0.6 - 0.5*t)", "backdriving": 0.3})
+    result = gelenk.simulate(of, stop=2.0, step=2.0, integrator=integrator, tolerance=1e-9)
+
+    def rate(t: float, y: Any) -> list[float]:
+        eta = max(0.05, 0.6 - 0.5 * t)
+        return [y[1], (9 - 5 / RATIO / eta) / (MOTOR + LOAD / RATIO**2 / eta)]
+
+    middle = solve_ivp(rate, (0, 1.1), [0, 5.0], method="DOP853", rtol=1e-12, atol=1e-12).y[:, -1]
+    end = solve_ivp(rate, (1.1, 2.0), middle, method="DOP853", rtol=1e-12, atol=1e-12).y[:, -1]
+    assert result["motor.phi"][-1] == pytest.approx(end[0], abs=2e-8)

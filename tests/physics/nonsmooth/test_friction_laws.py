@@ -61,7 +61,7 @@ def test_a_law_of_the_speed_stops_what_slides(integrator: str, speed: float) -> 
 @pytest.mark.parametrize("integrator", [*EVENT_DRIVEN, "rk4", "generalized-alpha", "moreau-jean"])
 def test_it_is_the_stribeck_element_where_it_says_the_same(integrator: str) -> None:
     """Also at rest, where `peak` is static by sliding friction at 0, under a force that turns twice."""
-    load = {"law": {"effort": "5*sin(2*t)"}}
+    load: dict[str, Any] = {"law": {"effort": "5*sin(2*t)"}}
     element = slide({"coulomb": 1.5, "static": 3.0, "stribeck": 0.4}, {"v": 1.0}, **load)
     law = slide({"law": "1.5 + 1.5*exp(-(v/0.4)^2)"}, {"v": 1.0}, **load)
     options = {"integrator": integrator, "tolerance": 1e-9}
@@ -205,3 +205,69 @@ def test_several_frictions_of_a_coordinate_add_up() -> None:
 def test_mistakes_are_answered_in_words(friction: dict[str, Any], message: str) -> None:
     with pytest.raises(gelenk.SceneError, match=message):
         gelenk.Simulation(slide(friction, {}))
+
+
+def two_rotors(law: str, **fields: Any) -> dict[str, Any]:
+    """A turns freely with 1 rad/s; B rests under 0.5 N m, with friction that the motion of A decides on."""
+    free = joint("revolute", frame("ground"), frame("a"), start={"w": 1.0, "fixed": True})
+    held = joint(
+        "revolute", frame("ground"), frame("b"), start={"fixed": True},
+        friction={"law": law, **fields}, law={"effort": "0.5"},
+    )  # fmt: skip
+    return scene(
+        {"a": body(0, inertia=(0, 0, 0.4)), "b": body(0, inertia=(0, 0, 0.3))},
+        {"A": free, "B": held}, gravity=[0, 0, 0],
+        sensors={"tip": {"type": "frame", "body": "a", "position": [0, 0.4, 0]}},
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("integrator", [*EVENT_DRIVEN, "rk4", "moreau-jean"])
+@pytest.mark.parametrize("law", ["0.3*A.w", "0.3*A.w + 0*A.phi", "-0.75*tip.v[1]", "speed"])
+def test_what_is_held_by_the_motion_of_others_rests_from_the_start(integrator: str, law: str) -> None:
+    """Static friction is 0.9 N m. It was once decided before the motion was known: B slid away."""
+    of = two_rotors(law, peak=3.0) | {"expressions": {"speed": "0.3*A.w"}}
+    result = final(of, 0.1, 0.05, integrator=integrator)
+    if law.startswith("-"):
+        assert result["tip.v[1]"][0] == pytest.approx(-0.4)
+    np.testing.assert_allclose(result["B.phi"], 0, atol=1e-15)
+
+
+def test_derivatives_of_friction_by_the_motion_of_others() -> None:
+    """d(B.friction.tau)/d(A.w) = -2 w and d/d(B.w) = -1, of a law w + A.w^2 in motion. It once crashed."""
+    of = two_rotors("w + A.w^2")
+    of["joints"]["B"]["start"] = {"w": 2.0, "fixed": True}
+    with pytest.warns(gelenk.OperatingPointWarning):
+        model = gelenk.linearize(of, friction="present", outputs=["B.friction.tau"])
+    row = dict(zip(model.state_labels, model.C[0], strict=True))
+    assert row == pytest.approx({"A_phi": 0, "A_w": -2, "B_phi": 0, "B_w": -1}, abs=1e-12)
+
+
+@pytest.mark.parametrize("integrator", ["auto", "erk", "dirk", "cvode"])
+def test_friction_of_what_moves_may_exceed_that_at_rest(integrator: str) -> None:
+    """Beside a joint that rests: forces were once held against the limits at rest, and the run refused."""
+    a = joint("revolute", frame("ground"), frame("a"), friction={"law": "0.8 + 0.2*w"},
+              law={"effort": "4*sin(2.6*t)"})  # fmt: skip
+    b = joint("revolute", frame("a"), frame("b"), friction={"coulomb": 0.1})
+    of = scene({"a": body(0, inertia=(0, 0, 0.3)), "b": body(0, inertia=(0, 0, 0.04))}, {"A": a, "B": b},
+               gravity=[0, 0, 0])  # fmt: skip
+    element = {"friction": {"coulomb": 0.8}, "damping": 0.2}
+    by_elements = of | {"joints": {"A": {k: v for k, v in a.items() if k != "friction"} | element, "B": b}}
+    found, expected = (final(x, 2.0, 0.1, integrator=integrator) for x in (of, by_elements))
+    np.testing.assert_allclose(found["A.w"], expected["A.w"], atol=1e-7)
+    np.testing.assert_allclose(found["B.w"], expected["B.w"], atol=1e-7)
+
+
+@pytest.mark.parametrize("integrator", ["auto", "erk", "cvode", "moreau-jean"])
+def test_a_law_that_is_no_number_ends_the_run(integrator: str) -> None:
+    """Not as if there was no friction."""
+    with pytest.raises(gelenk.StepError):
+        final(slide({"law": "1.5 + sqrt(-s - 0.1)"}, {"v": 1.0}), 1.0, integrator=integrator)
+
+
+@pytest.mark.parametrize("integrator", EVENT_DRIVEN)
+def test_a_steep_law_beyond_rest_does_no_harm(integrator: str) -> None:
+    """Steps that end at rest try speeds beyond it, where exp(-v/0.01) is huge."""
+    of = slide({"law": "0.3 + 0.4*exp(-v/0.01)", "peak": 4.0}, {"v": 2.0}, law={"effort": "0.2*sin(t)"})
+    result = final(of, 20.0, 20.0, integrator=integrator)
+    assert result["S.v"][-1] == 0
+    assert result["S.friction.f"][-1] == pytest.approx(-0.2 * math.sin(20.0), rel=1e-9)

@@ -56,7 +56,7 @@ def test_derivatives_of_losses_are_exact() -> None:
     of = slide(expressions={"loss": "-S.friction.f*S.v", "sum": "2*loss + S.a"})
     with pytest.warns(gelenk.OperatingPointWarning):
         model = gelenk.linearize(of, friction="present", outputs=["loss", "sum"])
-    np.testing.assert_allclose(model.C, [[0, 4], [-1, 8 - 0.25]], rtol=1e-12)
+    np.testing.assert_allclose(model.C, np.array([[0.0, 4.0], [-1.0, 8 - 0.25]]), rtol=1e-12)
 
 
 @pytest.mark.parametrize("closes", ["A", "C"])

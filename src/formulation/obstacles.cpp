@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Why a step fails: what is known of the equations at a state.
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "formulation/formulation.h"
+
+namespace gelenk {
+namespace {
+
+// Ratio of smallest to largest pivot of the constraint Jacobian below which a dead center is reported as the cause of a
+// failed step.
+constexpr double dead_center_pivot_ratio = 0.1;
+
+// An element state on its way to infinity: its size, in its nominal size, and its rate of growth [1/s].
+constexpr double lost_state = 1e4;
+constexpr double lost_state_growth = 1e3;
+
+}  // namespace
+
+// Describes a dead center at the present position of `dynamics`; empty: there is none.
+std::string Formulation::describe_dead_center() {
+  if (!mechanism_.driven()) return {};
+  projector().refactorize();
+  if (dynamics_.pivot_ratio() > dead_center_pivot_ratio) return {};
+  return "a loop is near a dead center of its driven joint, beyond which the prescribed motion cannot be followed";
+}
+
+std::string Formulation::obstacle(const double* y) {
+  dynamics_.set_position(y);
+  dynamics_.set_velocity(y + mechanism_.nq);
+  std::string reason = row_domain_.undefined_reason();
+  if (reason.empty()) reason = modes_.indeterminacy();
+  if (reason.empty()) reason = describe_dead_center();
+  if (reason.empty()) reason = dynamics_.kinks().missing_value();
+  if (reason.empty()) reason = contacts_.steps().failure();
+  return reason.empty() ? describe_lost_state(y) : reason;
+}
+
+// Describes an element state of which the value or the rate is no number, or soon will be; `dynamics` is at
+// y.
+std::string Formulation::describe_lost_state(const double* y) {
+  if (drives_.states() == 0) return {};
+  const double* const states = y + drives_.motion_size();
+  std::vector<double> rates(static_cast<std::size_t>(drives_.states()));
+  drives_.set_states(states);
+  dynamics_.readings().state_rates(drives_.u().data(), rates.data());
+  for (std::size_t k = 0; k < rates.size(); ++k) {
+    const std::string& name = mechanism_.state_names[k];
+    const double size = std::abs(states[k]);
+    if (size > lost_state && !(std::abs(rates[k]) < lost_state_growth * size))
+      return "the state " + name + " grows without bound";
+    if (!std::isfinite(rates[k])) return "the rate of the state " + name + " is not finite";
+  }
+  return {};
+}
+
+}  // namespace gelenk
