@@ -97,6 +97,43 @@ def test_an_implicit_relation_against_independent_integration(integrator: str, s
     assert max(abs(result["A.phi"])) > 1.9  # it passes the place where dS/dphi is infinite
 
 
+def cycloid(amplitude: float, **solver: Any) -> dict[str, Any]:
+    """A bead on x = a (p + sin p), y = a (1 - cos p) with a = 0.7 m, where p is the angle of a massless wheel."""
+    start = {"phi": amplitude, "fixed": True}
+    return scene(
+        {"cart": body(0.0), "bead": body(1.3), "wheel": body(0.0)},
+        {
+            "X": joint("prismatic", frame("ground"), frame("cart"), axis=[1, 0, 0]),
+            "Y": joint("prismatic", frame("cart"), frame("bead"), axis=[0, 0, 1]),
+            "P": joint("revolute", frame("ground"), frame("wheel"), axis=[0, 0, 1], start=start),
+        },
+        constraints={
+            "x": {"type": "relation", "joint": "X", "gives": "0.7*(P.phi + sin(P.phi))"},
+            "y": {"type": "relation", "joint": "Y", "gives": "0.7*(1 - cos(P.phi))"},
+        },
+        gravity=[0, 0, -9.81],
+        solver=solver,
+    )
+
+
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-8, 1e-10])
+@pytest.mark.parametrize("integrator", ADAPTIVE)
+@pytest.mark.parametrize("amplitude", [0.5, 2.5])
+def test_a_bead_on_a_cycloid_swings_in_the_same_time(
+    amplitude: float, integrator: str, tolerance: float
+) -> None:
+    """Huygens: the way 4 a sin(p/2) is harmonic, with g/(4 a); nearly up to the cusp. Ten tolerances."""
+    if tolerance < 1e-9 and integrator in ("cvode", "ida"):
+        pytest.skip("below what it can achieve")
+    plants = gelenk.Simulation(cycloid(amplitude, integrator=integrator))
+    plants.initialize(0.0, tolerance)
+    rate = math.sqrt(9.81 / (4 * 0.7))
+    for k in range(1, 21):
+        plants.step_to(0.4 * k)
+        exact = 2 * math.asin(math.sin(amplitude / 2) * math.cos(rate * 0.4 * k))
+        assert abs(plants.output("P.phi") - exact) < 10 * tolerance
+
+
 def test_forces_do_virtual_work() -> None:
     """Force f on the slide, and -f ds/dphi on the wheel: 0.5 a = -f s'."""
     result = run(plant({"joint": "S", "gives": "0.3*sin(A.phi)"}))
