@@ -16,8 +16,7 @@ struct Relation {
   static constexpr Port ports[] = {{.kind = Port::Kind::joint,
                                     .name = "joint",
                                     .text = "Joint whose force is the output; that which the relation gives",
-                                    .has_coordinate = true,
-                                    .fits = [](const JointKind& kind) { return kind.nq == kind.nv; }}};
+                                    .fits = [](const JointKind& kind) { return kind.nq == 1 && kind.nv == 1; }}};
 
   Formula gives, zero;
 

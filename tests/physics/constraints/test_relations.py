@@ -98,7 +98,7 @@ def test_an_implicit_relation_against_independent_integration(integrator: str, s
 
 
 def cycloid(amplitude: float, **solver: Any) -> dict[str, Any]:
-    """A bead on x = a (p + sin p), y = a (1 - cos p) with a = 0.7 m, where p is the angle of a massless wheel."""
+    """A bead on x = a (p + sin p), y = a (1 - cos p), a = 0.7 m, where p is the angle of a massless wheel."""
     start = {"phi": amplitude, "fixed": True}
     return scene(
         {"cart": body(0.0), "bead": body(1.3), "wheel": body(0.0)},
@@ -154,6 +154,16 @@ def test_three_joints_and_a_redundant_name() -> None:
     np.testing.assert_allclose(result["S.s"], 0.2 * (result["A.phi"] - result["B.phi"]), atol=1e-9)
     np.testing.assert_allclose(0.5 * result["A.a"], -0.2 * result["r.f"], rtol=1e-9)
     np.testing.assert_allclose(0.3 * result["B.a"], 0.2 * result["r.f"], rtol=1e-9)
+
+
+def test_several_relations_of_one_joint() -> None:
+    """Both say the same: it is redundant, and the forces share in what one alone exerts."""
+    of = plant({"joint": "S", "gives": "0.3*cos(A.phi)"})
+    alone = run(of)
+    of["constraints"]["again"] = {"type": "relation", "joint": "S", "zero": "2*S.s - 0.6*cos(A.phi)"}
+    result = run(of)
+    np.testing.assert_allclose(result["A.phi"], alone["A.phi"], atol=1e-8)
+    np.testing.assert_allclose(result["r.f"] + result["again.f"], alone["r.f"], rtol=1e-6)
 
 
 @pytest.mark.parametrize("integrator", ADAPTIVE)
