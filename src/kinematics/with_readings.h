@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <vector>
 
-#include "kinematics/coordinate_rows.h"
 #include "kinematics/force_modes.h"
 #include "kinematics/load_kernels.h"
 #include "kinematics/named_quantities.h"
@@ -93,11 +92,11 @@ class WithReadings : public Base {
   T contact_force(int cut, int i) const override { return -ws_.lambda[model_.cuts[cut].first_row + i]; }
   T coordinate_force(int row) const override {
     const T& lambda = ws_.lambda[model_.first_coordinate_row + row];
-    T out = -lambda;
-    kernels::each_coordinate_row(model_, [&](const CoordinateRow& of, std::size_t i, std::size_t first) {
-      if (of.relation && static_cast<int>(i) == row) out = -lambda * ws_.factors[first] * T(of.terms.front().factor);
-    });
-    return out;
+    const CoordinateRow& of = model_.coordinate_rows[row];
+    if (!of.relation) return -lambda;
+    std::size_t first = 0;
+    for (int i = 0; i < row; ++i) first += model_.coordinate_rows[i].terms.size();
+    return -lambda * ws_.factors[first] * T(of.terms.front().factor);
   }
   void switching_forces(const T* u, const int* sides, const T* holding, T* out) const override {
     T* first = out;
