@@ -196,7 +196,7 @@ def test_expressions_name_angles_and_relative_motion() -> None:
         simulation.step_to(1.5)
     assert one.output("H.phi") == pytest.approx(two.output("H.phi"), abs=1e-9)
     out["joints"]["H"]["law"]["effort"] = "rel.a[1]"
-    with pytest.raises(gelenk.SceneError, match="accelerations, forces"):
+    with pytest.raises(gelenk.SceneError, match="accelerations and forces can be named only"):
         gelenk.load(out)
 
 
