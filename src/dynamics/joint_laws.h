@@ -4,6 +4,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <span>
@@ -84,8 +85,11 @@ class JointLaws {
       using Law = std::decay_t<decltype(at.element)>;
       if constexpr (Sticks<Law>) {
         double q = NAN;
+        std::array<double, Formula::max_signals> named;
+        const double* u = all_inputs() + at.input;
         if (Law::depends_on_position || at.has_formula()) q = position(at, force);
-        at.with_inputs(all_inputs(), [&](const double* u) { visit(at.element, q, u); });
+        if (at.has_formula()) u = at.take_named(all_inputs(), named.data());
+        visit(at.element, q, u);
       }
     });
   }

@@ -93,13 +93,7 @@ class LoadedFriction final : public LoadDependence {
   // bearing.
   DirectedLimit limit(int force, double speed, double without, double of_bearing) const {
     DirectedLimit out{.positive = without, .negative = without, .vanishes = without == 0 && of_bearing == 0};
-    for (const Load& load : loads_) {
-      if (load.is.force != force) continue;
-      out.vanishes = out.vanishes && load.is.of != FrictionLoad::Of::mesh;
-      const std::array<double, 2> of_mesh = losses(load, speed);
-      out.positive += load.friction(1, of_mesh, of_bearing);
-      out.negative += load.friction(-1, of_mesh, of_bearing);
-    }
+    if (!loads_.empty()) add_loads(force, speed, of_bearing, out);
     return out;
   }
   // What it can exert at rest, in a motion that begins, and in motion at this speed. friction: the law with this index;
@@ -231,6 +225,16 @@ class LoadedFriction final : public LoadDependence {
   static constexpr double load_rounding = 1e-13;  // of loads, relative to |L^-T f|
   static constexpr double affecting = 1e-8;       // of multipliers of size 1; less is rounding
 
+  // Not inline, so that limits without loads remain short.
+  [[gnu::noinline]] void add_loads(int force, double speed, double of_bearing, DirectedLimit& out) const {
+    for (const Load& load : loads_) {
+      if (load.is.force != force) continue;
+      out.vanishes = out.vanishes && load.is.of != FrictionLoad::Of::mesh;
+      const std::array<double, 2> of_mesh = losses(load, speed);
+      out.positive += load.friction(1, of_mesh, of_bearing);
+      out.negative += load.friction(-1, of_mesh, of_bearing);
+    }
+  }
   std::array<double, 2> losses(const Load& load, double speed) const {
     if (load.is.losses < 0) return {};
     return of_scene_.losses[static_cast<std::size_t>(load.is.losses)].at(speed, signals_);

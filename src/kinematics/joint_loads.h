@@ -48,13 +48,21 @@ struct AlongCoordinate {
   template <class T, class Use>
   auto with_inputs(const T* u, Use use) const {
     if constexpr (HasFormula<F>) {
-      if (has_formula()) {
-        std::array<T, Formula::max_signals> signals;
-        element.formula().take_signals(u, signals.data());
-        return use(signals.data());
-      }
+      if (has_formula()) return with_named_inputs(u, use);
     }
     return use(u + input);
+  }
+  // The signals that an expression names, into `named`, which it returns.
+  [[gnu::noinline]] const double* take_named(const double* u, double* named) const {
+    if constexpr (HasFormula<F>) element.formula().take_signals(u, named);
+    return named;
+  }
+  // Not inline, so that what names nothing remains short.
+  template <class T, class Use>
+  [[gnu::noinline]] auto with_named_inputs(const T* u, const Use& use) const {
+    std::array<T, Formula::max_signals> signals;
+    element.formula().take_signals(u, signals.data());
+    return use(signals.data());
   }
 
   // Generalized force [N m, N], in the mechanism's sign. u: all inputs of the scene.
