@@ -58,7 +58,7 @@ void JointRows::add(const Start& at, ContactRows& rows, std::vector<Cone>& cones
       Row row{.lock = i, .slides = slides ? (speed > 0 ? 1 : -1) : 0};
       row.at_rest = lock.sticking_limit;
       row.sliding = slides ? switching_.sliding_limit(i, speed) : row.at_rest;
-      if (std::isnan(row.sliding.positive + row.sliding.negative)) are_undefined_ = true;
+      look_for_numbers(row);
       cones.push_back(Cone::within(rows.count(), 0, 0));
       set_friction_of(row, at.h, cones.back());
       rows.add_lock(i, lock.sign);
@@ -92,6 +92,10 @@ void JointRows::add_passed_limits(double h, const double* v1, ContactRows& rows,
 }
 
 // What slides comes to rest before it turns back, and is then held by up to the static friction.
+void JointRows::look_for_numbers(const Row& row) {
+  are_undefined_ = are_undefined_ || std::isnan(row.sliding.positive + row.sliding.negative);
+}
+
 void JointRows::set_friction_of(const Row& row, double h, Cone& cone) {
   cone.lower = -h * (row.slides < 0 && !row.turns_back ? row.at_rest : row.sliding).against(1);
   cone.upper = h * (row.slides > 0 && !row.turns_back ? row.at_rest : row.sliding).against(-1);

@@ -65,6 +65,7 @@ class JointRows {
 
  private:
   static void set_friction_of(const Row& row, double h, Cone& cone);
+  void look_for_numbers(const Row& row);
 
   void share(std::vector<LockForces>& out) const;
 
