@@ -27,7 +27,6 @@ bool Rod::has_free_spin() const { return first_nv() == 3; }
 
 GELENK_INSTANTIATE(Planar)
 GELENK_INSTANTIATE(Spatial)
-#undef GELENK_INSTANTIATE
 
 namespace {
 

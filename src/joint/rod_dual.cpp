@@ -10,6 +10,5 @@ GELENK_INSTANTIATE(PlanarAlgebra<Dual>)
 GELENK_INSTANTIATE(SpatialAlgebra<Dual>)
 GELENK_INSTANTIATE(PlanarAlgebra<Series>)
 GELENK_INSTANTIATE(SpatialAlgebra<Series>)
-#undef GELENK_INSTANTIATE
 
 }  // namespace gelenk

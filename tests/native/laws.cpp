@@ -16,6 +16,7 @@ using gelenk::SwitchingForces;
 class OneCoordinate final : public SwitchingForces {
  public:
   Lock of;
+  double sliding = 0;
   Depth upper{-INFINITY, 0}, lower{-INFINITY, 0};
   double rounding = 0;
 
@@ -34,7 +35,7 @@ class OneCoordinate final : public SwitchingForces {
   std::span<const int> frictions(int) const override { return {&of.friction, of.friction < 0 ? 0u : 1u}; }
   double part_of_friction(int, int) const override { never(); }
   gelenk::DirectedLimit sticking_limit(int) const override { return of.sticking_limit; }
-  gelenk::DirectedLimit sliding_limit(int, double) const override { never(); }
+  gelenk::DirectedLimit sliding_limit(int, double) const override { return {sliding, sliding}; }
   gelenk::LoadDependence& loads() override { never(); }
   gelenk::ContactRows& contact_rows() override { never(); }
   gelenk::HoldingForces& holding_forces() override { never(); }
@@ -69,16 +70,18 @@ std::string name_of(BrokenLaw::Kind kind) {
 }  // namespace
 
 // The law that a coordinate breaks, or an empty string, and the excess. upper, lower: depth beyond the limits, whose
-// tolerance is 1e-12; sticking: the largest friction; forces: friction and that of the limit.
+// tolerance is 1e-12; sticking, sliding: the largest friction at rest and in motion; forces: friction and that of the
+// limit.
 void bind_laws(nb::module_& m) {
   m.def(
       "broken_law",
-      [](const Numbers& forces, double speed, double sticking, double upper, double lower, bool one_way,
-         double rounding) {
+      [](const Numbers& forces, double speed, double sticking, double sliding, double upper, double lower,
+         bool one_way, double rounding) {
         OneCoordinate switching_forces;
         switching_forces.of.friction = 0;
         switching_forces.of.limit = 1;
         switching_forces.of.sticking_limit = {sticking, sticking};
+        switching_forces.sliding = sliding;
         switching_forces.of.one_way = one_way;
         switching_forces.upper = {upper, 1e-12};
         switching_forces.lower = {lower, 1e-12};
@@ -87,8 +90,8 @@ void bind_laws(nb::module_& m) {
         const auto broken = audit.broken();
         return std::pair(broken ? name_of(broken->kind) : std::string(), audit.excess());
       },
-      nb::arg("forces"), nb::arg("speed"), nb::arg("sticking"), nb::arg("upper"), nb::arg("lower"), nb::arg("one_way"),
-      nb::arg("rounding"));
+      nb::arg("forces"), nb::arg("speed"), nb::arg("sticking"), nb::arg("sliding"), nb::arg("upper"), nb::arg("lower"),
+      nb::arg("one_way"), nb::arg("rounding"));
 }
 
 }  // namespace native

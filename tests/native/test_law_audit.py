@@ -20,6 +20,7 @@ def audited(units: Any, **of: Any) -> tuple[str, float]:
         "forces": [0.0, 0.0],
         "speed": 0.0,
         "sticking": STICKING,
+        "sliding": STICKING,
         "upper": FAR,
         "lower": FAR,
         "one_way": False,
@@ -48,6 +49,16 @@ def test_friction_opposes_the_motion(units: Any, sign: int) -> None:
     assert broken(units, forces=[sign * STICKING, 0.0], speed=sign * 1.0) == "friction along motion"
     assert not broken(units, forces=[sign * STICKING, 0.0], speed=sign * 0.9e-8)  # at rest but for rounding
     assert broken(units, forces=[sign * STICKING, 0.0], speed=sign * 1.1e-8)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_friction_in_motion_may_exceed_static_friction(units: Any, sign: int) -> None:
+    larger = {"speed": sign * 1.0, "sliding": 2 * STICKING}
+    assert not broken(units, forces=[-sign * 2 * STICKING * (1 + 0.9 * FRACTION), 0.0], **larger)
+    assert broken(units, forces=[-sign * 2 * STICKING * (1 + 1.1 * FRACTION), 0.0], **larger) == "friction exceeded"
+    at_rest = larger | {"speed": 0.0}
+    assert not broken(units, forces=[-sign * STICKING, 0.0], **at_rest)
+    assert broken(units, forces=[-sign * 1.1 * STICKING, 0.0], **at_rest) == "friction exceeded"
 
 
 def test_limits_push_where_they_are_reached(units: Any) -> None:
