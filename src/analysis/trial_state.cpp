@@ -133,19 +133,18 @@ bool TrialStates::rests(int lock, const TrialState& at) {
 }
 
 bool TrialStates::sticks(int lock, const TrialState& at) {
-  const SwitchingForces::Lock of = forces().lock(lock);
-  return friction_holds_ && of.friction >= 0 && of.sticking_limit.largest() > 0 && at.slips[lock] == 0 &&
-         rests(lock, at);
+  return friction_holds_ && forces().lock(lock).friction >= 0 && forces().sticking_limit(lock).largest() > 0 &&
+         at.slips[lock] == 0 && rests(lock, at);
 }
 
 // Enters the modes of the state.
 void TrialStates::hold(const TrialState& at) {
   if (locks() == 0) return;
   for (int i = 0; i < locks(); ++i) {
-    const SwitchingForces::Lock lock = forces().lock(i);
+    const SwitchingForces::Lock& lock = forces().lock(i);
     int side = friction_holds_ ? at.slips[i] : mode_released;
     if (!rests(i, at)) side = forces().speed(i, at.v.data()) > 0 ? 1 : -1;
-    if (!(lock.sticking_limit.largest() > 0)) side = mode_released;
+    if (!(forces().sticking_limit(i).largest() > 0)) side = mode_released;
     for (const int law : forces().frictions(i)) sides_[static_cast<std::size_t>(law)] = side;
     if (lock.limit >= 0) sides_[static_cast<std::size_t>(lock.limit)] = at.contacts[i];
   }

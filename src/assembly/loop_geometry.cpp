@@ -156,11 +156,9 @@ LoopGeometry::Equations LoopGeometry::equations(const std::vector<double>& q) co
   for (std::size_t i = 0; i < coordinate_rows_.size() && next < rows_; ++i, ++next) {
     const CoordinateRow& row = *coordinate_rows_[i];
     if (row.relation) {
-      const kernels::RelationState<double> at(row, q.data(), nullptr);
       double factors[RelationLaw::most_terms];
-      out.Phi[next] = row.relation->value(at.x, at.rates, factors);
-      for (std::size_t k = 0; k < row.terms.size(); ++k)
-        out.J(next, row.terms[k].v) += row.terms[k].factor * factors[k];
+      out.Phi[next] = kernels::relation_value(row, q.data(), factors);
+      for (std::size_t k = 0; k < row.terms.size(); ++k) out.J(next, row.terms[k].v) += factors[k];
       continue;
     }
     out.Phi[next] = -row.constant;

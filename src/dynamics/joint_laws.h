@@ -41,7 +41,6 @@ class JointLaws {
   int count() const { return static_cast<int>(lock_of_.size()); }
   int locks() const { return static_cast<int>(found_.size()); }
   int lock_of(int force) const { return lock_of_[force]; }  // -1: it cannot lock
-  // Without its limits of friction.
   const SwitchingForces::Lock& lock(int lock) const { return found_[lock]; }
   std::span<const int> frictions(int lock) const { return frictions_[lock]; }
   // Of all locks: of their speeds.
@@ -115,11 +114,11 @@ class JointLaws {
   // velocity of the joint of which they are friction.
   template <class Visit>
   void each_branching_loss(Visit visit) const {
-    std::size_t number = 0;
-    for (const CoordinateRow& row : state_.model.coordinate_rows) {
+    for (std::size_t r = 0; r < state_.model.coordinate_rows.size(); ++r) {
+      const CoordinateRow& row = state_.model.coordinate_rows[r];
       if (!row.has_losses()) continue;
       const int v = row.terms[static_cast<std::size_t>(row.lossy_term)].v;
-      MeshLosses::each(state_.loads.losses[number++], [&](const Formula& formula) {
+      MeshLosses::each(state_.loads.losses[r], [&](const Formula& formula) {
         if (formula.branches() > 0) visit(formula, v);
       });
     }
@@ -176,6 +175,9 @@ class JointLaws {
         found_[lock].friction = frictions_[lock].front();
       } else {
         found_[lock].limit = index;
+        found_[lock].restitution = force.element.restitution;
+        found_[lock].poisson = force.element.is_poisson();
+        found_[lock].one_way = BoundsSpeed<Law>;
       }
     }
   }

@@ -115,19 +115,14 @@ class JointModes final : public SwitchingForces {
   void hold(const int* sides) override { held_ = sides; }
 
   int locks() const override { return laws_.locks(); }
-  Lock lock(int lock) const override {
-    Lock out = laws_.lock(lock);
-    out.sticking_limit = sticking_limit(lock);
-    out.slipping_limit = sum_of_friction(
+  const Lock& lock(int lock) const override { return laws_.lock(lock); }
+  DirectedLimit sticking_limit(int lock) const override {
+    return sum_of_friction(
+        lock, [&](int i, const auto& law, double q, const double* u) { return loaded_.at_rest(i, law, q, u); });
+  }
+  DirectedLimit slipping_limit(int lock) const override {
+    return sum_of_friction(
         lock, [&](int i, const auto& law, double q, const double* u) { return loaded_.at_first(i, law, q, u); });
-    laws_.visit(out.limit, [&](const auto& force) {
-      if constexpr (Blocks<std::decay_t<decltype(force.element)>>) {
-        out.restitution = force.element.restitution;
-        out.poisson = force.element.is_poisson();
-        out.one_way = BoundsSpeed<std::decay_t<decltype(force.element)>>;
-      }
-    });
-    return out;
   }
   DirectedLimit sliding_limit(int lock, double speed) const override {
     return sum_of_friction(lock, [&](int i, const auto& law, double q, const double* u) {
@@ -220,10 +215,6 @@ class JointModes final : public SwitchingForces {
         needs = needs || force.element.needs_acceleration(force.sign * q[force.q]);
     });
     return needs;
-  }
-  DirectedLimit sticking_limit(int lock) const override {
-    return sum_of_friction(
-        lock, [&](int i, const auto& law, double q, const double* u) { return loaded_.at_rest(i, law, q, u); });
   }
   // Without any forces, more than 0.
   double slack(int lock) const override {

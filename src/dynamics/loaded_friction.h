@@ -236,8 +236,8 @@ class LoadedFriction final : public LoadDependence {
     }
   }
   std::array<double, 2> losses(const Load& load, double speed) const {
-    if (load.is.losses < 0) return {};
-    return of_scene_.losses[static_cast<std::size_t>(load.is.losses)].at(speed, signals_);
+    if (load.is.of != FrictionLoad::Of::mesh) return {};
+    return of_scene_.losses[static_cast<std::size_t>(load.is.row)].at(speed, signals_);
   }
   std::array<double, 3> transmitted(const Load& load, const std::vector<double>& lambda) const {
     return transmitted(load, lambda.data());

@@ -61,15 +61,15 @@ class SwitchingForces {
   struct Lock {
     int friction = -1, limit = -1;  // indices in all forces with modes, the first of friction; -1: it has none
     double sign = 1;                // user's speed = sign times the mechanism's
-    // See element/joint_forces/coordinate_force.h; 0 without friction, without a limit.
-    DirectedLimit sticking_limit, slipping_limit;
-    double restitution = 0;
+    double restitution = 0;         // 0 without a limit
     bool poisson = false;
     bool one_way = false;  // the limit bounds the speed: it is touched at any position
   };
   virtual int locks() const = 0;
-  virtual Lock lock(int lock) const = 0;
-  virtual DirectedLimit sticking_limit(int lock) const = 0;  // the same as in lock(), which costs more
+  virtual const Lock& lock(int lock) const = 0;
+  // See element/joint_forces/coordinate_force.h; 0 without friction.
+  virtual DirectedLimit sticking_limit(int lock) const = 0;
+  virtual DirectedLimit slipping_limit(int lock) const = 0;
   // The laws of its friction, which add up and share one mode: indices in all forces with modes.
   virtual std::span<const int> frictions(int lock) const = 0;
   // The part of the friction of its coordinate that one of them exerts: at rest, where they exert it in proportion to
@@ -113,8 +113,9 @@ class SwitchingForces {
 inline bool any_can_stick(SwitchingForces& switching_forces) {
   if (!switching_forces.loads().empty()) return true;
   for (int i = 0; i < switching_forces.locks(); ++i) {
-    const SwitchingForces::Lock lock = switching_forces.lock(i);
-    if (lock.one_way || lock.sticking_limit.largest() > 0 || lock.slipping_limit.largest() > 0) return true;
+    if (switching_forces.lock(i).one_way || switching_forces.sticking_limit(i).largest() > 0 ||
+        switching_forces.slipping_limit(i).largest() > 0)
+      return true;
   }
   return false;
 }
@@ -133,7 +134,7 @@ template <class T>
 void share_holding_forces(const SwitchingForces& switching_forces, const int* sides, const T* x, T* by_force) {
   std::fill_n(by_force, switching_forces.count(), T(0));
   for (int i = 0; i < switching_forces.locks(); ++i) {
-    const SwitchingForces::Lock lock = switching_forces.lock(i);
+    const SwitchingForces::Lock& lock = switching_forces.lock(i);
     const int contact = lock.limit < 0 ? 0 : sides[lock.limit];
     const bool pushes = contact > 0 ? x[i] < T(0) : x[i] > T(0);
     if (contact != 0 && (pushes || lock.friction < 0)) {

@@ -35,14 +35,14 @@ int LockModes::on_boundary(double t, const double* y) {
   dynamics_.set_position(y);
   const double* v = y + nq_;
   for (int i = 0; i < count(); ++i) {
-    const SwitchingForces::Lock lock = forces_.lock(i);
+    const SwitchingForces::Lock& lock = forces_.lock(i);
     if (!rests(i)) {
       if (has_friction(i) && modes_.motions[i] != mode_released && is_slow(i, v)) return lock.friction;
       if (lock.limit >= 0 && touched_side(i) != 0 && (!lock.one_way || is_slow(i, v))) return lock.limit;
       continue;
     }
     const auto safe = [&](int direction) {
-      const double limit = lock.sticking_limit.against(direction);
+      const double limit = forces_.sticking_limit(i).against(direction);
       return limit - std::max(boundary_fraction * limit, forces_.slack(i));
     };
     const bool may_rise = holding_[i] >= safe(-1) && modes_.contacts[i] >= 0;

@@ -30,7 +30,7 @@ bool JointChanges::find_events_at_start(double t, const double* y) {
   bool evaluated = false;
   for (int i = 0; i < modes_.count(); ++i) {
     if (modes_.rests(i)) continue;
-    const SwitchingForces::Lock lock = forces_.lock(i);
+    const SwitchingForces::Lock& lock = forces_.lock(i);
     if (lock.limit >= 0) find_reached_bounds(i, v);
     if ((lock.friction < 0 && !lock.one_way) || !modes_.is_slow(i, v)) continue;
     if (!evaluated) modes_.equations_.accelerations_at(t, y, modes_.vdot_.data());
@@ -75,7 +75,7 @@ std::size_t JointChanges::find_yielding(double* g, std::vector<double*>& out) co
   for (int i = 0; i < modes_.count(); ++i) {
     if (!modes_.rests(i)) continue;
     ++resting;
-    const SwitchingForces::Lock lock = forces_.lock(i);
+    const SwitchingForces::Lock& lock = forces_.lock(i);
     for (const int force : {lock.friction, lock.limit}) {
       if (force < 0) continue;
       for (const int side : {1, -1}) {
@@ -152,7 +152,7 @@ bool JointChanges::returns(int lock, const LockModes::State& before, const doubl
   if (modes_.is_slow(lock, v)) return false;
   const double* vdot = modes_.vdot_.data();
   const double speed = forces_.speed(lock, v);
-  const SwitchingForces::Lock of = forces_.lock(lock);
+  const SwitchingForces::Lock& of = forces_.lock(lock);
   const LockModes::State& present = modes_.modes_;
   const int side = present.contacts[lock] == 0 && present.leaves_from[lock] != 0 ? modes_.touched_side(lock) : 0;
   if (side != 0) {
@@ -194,7 +194,7 @@ std::vector<int> JointChanges::find_returning(double t, const double* y, const L
 
 void JointChanges::record_changes(double t, const LockModes::State& before) {
   for (int i = 0; i < modes_.count(); ++i) {
-    const SwitchingForces::Lock lock = forces_.lock(i);
+    const SwitchingForces::Lock& lock = forces_.lock(i);
     const int motion = modes_.modes_.motions[i], contact = modes_.modes_.contacts[i];
     if (lock.friction >= 0 && motion != before.motions[i]) {
       const int direction = motion != 0 ? motion : before.motions[i];

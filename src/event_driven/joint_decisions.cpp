@@ -19,12 +19,11 @@ constexpr double noticed_fraction = 2e-11;
 }  // namespace
 
 void JointDecisions::add(int lock) {
-  const SwitchingForces::Lock of = forces_.lock(lock);
   const auto at = static_cast<std::size_t>(lock);
   LockProblem::Lock& out = problem_.locks.emplace_back();
   out.lock = lock;
-  out.sticking = of.sticking_limit;
-  out.slipping = of.slipping_limit;
+  out.sticking = forces_.sticking_limit(lock);
+  out.slipping = forces_.slipping_limit(lock);
   out.contact = next_.contacts[at];
   out.triggered = modes_.triggered_[at] != LockModes::nothing && modes_.rests(lock);
   next_.motions[at] = mode_released;

@@ -20,7 +20,7 @@ std::vector<JointImpacts::Struck> JointImpacts::struck(const double* y, const st
   const double* v = y + modes_.nq_;
   std::vector<Struck> out;
   for (int i = 0; i < modes_.count(); ++i) {
-    const SwitchingForces::Lock lock = forces_.lock(i);
+    const SwitchingForces::Lock& lock = forces_.lock(i);
     const int side = lock.limit < 0 ? 0 : modes_.touched_side(i);
     const bool returns = std::ranges::find(returning, i) != returning.end();
     if (side == 0 && !returns) continue;

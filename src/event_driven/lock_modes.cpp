@@ -45,7 +45,7 @@ LockModes::LockModes(ModeEquations& equations, Dynamics& dynamics, int nq, int n
   resting_.reserve(modes_.motions.size());
   kept_ = modes_;
   for (int i = 0; i < count(); ++i) {
-    const SwitchingForces::Lock lock = forces_.lock(i);
+    const SwitchingForces::Lock& lock = forces_.lock(i);
     any_friction_ = any_friction_ || lock.friction >= 0 || lock.one_way;
     for (const int law : forces_.frictions(i)) lock_of_[static_cast<std::size_t>(law)] = i;
     if (lock.limit >= 0) lock_of_[static_cast<std::size_t>(lock.limit)] = i;
@@ -67,7 +67,7 @@ bool LockModes::keeps_mode(int force, const double* v) const {
   if (!owns(force)) return false;
   const int lock = lock_of_[static_cast<std::size_t>(force)];
   if (rests(lock)) return true;
-  const SwitchingForces::Lock of = forces_.lock(lock);
+  const SwitchingForces::Lock& of = forces_.lock(lock);
   return (of.limit != force || of.one_way) && is_slow(lock, v);
 }
 

@@ -9,7 +9,7 @@
 
 namespace gelenk::kernels {
 
-// The coordinates in a relation and their rates, in the user's signs; null: only the others, these are 0.
+// The coordinates in a relation and their rates, in the user's signs. v: null for rates of 0.
 template <class T>
 struct RelationState {
   T x[RelationLaw::most_terms], rates[RelationLaw::most_terms];
@@ -22,6 +22,15 @@ struct RelationState {
     }
   }
 };
+
+// The value of a relation, and its factors of the rates by term. A relation of rates has the value of no rates.
+template <class T>
+T relation_value(const CoordinateRow& row, const T* q, T* factors) {
+  const RelationState<T> at(row, q, nullptr);
+  const T value = row.relation->value(at.x, at.rates, factors);
+  for (std::size_t k = 0; k < row.terms.size(); ++k) factors[k] *= T(row.terms[k].factor);
+  return value;
+}
 
 // Calls visit(row, i, first) for each equation, with its number and that of its first term.
 template <class A, class Visit>
@@ -49,9 +58,7 @@ void coordinate_row_positions(const Model<A>& model, const typename A::Scalar* q
     T& Phi = ws.Phi[model.first_coordinate_row + i];
     Phi = T(0);
     if (row.relation) {
-      const RelationState<T> at(row, q, nullptr);
-      const T value = row.relation->value(at.x, at.rates, ws.factors.data() + first);
-      for (std::size_t k = 0; k < row.terms.size(); ++k) ws.factors[first + k] *= T(row.terms[k].factor);
+      const T value = relation_value(row, q, ws.factors.data() + first);
       if (row.holds_position) Phi = value;
       return;
     }

@@ -24,9 +24,8 @@ struct FrictionLoad {
   double sign = 1;                   // user's coordinate = sign times the mechanism's
   int cut = -1;                      // of a bearing that closes a loop
   int link = -1;                     // of a joint of the tree
-  int row = -1;                      // of a mesh
+  int row = -1;                      // of a mesh: which of the coordinate rows
   double factor = 1;                 // of the coordinate in that row
-  int losses = -1;                   // of a mesh: index in Loads::losses
   bool may_be_undetermined = false;  // the force of least norm counts where constraint equations are redundant
 
   // Friction per size of the load against motion in a direction (1, -1; in the user's sign). along: of a mesh, a number
@@ -53,18 +52,15 @@ std::vector<FrictionLoad> friction_loads(const Model<A>& model, const Loads& loa
         load.of = force.element.is_guide() ? FrictionLoad::Of::guide : FrictionLoad::Of::bearing;
         out.push_back(load);
       }
-      int losses = -1;
       for (std::size_t r = 0; r < model.coordinate_rows.size() && cut < 0; ++r) {
         const CoordinateRow& row = model.coordinate_rows[r];
         if (!row.has_losses()) continue;
-        ++losses;
         const CoordinateRow::Term& term = row.terms[static_cast<std::size_t>(row.lossy_term)];
         if (term.v != force.v) continue;
         load.of = FrictionLoad::Of::mesh;
         load.may_be_undetermined = false;
-        load.row = model.first_coordinate_row + static_cast<int>(r);
+        load.row = static_cast<int>(r);
         load.factor = term.factor;
-        load.losses = losses;
         out.push_back(load);
       }
     }
@@ -106,7 +102,8 @@ std::array<typename A::Scalar, 3> transmitted_force(const FrictionLoad& load, co
                                                     const Workspace<A>& ws, const std::vector<typename A::Force>& F,
                                                     const typename A::Scalar* lambda) {
   using T = typename A::Scalar;
-  if (load.of == FrictionLoad::Of::mesh) return {T(-load.factor) * lambda[load.row], T(0), T(0)};
+  if (load.of == FrictionLoad::Of::mesh)
+    return {T(-load.factor) * lambda[model.first_coordinate_row + load.row], T(0), T(0)};
   if constexpr (A::planar) {
     const typename A::Force at =
         load.cut < 0 ? F[static_cast<std::size_t>(load.link)] : kernels::row_wrench(model, ws, load.cut, lambda);

@@ -41,7 +41,7 @@ struct Loads {
   std::vector<Formula> rates;              // of the element states
   std::vector<Formula> values;             // of the named expressions, as outputs
   std::vector<NamedQuantity> named;        // after those
-  std::vector<MeshLosses> losses;          // by coordinate row that has losses, in their order
+  std::vector<MeshLosses> losses;          // by coordinate row
   std::shared_ptr<HeldBranches> branches;  // of its expressions
   bool only_along_tree = false;            // no force acts on links or along cuts
   // J: the part of gravity's potential energy that the kernels omit, between the origins of the world and the root

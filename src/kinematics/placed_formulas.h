@@ -10,8 +10,8 @@ namespace gelenk {
 class Formula;
 struct Loads;
 
-// By branch of all expressions: the joint or the force of the scene, the element state among those of the island, or
-// the mesh among those with losses.
+// By branch of all expressions: the joint or the force of the scene, the element state or the coordinate row
+// among those of the island.
 struct BranchPlace {
   enum class Of { joint, friction, force, gravity, state, mesh } of = Of::joint;
   int index = 0;

@@ -18,19 +18,21 @@ constexpr double passed_distances = 1e6;
 
 using Kind = BrokenLaw::Kind;
 
-// in_motion: what friction of moving coordinates may be; some laws grow with the speed.
-void audit_friction(const SwitchingForces::Lock& lock, double friction, double speed, const DirectedLimit& in_motion,
-                    bool moves, double slack, LawAudit& audit) {
+void audit_friction(const SwitchingForces& switching_forces, int i, double friction, double speed, bool moves,
+                    double slack, LawAudit& audit) {
+  const int law = switching_forces.lock(i).friction;
   const int direction = friction > 0 ? -1 : 1;
-  const double permitted = std::max(lock.sticking_limit.against(direction), in_motion.against(direction));
+  double permitted = switching_forces.sticking_limit(i).against(direction);
+  // Some laws grow with the speed.
+  if (moves) permitted = std::max(permitted, switching_forces.sliding_limit(i, speed).against(direction));
   audit.add((std::abs(friction) - permitted) / (audited_fraction * permitted + slack),
-            {Kind::friction_exceeded, lock.friction, friction, permitted});
+            {Kind::friction_exceeded, law, friction, permitted});
   if (moves && friction * speed > 0)
-    audit.add(std::abs(friction) / slack, {Kind::friction_along_motion, lock.friction, friction, speed});
+    audit.add(std::abs(friction) / slack, {Kind::friction_along_motion, law, friction, speed});
 }
 
 void audit_limit(const SwitchingForces& switching_forces, int i, double force, double slack, LawAudit& audit) {
-  const SwitchingForces::Lock lock = switching_forces.lock(i);
+  const SwitchingForces::Lock& lock = switching_forces.lock(i);
   const int side = force < 0 ? 1 : -1;  // the bound that would push like this
   const SwitchingForces::Depth at = switching_forces.depth(i, side);
   const double excess = std::abs(force) / slack;
@@ -56,16 +58,13 @@ LawAudit audit_locks(const SwitchingForces& switching_forces, std::span<const do
   for (int k = 0; k < nv; ++k) fastest = std::max(fastest, std::abs(v[k]));
   LawAudit audit;
   for (int i = 0; i < switching_forces.locks(); ++i) {
-    const SwitchingForces::Lock lock = switching_forces.lock(i);
+    const SwitchingForces::Lock& lock = switching_forces.lock(i);
     const double slack = slacks * switching_forces.slack(i) + least_audited_force;
     const double speed = switching_forces.speed(i, v);
     const bool moves = std::abs(speed) > sign_rounding * fastest;
     double friction = 0;
     for (const int law : switching_forces.frictions(i)) friction += forces[static_cast<std::size_t>(law)];
-    if (lock.friction >= 0) {
-      const DirectedLimit in_motion = moves ? switching_forces.sliding_limit(i, speed) : DirectedLimit();
-      audit_friction(lock, friction, speed, in_motion, moves, slack, audit);
-    }
+    if (lock.friction >= 0) audit_friction(switching_forces, i, friction, speed, moves, slack, audit);
     if (lock.limit >= 0) audit_limit(switching_forces, i, forces[static_cast<std::size_t>(lock.limit)], slack, audit);
   }
   return audit;

@@ -54,14 +54,6 @@ std::string of_contact(const Scene& scene, const BrokenLaw& broken) {
          shown(scene, broken.found, unit) + ", but can be at most " + shown(scene, broken.bound, unit);
 }
 
-// number: among the constraints with losses.
-std::string name_of_mesh(const Scene& scene, const Mechanism& mechanism, int number) {
-  for (const CoordinateRow& row : mechanism.coordinate_rows) {
-    if (row.has_losses() && number-- == 0) return scene.constraints[static_cast<std::size_t>(row.constraint)].name;
-  }
-  return {};
-}
-
 }  // namespace
 
 std::string owner_of_branch(const Scene& scene, const Mechanism& mechanism, const BranchPlace& place) {
@@ -74,7 +66,7 @@ std::string owner_of_branch(const Scene& scene, const Mechanism& mechanism, cons
     case BranchPlace::Of::force:
       return scene.forces[i].name;
     case BranchPlace::Of::mesh:
-      return name_of_mesh(scene, mechanism, place.index);
+      return scene.constraints[static_cast<std::size_t>(mechanism.coordinate_rows[i].constraint)].name;
     case BranchPlace::Of::state:
       return scene.states[static_cast<std::size_t>(mechanism.states[i])].name + ".rate";
     case BranchPlace::Of::gravity:

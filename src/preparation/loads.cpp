@@ -213,15 +213,11 @@ struct LoadCollector {
     for (std::size_t i = 0; i < reduced.islands.size(); ++i) {
       for (const CoordinateRow& row : reduced.islands[i].coordinate_rows) {
         if (row.input >= 0) out[i].inputs.push_back(row.input);
-        if (row.has_losses()) losses(row, static_cast<int>(i));
+        const Constraint& constraint = scene.constraints[static_cast<std::size_t>(row.constraint)];
+        MeshLosses& added = out[i].losses.emplace_back(losses_of(*constraint.is));
+        MeshLosses::each(added, [&](Formula& formula) { bind(formula, static_cast<int>(i)); });
       }
     }
-  }
-
-  void losses(const CoordinateRow& row, int island) {
-    const Constraint& constraint = scene.constraints[static_cast<std::size_t>(row.constraint)];
-    MeshLosses& added = out[static_cast<std::size_t>(island)].losses.emplace_back(losses_of(*constraint.is));
-    MeshLosses::each(added, [&](Formula& formula) { bind(formula, island); });
   }
 
   void force(int f, int input) {

@@ -52,7 +52,7 @@ void RestForces::add(const Scene& scene, const EquilibriumProblem& of, const std
   const std::vector<SwitchingForce> places = switching_forces_of(of.loads);
   Index next = 0;
   for (int i = 0; i < poses.locks(); ++i) {
-    const SwitchingForces::Lock lock = forces.lock(i);
+    const SwitchingForces::Lock& lock = forces.lock(i);
     const SwitchingForce& at_joint = places[static_cast<std::size_t>(lock.friction >= 0 ? lock.friction : lock.limit)];
     const Joint& joint = scene.joints[static_cast<std::size_t>(at_joint.joint)];
     const Coordinate coordinate = coordinate_of(kind_of(*joint.is), at_joint.component);
@@ -63,7 +63,7 @@ void RestForces::add(const Scene& scene, const EquilibriumProblem& of, const std
     coordinates.push_back({.coordinate = joint.name + "." + std::string(coordinate.name),
                            .unit = unit,
                            .force = size * x_of_lock,
-                           .limit = size * lock.sticking_limit.against(x_of_lock > 0 ? -1 : 1),
+                           .limit = size * forces.sticking_limit(i).against(x_of_lock > 0 ? -1 : 1),
                            .side = at.contacts[static_cast<std::size_t>(i)]});
   }
 }

@@ -92,7 +92,8 @@ FormulaNames formula_names(const Scene& scene) {
   for (const Joint& joint : scene.joints) add_coordinate_names(joint.name, *find_joint_kind(joint.type), *coordinates);
   for (const Sensor& sensor : scene.sensors) add_sensor_names(sensor.name, kind_of(*sensor.is), *coordinates);
   out.coordinates = coordinates;
-  if (!scene.expressions.empty()) out.forces = force_names(scene);
+  const auto reads_forces = [](const NamedExpression& of) { return of.value.reads_forces(); };
+  if (std::ranges::any_of(scene.expressions, reads_forces)) out.forces = force_names(scene);
   return out;
 }
 

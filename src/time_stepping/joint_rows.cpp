@@ -46,7 +46,7 @@ JointRows::JointRows(SwitchingForces& switching_forces, int nv)
 
 void JointRows::add(const Start& at, ContactRows& rows, std::vector<Cone>& cones) {
   for (int i = 0; i < switching_.locks(); ++i) {
-    const SwitchingForces::Lock lock = switching_.lock(i);
+    const SwitchingForces::Lock& lock = switching_.lock(i);
     const double speed = switching_.speed(i, at.v);
     const double change = at.h * std::abs(switching_.speed(i, at.vdot));
     if (lock.friction >= 0) {
@@ -56,7 +56,7 @@ void JointRows::add(const Start& at, ContactRows& rows, std::vector<Cone>& cones
       const bool was_held = last.motion == 0 && last.friction != 0 && std::abs(speed) <= negligible_part * change;
       const bool slides = !was_held && std::abs(speed) > rest_speed;
       Row row{.lock = i, .slides = slides ? (speed > 0 ? 1 : -1) : 0};
-      row.at_rest = lock.sticking_limit;
+      row.at_rest = switching_.sticking_limit(i);
       row.sliding = slides ? switching_.sliding_limit(i, speed) : row.at_rest;
       look_for_numbers(row);
       cones.push_back(Cone::within(rows.count(), 0, 0));
@@ -78,7 +78,7 @@ void JointRows::add(const Start& at, ContactRows& rows, std::vector<Cone>& cones
 
 void JointRows::add_passed_limits(double h, const double* v1, ContactRows& rows, std::vector<Cone>& cones) {
   for (int i = 0; i < switching_.locks(); ++i) {
-    const SwitchingForces::Lock lock = switching_.lock(i);
+    const SwitchingForces::Lock& lock = switching_.lock(i);
     if (lock.limit < 0 || lock.one_way) continue;
     const double speed = switching_.speed(i, v1);
     const int side = speed > 0 ? 1 : -1;
@@ -135,7 +135,7 @@ void JointRows::find_limits(const double* vm, std::vector<double>& out) const {
   out.clear();
   for (const Row& row : rows_) {
     if (row.side != 0) continue;
-    const DirectedLimit at_rest = switching_.lock(row.lock).sticking_limit;
+    const DirectedLimit at_rest = switching_.sticking_limit(row.lock);
     const DirectedLimit sliding =
         row.slides == 0 ? at_rest : switching_.sliding_limit(row.lock, switching_.speed(row.lock, vm));
     append({at_rest, sliding}, out);

@@ -122,3 +122,23 @@ def assert_restored_run_continues(source: Any, time: float, later: Sequence[floa
         for step in later:
             simulation.step_to(time + step)
     assert list(first.values()) == list(second.values())
+
+
+def assert_continues_to_the_bit(
+    source: Mapping[str, Any], saved_at: float, times: Iterable[float], tolerance: float
+) -> None:
+    """The run that went straight on, and twice the same from the state that was saved [s]."""
+    simulation = gelenk.Simulation(dict(source))
+    simulation.initialize(0.0, tolerance)
+    simulation.step_to(saved_at)
+    saved = simulation.save()
+    times = list(times)
+    ends = []
+    for goes_on in (True, False, False):
+        if not goes_on:
+            simulation.restore(saved)
+        for time in times:
+            simulation.step_to(time)
+        ends.append(simulation.values())
+    np.testing.assert_array_equal(ends[1], ends[0])
+    np.testing.assert_array_equal(ends[2], ends[0])

@@ -16,12 +16,12 @@ using gelenk::SwitchingForces;
 class OneCoordinate final : public SwitchingForces {
  public:
   Lock of;
-  double sliding = 0;
+  double sticking = 0, sliding = 0;
   Depth upper{-INFINITY, 0}, lower{-INFINITY, 0};
   double rounding = 0;
 
   int locks() const override { return 1; }
-  Lock lock(int) const override { return of; }
+  const Lock& lock(int) const override { return of; }
   Depth depth(int, int side) const override { return side > 0 ? upper : lower; }
   double speed(int, const double* v) const override { return v[0]; }
   double slack(int) const override { return rounding; }
@@ -34,7 +34,8 @@ class OneCoordinate final : public SwitchingForces {
   std::span<double> inputs() override { never(); }
   std::span<const int> frictions(int) const override { return {&of.friction, of.friction < 0 ? 0u : 1u}; }
   double part_of_friction(int, int) const override { never(); }
-  gelenk::DirectedLimit sticking_limit(int) const override { return of.sticking_limit; }
+  gelenk::DirectedLimit sticking_limit(int) const override { return {sticking, sticking}; }
+  gelenk::DirectedLimit slipping_limit(int) const override { never(); }
   gelenk::DirectedLimit sliding_limit(int, double) const override { return {sliding, sliding}; }
   gelenk::LoadDependence& loads() override { never(); }
   gelenk::ContactRows& contact_rows() override { never(); }
@@ -75,12 +76,12 @@ std::string name_of(BrokenLaw::Kind kind) {
 void bind_laws(nb::module_& m) {
   m.def(
       "broken_law",
-      [](const Numbers& forces, double speed, double sticking, double sliding, double upper, double lower,
-         bool one_way, double rounding) {
+      [](const Numbers& forces, double speed, double sticking, double sliding, double upper, double lower, bool one_way,
+         double rounding) {
         OneCoordinate switching_forces;
         switching_forces.of.friction = 0;
         switching_forces.of.limit = 1;
-        switching_forces.of.sticking_limit = {sticking, sticking};
+        switching_forces.sticking = sticking;
         switching_forces.sliding = sliding;
         switching_forces.of.one_way = one_way;
         switching_forces.upper = {upper, 1e-12};

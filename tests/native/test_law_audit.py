@@ -55,7 +55,10 @@ def test_friction_opposes_the_motion(units: Any, sign: int) -> None:
 def test_friction_in_motion_may_exceed_static_friction(units: Any, sign: int) -> None:
     larger = {"speed": sign * 1.0, "sliding": 2 * STICKING}
     assert not broken(units, forces=[-sign * 2 * STICKING * (1 + 0.9 * FRACTION), 0.0], **larger)
-    assert broken(units, forces=[-sign * 2 * STICKING * (1 + 1.1 * FRACTION), 0.0], **larger) == "friction exceeded"
+    assert (
+        broken(units, forces=[-sign * 2 * STICKING * (1 + 1.1 * FRACTION), 0.0], **larger)
+        == "friction exceeded"
+    )
     at_rest = larger | {"speed": 0.0}
     assert not broken(units, forces=[-sign * STICKING, 0.0], **at_rest)
     assert broken(units, forces=[-sign * 1.1 * STICKING, 0.0], **at_rest) == "friction exceeded"

@@ -61,6 +61,9 @@ concept TakesLoads = Sticks<F> && requires(const F& f, const double* u) { f.stic
 template <class F>
 concept BoundsSpeed = Blocks<F> && requires { F::bounds_speed; };
 
+// The variables of expressions along a coordinate: of an angle or of a length.
+inline constexpr FormulaVariable variables_along[] = {{"phi", "rad"}, {"w", "rad/s"}, {"s", "m"}, {"v", "m/s"}};
+
 // A force that an expression gives, of which the inputs are the signals that it names (field/formula.h):
 //   formula()             the expression
 //   decide(q, v, u, g)    what decides on its branches

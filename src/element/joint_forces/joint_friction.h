@@ -70,7 +70,6 @@ struct JointFriction : DryFriction<JointFriction> {
   Formula law;                                                     // N m (N), in motion, of the size of the speed
   double peak = 1;                                                 // static friction per that at the speed 0
   std::optional<Bearing> bearing;
-  static constexpr FormulaVariable variables[] = {{"phi", "rad"}, {"w", "rad/s"}, {"s", "m"}, {"v", "m/s"}};
   static constexpr std::string_view inputs_of_it[] = {"engagement"};
   Choice input;
 
@@ -108,7 +107,7 @@ struct JointFriction : DryFriction<JointFriction> {
                                     .range = Range::not_negative,
                                     .settable = false,
                                     .alternative = 2,
-                                    .variables = variables,
+                                    .variables = variables_along,
                                     .reads = FormulaReads::signals}),
         field<&JointFriction::peak>(
             {.name = "peak",

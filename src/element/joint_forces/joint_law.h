@@ -12,7 +12,6 @@ struct JointLaw {
   static constexpr std::string_view summary = "a force along the coordinate as an expression of it and of its speed";
   static constexpr std::string_view misfit = "has more than one degree of freedom";  // of a joint with coordinates
   static bool fits(const JointKind& kind) { return kind.stops(); }
-  static constexpr FormulaVariable variables[] = {{"phi", "rad"}, {"w", "rad/s"}, {"s", "m"}, {"v", "m/s"}};
 
   Formula force;
 
@@ -23,7 +22,7 @@ struct JointLaw {
                                  .text = "expression of {coordinate}, {speed}, t and inputs for the {torque} along it",
                                  .required = true,
                                  .settable = false,
-                                 .variables = variables,
+                                 .variables = variables_along,
                                  .reads = FormulaReads::signals})};
     return all;
   }

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from mechanisms import body, four_bar, frame, joint, rod, scene
+from models.running import assert_continues_to_the_bit
 
 import gelenk
 
@@ -151,17 +152,7 @@ def test_any_joint_of_a_loop(closes: str) -> None:
 def test_a_state_that_is_saved_leads_on_to_the_bit(integrator: str) -> None:
     of = slide({"law": "0.5 + p*(1 + v)"}, {"v": 1.0}, law={"effort": "4*sin(3*t)"})
     of |= {"states": {"p": "(1 - p)/0.2"}, "solver": {"integrator": integrator}}
-    simulation = gelenk.Simulation(of)
-    simulation.initialize(0.0, 1e-8)
-    simulation.step_to(0.37)
-    saved = simulation.save()
-    ends = []
-    for _ in range(2):
-        simulation.restore(saved)
-        for k in range(40):
-            simulation.step_to(0.37 + 0.05 * (k + 1))
-        ends.append(simulation.values())
-    np.testing.assert_array_equal(ends[0], ends[1])
+    assert_continues_to_the_bit(of, 0.37, 0.37 + 0.05 * np.arange(1, 41), 1e-8)
 
 
 def test_the_linear_model_has_the_slope_of_the_law() -> None:
