@@ -145,7 +145,7 @@ void TrialStates::hold(const TrialState& at) {
     int side = friction_holds_ ? at.slips[i] : mode_released;
     if (!rests(i, at)) side = forces().speed(i, at.v.data()) > 0 ? 1 : -1;
     if (!(forces().sticking_limit(i).largest() > 0)) side = mode_released;
-    for (const int law : forces().frictions(i)) sides_[static_cast<std::size_t>(law)] = side;
+    for (const int law : forces().lock(i).frictions) sides_[static_cast<std::size_t>(law)] = side;
     if (lock.limit >= 0) sides_[static_cast<std::size_t>(lock.limit)] = at.contacts[i];
   }
   forces().hold(sides_.data());

@@ -42,7 +42,6 @@ class JointLaws {
   int locks() const { return static_cast<int>(found_.size()); }
   int lock_of(int force) const { return lock_of_[force]; }  // -1: it cannot lock
   const SwitchingForces::Lock& lock(int lock) const { return found_[lock]; }
-  std::span<const int> frictions(int lock) const { return frictions_[lock]; }
   // Of all locks: of their speeds.
   const std::vector<Row>& rows() const { return rows_; }
   std::vector<double> signs() const {
@@ -171,11 +170,10 @@ class JointLaws {
       const int lock = lock_for(force, cut, Blocks<Law>);
       lock_of_.back() = lock;
       if constexpr (Sticks<Law>) {
-        frictions_[lock].push_back(index);
-        found_[lock].friction = frictions_[lock].front();
+        found_[lock].frictions.push_back(index);
+        found_[lock].friction = found_[lock].frictions.front();
       } else {
         found_[lock].limit = index;
-        found_[lock].restitution = force.element.restitution;
         found_[lock].poisson = force.element.is_poisson();
         found_[lock].one_way = BoundsSpeed<Law>;
       }
@@ -189,7 +187,6 @@ class JointLaws {
       const auto [at, is_new] = lock_at_.try_emplace({cut, force.v, nth}, locks());
       if (is_new) {
         found_.emplace_back().sign = force.sign;
-        frictions_.emplace_back();
         rows_.push_back(row_of(cut, force.v));
       }
       if (!bounds || found_[at->second].limit < 0) return at->second;
@@ -242,7 +239,6 @@ class JointLaws {
   std::vector<Place> places_;  // by force
   std::vector<int> lock_of_;   // by force
   std::vector<SwitchingForces::Lock> found_;
-  std::vector<std::vector<int>> frictions_;           // by lock
   std::vector<Row> rows_;                             // by lock
   std::map<std::tuple<int, int, int>, int> lock_at_;  // by cut (-1: tree), velocity and number of its locks
   std::vector<int> input_numbers_;                    // of the inputs that the laws have

@@ -116,20 +116,11 @@ class JointModes final : public SwitchingForces {
 
   int locks() const override { return laws_.locks(); }
   const Lock& lock(int lock) const override { return laws_.lock(lock); }
-  DirectedLimit sticking_limit(int lock) const override {
-    return sum_of_friction(
-        lock, [&](int i, const auto& law, double q, const double* u) { return loaded_.at_rest(i, law, q, u); });
-  }
-  DirectedLimit slipping_limit(int lock) const override {
-    return sum_of_friction(
-        lock, [&](int i, const auto& law, double q, const double* u) { return loaded_.at_first(i, law, q, u); });
-  }
   DirectedLimit sliding_limit(int lock, double speed) const override {
     return sum_of_friction(lock, [&](int i, const auto& law, double q, const double* u) {
       return loaded_.in_motion(i, law, q, speed, u);
     });
   }
-  std::span<const int> frictions(int lock) const override { return laws_.frictions(lock); }
   double part_of_friction(int friction, int motion) const override {
     const int lock = laws_.lock_of(friction);
     const double speed = this->speed(lock, state_.v.data());
@@ -143,15 +134,16 @@ class JointModes final : public SwitchingForces {
       return out;
     };
     double sum = 0;
-    for (const int of : frictions(lock)) sum += size(of);
-    return sum > 0 ? size(friction) / sum : 1.0 / static_cast<double>(frictions(lock).size());
+    for (const int of : laws_.lock(lock).frictions) sum += size(of);
+    return sum > 0 ? size(friction) / sum : 1.0 / static_cast<double>(laws_.lock(lock).frictions.size());
   }
   Depth depth(int lock, int side) const override {
     Depth out{-HUGE_VAL, 0};
     const int limit = laws_.lock(lock).limit;
     laws_.visit(limit, [&](const auto& force) {
       if constexpr (Blocks<std::decay_t<decltype(force.element)>>) {
-        out = {force.element.depth(side, laws_.position(force, limit)), force.element.touch_tolerance(side)};
+        out = {force.element.depth(side, laws_.position(force, limit)), force.element.touch_tolerance(side),
+               force.element.restitution};
       }
     });
     return out;
@@ -179,8 +171,9 @@ class JointModes final : public SwitchingForces {
   // Adds limit(index, law, q, u) of the laws of friction of a lock.
   template <class LimitOf>
   DirectedLimit sum_of_friction(int lock, LimitOf limit) const {
-    DirectedLimit out{.vanishes = !frictions(lock).empty()};
-    for (const int i : frictions(lock))
+    const std::vector<int>& frictions = laws_.lock(lock).frictions;
+    DirectedLimit out{.vanishes = !frictions.empty()};
+    for (const int i : frictions)
       laws_.visit_friction(i, [&](const auto& law, double q, const double* u) { out += limit(i, law, q, u); });
     return out;
   }
@@ -215,6 +208,14 @@ class JointModes final : public SwitchingForces {
         needs = needs || force.element.needs_acceleration(force.sign * q[force.q]);
     });
     return needs;
+  }
+  DirectedLimit sticking_limit(int lock) const override {
+    return sum_of_friction(
+        lock, [&](int i, const auto& law, double q, const double* u) { return loaded_.at_rest(i, law, q, u); });
+  }
+  DirectedLimit slipping_limit(int lock) const override {
+    return sum_of_friction(
+        lock, [&](int i, const auto& law, double q, const double* u) { return loaded_.at_first(i, law, q, u); });
   }
   // Without any forces, more than 0.
   double slack(int lock) const override {

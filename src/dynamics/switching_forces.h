@@ -60,8 +60,9 @@ class SwitchingForces {
   // --- coordinates with friction or a limit, by lock: values have the user's signs ---
   struct Lock {
     int friction = -1, limit = -1;  // indices in all forces with modes, the first of friction; -1: it has none
-    double sign = 1;                // user's speed = sign times the mechanism's
-    double restitution = 0;         // 0 without a limit
+    // The laws of its friction, which add up and share one mode: indices in all forces with modes.
+    std::vector<int> frictions;
+    double sign = 1;  // user's speed = sign times the mechanism's
     bool poisson = false;
     bool one_way = false;  // the limit bounds the speed: it is touched at any position
   };
@@ -70,8 +71,6 @@ class SwitchingForces {
   // See element/joint_forces/coordinate_force.h; 0 without friction.
   virtual DirectedLimit sticking_limit(int lock) const = 0;
   virtual DirectedLimit slipping_limit(int lock) const = 0;
-  // The laws of its friction, which add up and share one mode: indices in all forces with modes.
-  virtual std::span<const int> frictions(int lock) const = 0;
   // The part of the friction of its coordinate that one of them exerts: at rest, where they exert it in proportion to
   // their limits, or in motion in this direction at the present speed.
   virtual double part_of_friction(int friction, int motion) const = 0;
@@ -82,9 +81,9 @@ class SwitchingForces {
   // Contacts between shapes, which act by impulses.
   virtual ContactRows& contact_rows() = 0;
   // How far the coordinate is beyond its upper (side 1) or lower limit (side -1) at the current position, and how close
-  // to it counts as contact [rad, m].
+  // to it counts as contact [rad, m]; and the coefficient of restitution with which it is struck.
   struct Depth {
-    double depth, tolerance;
+    double depth, tolerance, restitution = 0;
   };
   virtual Depth depth(int lock, int side) const = 0;
   virtual double speed(int lock, const double* v) const = 0;  // of its coordinate; or its acceleration, from vdot
@@ -123,7 +122,7 @@ inline bool any_can_stick(SwitchingForces& switching_forces) {
 // by_force <- the parts of the laws of a lock of its friction (T), by force with modes.
 template <class T>
 void share_friction(const SwitchingForces& switching_forces, int lock, int motion, const T& friction, T* by_force) {
-  const std::span<const int> laws = switching_forces.frictions(lock);
+  const std::vector<int>& laws = switching_forces.lock(lock).frictions;
   for (const int law : laws)
     by_force[law] = laws.size() == 1 ? friction : T(switching_forces.part_of_friction(law, motion)) * friction;
 }

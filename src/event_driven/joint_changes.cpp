@@ -156,7 +156,7 @@ bool JointChanges::returns(int lock, const LockModes::State& before, const doubl
   const LockModes::State& present = modes_.modes_;
   const int side = present.contacts[lock] == 0 && present.leaves_from[lock] != 0 ? modes_.touched_side(lock) : 0;
   if (side != 0) {
-    const bool rebounds = of.restitution > 0 && before.contacts[lock] == 0;
+    const bool rebounds = forces_.depth(lock, side).restitution > 0 && before.contacts[lock] == 0;
     const double resolution = rebounds ? 0 : modes_.resolution_;
     if (modes_.returns_to(lock, side, resolution, speed, side * forces_.speed(lock, vdot))) return true;
   }

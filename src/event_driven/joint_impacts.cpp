@@ -27,7 +27,7 @@ std::vector<JointImpacts::Struck> JointImpacts::struck(const double* y, const st
     const bool approaches = side * forces_.speed(i, v) > 0 && !modes_.is_slow(i, v);
     out.push_back({.lock = i,
                    .side = side,
-                   .restitution = returns ? 0 : lock.restitution,
+                   .restitution = returns ? 0 : forces_.depth(i, side).restitution,
                    .poisson = lock.poisson,
                    .stops = returns,
                    .approaches = approaches || (returns && side != 0 && before.contacts[i] == 0)});

@@ -30,7 +30,7 @@ void JointOutputs::record(std::span<const LockForces> locks) {
   std::ranges::fill(holding_, 0.0);
   for (std::size_t i = 0; i < locks.size(); ++i) {
     const auto lock = static_cast<int>(i);
-    for (const int law : forces_.frictions(lock)) recorded_sides_[static_cast<std::size_t>(law)] = locks[i].motion;
+    for (const int law : forces_.lock(lock).frictions) recorded_sides_[static_cast<std::size_t>(law)] = locks[i].motion;
     share_friction(forces_, lock, locks[i].motion, locks[i].friction, holding_.data());
     const int limit = forces_.lock(lock).limit;
     if (limit < 0) continue;

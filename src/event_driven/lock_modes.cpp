@@ -47,7 +47,7 @@ LockModes::LockModes(ModeEquations& equations, Dynamics& dynamics, int nq, int n
   for (int i = 0; i < count(); ++i) {
     const SwitchingForces::Lock& lock = forces_.lock(i);
     any_friction_ = any_friction_ || lock.friction >= 0 || lock.one_way;
-    for (const int law : forces_.frictions(i)) lock_of_[static_cast<std::size_t>(law)] = i;
+    for (const int law : forces_.lock(i).frictions) lock_of_[static_cast<std::size_t>(law)] = i;
     if (lock.limit >= 0) lock_of_[static_cast<std::size_t>(lock.limit)] = i;
   }
   owns_all_ = std::ranges::none_of(lock_of_, [](int lock) { return lock < 0; });
@@ -212,7 +212,7 @@ void LockModes::hold() {
   all_at_rest_ = owns_all_;
   distributed_at_ = indicated_at_ = -1;
   for (int i = 0; i < count(); ++i) {
-    for (const int law : forces_.frictions(i)) sides_[static_cast<std::size_t>(law)] = modes_.motions[i];
+    for (const int law : forces_.lock(i).frictions) sides_[static_cast<std::size_t>(law)] = modes_.motions[i];
     const int limit = forces_.lock(i).limit;
     if (limit >= 0) sides_[static_cast<std::size_t>(limit)] = modes_.contacts[i];
     any_at_rest_ = any_at_rest_ || rests(i);

@@ -63,7 +63,7 @@ LawAudit audit_locks(const SwitchingForces& switching_forces, std::span<const do
     const double speed = switching_forces.speed(i, v);
     const bool moves = std::abs(speed) > sign_rounding * fastest;
     double friction = 0;
-    for (const int law : switching_forces.frictions(i)) friction += forces[static_cast<std::size_t>(law)];
+    for (const int law : switching_forces.lock(i).frictions) friction += forces[static_cast<std::size_t>(law)];
     if (lock.friction >= 0) audit_friction(switching_forces, i, friction, speed, moves, slack, audit);
     if (lock.limit >= 0) audit_limit(switching_forces, i, forces[static_cast<std::size_t>(lock.limit)], slack, audit);
   }

@@ -31,10 +31,10 @@ Restitution::Struck TimeStepper::restitution_of(std::size_t cone) const {
   if (cone < points_.size()) {
     out.restitution = loads_.contacts[static_cast<std::size_t>(points_[cone].contact)].restitution;
   } else if (const JointRows::Row& row = joints_[cone - points_.size()]; row.side != 0) {
-    const SwitchingForces::Lock& law = dynamics_.switching_forces().lock(row.lock);
     out.sign = -row.side;
-    out.restitution = law.restitution;
-    out.poisson = law.poisson;
+    const SwitchingForces& forces = dynamics_.switching_forces();
+    out.restitution = forces.depth(row.lock, row.side).restitution;
+    out.poisson = forces.lock(row.lock).poisson;
   }
   return out;
 }

@@ -21,12 +21,13 @@ namespace {
 NamedTable made_table(const std::string& name, const Numbers& x, const Numbers& y, const Numbers& values,
                       int interpolation, int extrapolation) {
   const auto beyond = static_cast<Extrapolation>(extrapolation);
-  return {name, std::make_shared<const gelenk::expression::Table>(gelenk::expression::Table::Data{.name = name,
-                                                          .x = x,
-                                                          .y = y,
-                                                          .values = values,
-                                                          .interpolation = static_cast<Interpolation>(interpolation),
-                                                          .extrapolation = {beyond, beyond}})};
+  return {name, std::make_shared<const gelenk::expression::Table>(
+                    gelenk::expression::Table::Data{.name = name,
+                                                    .x = x,
+                                                    .y = y,
+                                                    .values = values,
+                                                    .interpolation = static_cast<Interpolation>(interpolation),
+                                                    .extrapolation = {beyond, beyond}})};
 }
 
 // An expression in named variables, evaluated in all ways. clock: the variable that is the time; -1: none.
@@ -106,11 +107,11 @@ class Expression {
 }  // namespace
 
 void bind_expressions(nb::module_& m) {
-  nb::class_<NamedTable>(m, "Table").def("__init__", [](NamedTable* at, const std::string& name, const Numbers& x,
-                                                        const Numbers& y, const Numbers& values, int interpolation,
-                                                        int extrapolation) {
-    new (at) NamedTable(made_table(name, x, y, values, interpolation, extrapolation));
-  });
+  nb::class_<NamedTable>(m, "Table")
+      .def("__init__", [](NamedTable* at, const std::string& name, const Numbers& x, const Numbers& y,
+                          const Numbers& values, int interpolation, int extrapolation) {
+        new (at) NamedTable(made_table(name, x, y, values, interpolation, extrapolation));
+      });
   m.def("doubt_about", [](const NamedTable& table) { return table.table->doubt(); });
   nb::class_<Expression>(m, "Expression")
       .def(nb::init<const std::string&, const std::vector<std::string>&, const std::vector<NamedTable>&, int>(),

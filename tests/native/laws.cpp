@@ -32,7 +32,6 @@ class OneCoordinate final : public SwitchingForces {
   bool needs_accelerations() const override { never(); }
   void hold(const int*) override { never(); }
   std::span<double> inputs() override { never(); }
-  std::span<const int> frictions(int) const override { return {&of.friction, of.friction < 0 ? 0u : 1u}; }
   double part_of_friction(int, int) const override { never(); }
   gelenk::DirectedLimit sticking_limit(int) const override { return {sticking, sticking}; }
   gelenk::DirectedLimit slipping_limit(int) const override { never(); }
@@ -80,6 +79,7 @@ void bind_laws(nb::module_& m) {
          double rounding) {
         OneCoordinate switching_forces;
         switching_forces.of.friction = 0;
+        switching_forces.of.frictions = {0};
         switching_forces.of.limit = 1;
         switching_forces.sticking = sticking;
         switching_forces.sliding = sliding;
