@@ -10,7 +10,7 @@
 set(GELENK_HOT src/math src/joint src/linear src/kinematics src/dynamics src/outputs src/integrator src/formulation)
 set(GELENK_WARM src/complementarity src/collision src/contact_geometry src/derivatives src/nonsmooth src/time_stepping src/event_driven
   fmu/runtime)
-set(GELENK_COLD src/util src/expression src/field src/shape src/element src/element/constraints src/event src/scene src/check src/scene_file src/scene_schema
+set(GELENK_COLD src/util src/expression src/field src/shape src/element src/element/components src/element/constraints src/event src/scene src/check src/scene_file src/scene_schema
   src/mechanism src/assembly src/analysis src/preparation src/simulation src/runs src/inspection modelDescription fmu/export)
 
 # gelenk_folders(TARGET folder...): puts the sources of folders into a target, those of each folder together.

@@ -11,7 +11,7 @@ from typing import Any
 from gelenk import _core
 
 DOC = Path(__file__).parent.parent / "docs" / "scene-format.md"
-SECTIONS = ("motors", "forces", "constraints", "contacts", "sensors")
+SECTIONS = ("motors", "forces", "constraints", "contacts", "sensors", "components")
 HEAD = "| type | key | description | unit | default | remark |\n|---|---|---|---|---|---|\n"
 
 

@@ -8,6 +8,7 @@
 
 #include <stdexcept>
 
+#include "element/components/component.h"
 #include "element/kinds.h"
 #include "joint/kinds.h"
 #include "scene/element_numbers.h"
@@ -99,6 +100,23 @@ nb::list value_of(std::span<const Port> ports) {
   return out;
 }
 
+// The outputs of a kind; of a component, those that it has with all optional fields.
+template <class Any>
+nb::list outputs_of(const ElementKind& kind, const Stored<Any>&) {
+  return shown_signals(kind.outputs);
+}
+nb::list outputs_of(const ElementKind& kind, Stored<AnyComponent> component) {
+  for (const Field& field : kind.fields) {
+    if (field.optional) field.of<double>(data_of(*component)) = 1;
+  }
+  const ComponentEquations equations = equations_of(*component);
+  std::vector<SignalGroup> groups;
+  const auto add = [&](const ComponentEquations::Quantity& of) { groups.push_back({of.name, 0, of.unit, of.text}); };
+  for (const ComponentEquations::State& state : equations.states) add(state);
+  for (const ComponentEquations::Value& value : equations.values) add(value);
+  return shown_signals(groups);
+}
+
 template <class Any>
 nb::list section() {
   nb::list out;
@@ -110,7 +128,7 @@ nb::list section() {
     entry["summary"] = std::string(kind.summary);
     entry["ports"] = value_of(kind.ports);
     entry["fields"] = shown_fields(kind.fields, data_of(*plain));
-    entry["outputs"] = shown_signals(kind.outputs);
+    entry["outputs"] = outputs_of(kind, plain);
     entry["between_bodies"] = kind.is_between_bodies;
     out.append(entry);
   }
@@ -175,6 +193,7 @@ nb::dict shown_kinds() {
   out["constraints"] = section<AnyConstraint>();
   out["contacts"] = section<AnyContact>();
   out["sensors"] = section<AnySensor>();
+  out["components"] = section<AnyComponent>();
   out["joints"] = along_joints();
   return out;
 }

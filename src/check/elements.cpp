@@ -221,6 +221,7 @@ template void check_numbers(const Force&, const std::string&, const Coordinate&,
 template void check_numbers(const Constraint&, const std::string&, const Coordinate&, Faults&);
 template void check_numbers(const Contact&, const std::string&, const Coordinate&, Faults&);
 template void check_numbers(const Sensor&, const std::string&, const Coordinate&, Faults&);
+template void check_numbers(const Component&, const std::string&, const Coordinate&, Faults&);
 
 void check_elements(const Scene& scene, Faults& faults, bool partial) {
   each_section(scene, [&](const Section& section, const auto& elements) {

@@ -15,10 +15,18 @@ namespace {
 
 constexpr std::size_t max_name_length = 200;  // characters, the same as for the scene's name
 
+// Whether it is of a component, not of the file.
+template <class Named>
+bool is_part(const Named& named) {
+  if constexpr (requires { named.component; }) return !named.component.empty();
+  return false;
+}
+
 template <class Element>
 void check_section(const std::vector<Element>& elements, const std::string& section, Faults& faults) {
   std::set<std::string> seen;
   for (const Element& element : elements) {
+    if (is_part(element)) continue;
     const std::string path = section + "." + text::printable(element.name);
     if (element.name == ground) {
       faults.add(path, "the name 'ground'", "another name: 'ground' is the fixed body");
@@ -140,12 +148,17 @@ void check_own_names(const Scene& scene, Faults& faults) {
     if (!is_new) faults.add(path, "the name of " + at->second, "a name that nothing else has");
   };
   for (const FormulaNames::Constant& constant : scene.constants) check("constants", constant.name);
-  for (const SceneInput& input : scene.inputs) check("inputs", input.name);
+  for (const SceneInput& input : scene.inputs) {
+    if (!is_part(input)) check("inputs", input.name);
+  }
   for (const ElementState& state : scene.states) {
+    if (is_part(state)) continue;
     check("states", state.name);
     check("states", start_parameter(state.name));
   }
-  for (const NamedExpression& of : scene.expressions) check("expressions", of.name);
+  for (const NamedExpression& of : scene.expressions) {
+    if (!is_part(of)) check("expressions", of.name);
+  }
 }
 
 }  // namespace
@@ -173,7 +186,17 @@ void check_names(const Scene& scene, Faults& faults) {
                 "formulation", "integrator", "step", "start"});
   for (const Body& body : scene.bodies) claims.claim("bodies." + body.name, body.name, {"m", "mass", "com", "inertia"});
   for (const Joint& joint : scene.joints) claims.claim("joints." + joint.name, joint.name, joint_suffixes(joint));
-  for (const ElementState& state : scene.states) claims.claim("states." + state.name, state.name, {"rate"});
+  for (const ElementState& state : scene.states)
+    claims.claim(is_part(state) ? "components." + state.component : "states." + state.name, state.name, {"rate"});
+  const auto claim_parts = [&](const auto& all) {
+    for (const auto& named : all) {
+      if (is_part(named))
+        claims.claim("components." + named.component, named.component, {named.name.substr(named.component.size() + 1)});
+    }
+  };
+  claim_parts(scene.inputs);
+  claim_parts(scene.states);
+  claim_parts(scene.expressions);
   each_section(scene, [&](const Section& section, const auto& elements) {
     for (const auto& element : elements) {
       claims.claim(std::string(section.name) + "." + element.name, element.name, suffixes(scene, element));

@@ -20,13 +20,16 @@ struct AnyForce;
 struct AnyConstraint;
 struct AnyContact;
 struct AnySensor;
-struct JointForces;  // elements along a coordinate of a joint
-struct CutJoint;     // what closes a loop (cut_joint.h)
+struct AnyComponent;
+struct ComponentEquations;  // of a component (components/component.h)
+struct JointForces;         // elements along a coordinate of a joint
+struct CutJoint;            // what closes a loop (cut_joint.h)
 extern template class Stored<AnyMotor>;
 extern template class Stored<AnyForce>;
 extern template class Stored<AnyConstraint>;
 extern template class Stored<AnyContact>;
 extern template class Stored<AnySensor>;
+extern template class Stored<AnyComponent>;
 extern template class Stored<JointForces>;
 extern template class Stored<CutJoint>;
 
@@ -84,8 +87,11 @@ bool includes_joined(const AnyContact& contact);
 // The law of a contact.
 ContactLaw law_of(const AnyContact& contact);
 
-// Returns the inertia that a motor adds to its joint coordinate [kg m2, kg].
+// Returns the inertia that a motor or a component adds to its joint coordinate [kg m2, kg].
 double inertia_of(const AnyMotor& motor);
+double inertia_of(const AnyComponent& component);
+// The equations of a component.
+ComponentEquations equations_of(const AnyComponent& component);
 
 // Description of a type of element along a joint coordinate.
 struct JointForceKind {

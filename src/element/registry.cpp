@@ -181,13 +181,27 @@ ContactLaw law_of(const AnyContact& contact) {
   return std::visit([](const auto& c) { return c.law(); }, contact);
 }
 
-double inertia_of(const AnyMotor& motor) {
+namespace {
+
+template <class Any>
+double added_inertia(const Any& element) {
   return std::visit(
-      [](const auto& m) -> double {
-        if constexpr (requires { m.inertia(); }) return m.inertia();
+      [](const auto& e) -> double {
+        if constexpr (requires { e.inertia(); }) return e.inertia();
         return 0;
       },
-      motor);
+      element);
+}
+
+}  // namespace
+
+double inertia_of(const AnyMotor& motor) { return added_inertia(motor); }
+double inertia_of(const AnyComponent& component) { return added_inertia(component); }
+
+ComponentEquations equations_of(const AnyComponent& component) {
+  ComponentEquations out;
+  std::visit([&](const auto& c) { c.describe(out); }, component);
+  return out;
 }
 
 std::span<const JointForceKind> joint_force_kinds() {
@@ -220,6 +234,7 @@ GELENK_SECTION(AnyForce)
 GELENK_SECTION(AnyConstraint)
 GELENK_SECTION(AnyContact)
 GELENK_SECTION(AnySensor)
+GELENK_SECTION(AnyComponent)
 #undef GELENK_SECTION
 template class Stored<JointForces>;
 

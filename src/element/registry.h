@@ -2,6 +2,7 @@
 // The lists of all sections.
 #pragma once
 
+#include "element/components/registry.h"
 #include "element/constraints/registry.h"
 #include "element/contacts/registry.h"
 #include "element/forces/registry.h"

@@ -71,7 +71,8 @@ class FormulaParser {
   }
 
   bool is_signal(std::string_view name) const {
-    if (name == time_signal || std::ranges::find(known_.signals, name) != known_.signals.end()) return true;
+    if (known_.any || name == time_signal) return true;
+    if (std::ranges::find(known_.signals, name) != known_.signals.end()) return true;
     return is_of(known_.coordinates, name);
   }
   static bool is_of(const std::shared_ptr<const std::unordered_set<std::string>>& names, std::string_view name) {

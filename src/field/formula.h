@@ -42,6 +42,7 @@ struct FormulaNames {
   // Coordinates of joints and their rates, such as "A.phi", and outputs that depend on accelerations, such as forces;
   // in any order; null: none.
   std::shared_ptr<const std::unordered_set<std::string>> coordinates, forces;
+  bool any = false;  // any other name is one of a signal
 };
 inline constexpr std::string_view time_signal = "t";
 

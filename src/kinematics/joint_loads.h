@@ -25,7 +25,7 @@ struct AlongCoordinate {
   double sign = 1;
   int input = 0;                  // index of its first input in the scene
   int joint = -1, component = 0;  // joint of the scene, and which of its coordinates
-  int motor = -1;                 // of the scene; -1: the element is one of the joint
+  int owner = -1;                 // motor of the scene, or component if it is an expression; -1: the joint
 
   // The inputs of the element, by their indices in the scene.
   bool has_formula() const {

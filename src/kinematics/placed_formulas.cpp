@@ -11,9 +11,10 @@ namespace gelenk {
 
 void each_placed_formula(const Loads& loads, const std::function<void(const Formula&, const BranchPlace&)>& visit) {
   const auto of_joint = [&](const auto& force) {
-    constexpr bool is_friction = Switches<std::decay_t<decltype(force.element)>>;
-    visit(force.element.formula(),
-          BranchPlace{is_friction ? BranchPlace::Of::friction : BranchPlace::Of::joint, force.joint});
+    using Of = BranchPlace::Of;
+    const bool is_friction = Switches<std::decay_t<decltype(force.element)>>;
+    const Of of = force.owner >= 0 ? Of::component : is_friction ? Of::friction : Of::joint;
+    visit(force.element.formula(), BranchPlace{of, force.owner >= 0 ? force.owner : force.joint});
   };
   loads.tree.each_formula(of_joint);
   for (const JointLoads& on : loads.cuts) on.each_formula(of_joint);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "mechanism/graph.h"
+#include "scene/component_parts.h"
 #include "scene/shapes.h"
 #include "util/text.h"
 
@@ -115,15 +116,14 @@ struct Reducer {
 
   void check_drives(const Graph& graph) const {
     std::vector<std::string> errors;
-    for (const Motor& motor : scene.motors) {
-      const double inertia = inertia_of(*motor.is);
-      if (inertia == 0) continue;
+    for (const DrivenJoint& driven : driven_joints(scene)) {
+      if (driven.inertia == 0) continue;
       for (const Edge& edge : graph.edges) {
         const int j = edge.scene_joint;
-        if (scene.joints[j].name != motor.joints.front() || out.joints[j].role == JointPlace::Role::tree) continue;
+        if (scene.joints[j].name != driven.joint || out.joints[j].role == JointPlace::Role::tree) continue;
         errors.push_back(
-            (scene.file.empty() ? "" : scene.file + ": ") + "motors." + motor.name + ": found an inertia of " +
-            text::number(inertia) +
+            (scene.file.empty() ? "" : scene.file + ": ") + driven.path + ": found an inertia of " +
+            text::number(driven.inertia) +
             " kg m2 in a loop in which every joint has a motor with inertia; expected an inertia of 0 at one joint "
             "of each loop (add the rotor's inertia to a body there)");
       }

@@ -7,6 +7,7 @@
 #include <unordered_set>
 
 #include "mechanism/graph.h"
+#include "scene/component_parts.h"
 #include "scene/formulas.h"
 
 namespace gelenk {
@@ -25,9 +26,9 @@ using Preference = std::tuple<int, bool, int, bool, bool>;
 class Preferences {
  public:
   Preferences(const Scene& scene, const Graph& graph, bool planar) : scene_(scene), graph_(graph), planar_(planar) {
-    for (const Motor& motor : scene.motors) {
-      driven_or_held_.insert(motor.joints.front());
-      if (inertia_of(*motor.is) > 0) must_be_in_tree_.insert(motor.joints.front());
+    for (const DrivenJoint& driven : driven_joints(scene)) {
+      driven_or_held_.insert(driven.joint);
+      if (driven.inertia > 0) must_be_in_tree_.insert(driven.joint);
     }
     for (const std::string_view joint : constrained_joints(scene)) must_be_in_tree_.insert(joint);
     named_ = named_of_motion(scene);

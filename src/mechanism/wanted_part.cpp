@@ -207,6 +207,7 @@ class Pruner {
   void filter(Scene& scene) const {
     std::erase_if(scene.bodies, [&](const Body& body) { return !is_kept(part_of(body.name)); });
     std::erase_if(scene.joints, [&](const Joint& joint) { return !is_kept(joint); });
+    std::erase_if(scene.efforts, [&](const JointEffort& effort) { return !is_kept(part_of_joint(effort.joint)); });
     filter_named(scene);
     each_section(scene, [&](const Section&, auto& elements) {
       std::erase_if(elements, [&](const auto& element) { return !is_kept(element); });

@@ -125,10 +125,16 @@ void BodyWrenches::add_along_joints(const Reading& reading, const Mechanism& mec
   const auto add = [&](const JointLoads& along, const double* q, const double* v) {
     each_list(along.lists, [&](const auto& list) {
       using E = std::decay_t<decltype(list.front().element)>;
+      constexpr bool is_along = requires { E::group; };
       std::string_view group;
-      if constexpr (requires { E::group; }) group = E::group;
+      if constexpr (is_along) group = E::group;
       for (const auto& force : list) {
-        add_along(force.joint, force.component, force.motor, group, effort_of(force, q, v, u, recorded), reading);
+        std::string_view owner;
+        if (force.owner >= 0) {
+          const auto of = static_cast<std::size_t>(force.owner);
+          owner = is_along ? scene_.components[of].name : scene_.motors[of].name;
+        }
+        add_along(force.joint, force.component, owner, group, effort_of(force, q, v, u, recorded), reading);
       }
     });
   };
@@ -140,12 +146,13 @@ void BodyWrenches::add_along_joints(const Reading& reading, const Mechanism& mec
   }
 }
 
-void BodyWrenches::add_along(int j, int component, int motor, std::string_view group, double effort,
+void BodyWrenches::add_along(int j, int component, std::string_view owner, std::string_view group, double effort,
                              const Reading& reading) {
   const Joint& joint = scene_.joints[static_cast<std::size_t>(j)];
   const JointPlace& place = reduced_.joints[static_cast<std::size_t>(j)];
-  std::string name = motor >= 0 ? scene_.motors[static_cast<std::size_t>(motor)].name : joint.name;
-  if (!group.empty()) name.append(".").append(group);
+  const bool is_driven = !owner.empty();
+  std::string name(is_driven ? owner : joint.name);
+  if (!is_driven && !group.empty()) name.append(".").append(group);
   std::array<double, max_cut_nq> own{};
   std::array<double, 6> tau{};
   const double* const q = place.role == JointPlace::Role::cut ? reading.cut_q : reading.q;
@@ -157,7 +164,7 @@ void BodyWrenches::add_along(int j, int component, int motor, std::string_view g
   const Eigen::Matrix3d R_WM =
       X_WB(body, reading.dynamics).R * joint.child.X_BF.R * canonical_rotation(*joint.is, joint.axes);
   all.push_back(
-      {BodyWrench::Kind::load, name, body, motor >= 0 ? 1 : 0, joint.child.X_BF.p, R_WM * F_M.f, R_WM * F_M.n});
+      {BodyWrench::Kind::load, name, body, is_driven ? 1 : 0, joint.child.X_BF.p, R_WM * F_M.f, R_WM * F_M.n});
 }
 
 void BodyWrenches::add_reactions(int island, const Readings<double>& dynamics) {

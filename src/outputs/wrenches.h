@@ -50,7 +50,9 @@ class BodyWrenches {
   void add_along_joints(const Reading& reading, const Mechanism& mechanism, const Loads& loads, const double* u);
   // effort [N m, N]: along a coordinate of a joint of the scene; motor: that exerts it, or -1: an element of the joint,
   // with the key `group`.
-  void add_along(int joint, int component, int motor, std::string_view group, double effort, const Reading& reading);
+  // owner: name of the motor or component, empty for the joint.
+  void add_along(int joint, int component, std::string_view owner, std::string_view group, double effort,
+                 const Reading& reading);
   void add_reactions(int island, const Readings<double>& dynamics);
   void add_contacts(const Reading& reading, const Mechanism& mechanism);
 

@@ -63,6 +63,8 @@ std::string owner_of_branch(const Scene& scene, const Mechanism& mechanism, cons
       return scene.joints[i].name + ".law";
     case BranchPlace::Of::friction:
       return scene.joints[i].name + ".friction";
+    case BranchPlace::Of::component:
+      return scene.components[i].name;
     case BranchPlace::Of::force:
       return scene.forces[i].name;
     case BranchPlace::Of::mesh:

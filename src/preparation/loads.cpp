@@ -103,10 +103,26 @@ struct LoadCollector {
     std::visit(
         [&]<class E>(const E& element) {
           add(*to, element, place, cut, 0, input, joint_number.at(motor.joints.front()));
-          std::get<std::vector<AlongCoordinate<E>>>(to->lists).back().motor = m;
+          std::get<std::vector<AlongCoordinate<E>>>(to->lists).back().owner = m;
         },
         *motor.is);
     if (!cut) loads.added_inertia[place.iv] += inertia_of(*motor.is);
+  }
+
+  void effort(const JointEffort& effort) {
+    const int j = joint_number.at(effort.joint);
+    const JointPlace& place = reduced.joints[j];
+    JointLoads* const to = along(place);
+    if (to == nullptr) return;
+    add(*to, JointLaw{.force = effort.value}, place, place.role == JointPlace::Role::cut, 0, 0, j);
+    const auto of = std::ranges::find(scene.components, effort.component, &Component::name) - scene.components.begin();
+    std::get<std::vector<AlongCoordinate<JointLaw>>>(to->lists).back().owner = static_cast<int>(of);
+  }
+  void inertia(const Component& component) {
+    if (component.joints.empty()) return;
+    const JointPlace& place = reduced.joints[joint_number.at(component.joints.front())];
+    if (along(place) == nullptr || place.role == JointPlace::Role::cut) return;
+    out[place.island].added_inertia[place.iv] += inertia_of(*component.is);
   }
 
   // input: its first one.
@@ -259,6 +275,8 @@ void LoadAssembler::fill(std::vector<Loads>& loads) const {
   collector.states();
   for (std::size_t m = 0; m < scene_.motors.size(); ++m)
     collector.motor(static_cast<int>(m), inputs_[sections::motors][m]);
+  for (const Component& component : scene_.components) collector.inertia(component);
+  for (const JointEffort& effort : scene_.efforts) collector.effort(effort);
   for (int j = 0; j < static_cast<int>(scene_.joints.size()); ++j)
     collector.joint(j, inputs_[sections::joints][static_cast<std::size_t>(j)]);
   for (std::size_t f = 0; f < scene_.forces.size(); ++f) {

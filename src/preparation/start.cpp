@@ -11,6 +11,7 @@
 #include "joint/turns.h"
 #include "kinematics/coordinate_rows.h"
 #include "mechanism/mechanism.h"
+#include "scene/component_parts.h"
 #include "scene/scene.h"
 #include "util/text.h"
 
@@ -97,7 +98,7 @@ std::vector<bool> preferred_velocities(const Scene& scene, const ReducedScene& r
   const Mechanism& mechanism = reduced.islands[island];
   std::vector<bool> out(mechanism.nv, false);
   std::unordered_set<std::string_view> driven;
-  for (const Motor& motor : scene.motors) driven.insert(motor.joints.front());
+  for (const DrivenJoint& at : driven_joints(scene)) driven.insert(at.joint);
   for (const Constraint& c : scene.constraints) {
     if (!c.joints.empty() && !holds_positions(*c.is))
       driven.insert(c.joints.front());  // its coordinate is not constrained

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <memory>
 
+#include "scene/component_parts.h"
 #include "scene/element_numbers.h"
 
 namespace gelenk {
@@ -48,6 +49,12 @@ void each_formula(Scene& scene, Visit visit) {
       }
     }
   }
+  for (JointEffort& effort : scene.efforts) {
+    const auto place = [&] {
+      return ElementPlace{.name = effort.component, .frames = {}, .joints = {effort.joint}, .coordinate = {}};
+    };
+    visit(effort.value, JointEffort::fields().front(), coordinate_of(kind_of_joint(scene, effort.joint)), place);
+  }
   if (scene.gravity_field) {
     const auto everywhere = [&] {
       ElementPlace place{.name = "gravity", .frames = {}, .joints = {}, .coordinate = {}};
@@ -83,6 +90,7 @@ void add_coordinate_names(std::string_view joint, const JointKind& kind, std::un
 FormulaNames formula_names(const Scene& scene) {
   FormulaNames out;
   out.constants = scene.constants;
+  add_component_constants(scene, out.constants);
   for (const SceneTable& table : scene.tables) out.tables.push_back({table.name, table.is});
   for (const SceneInput& input : scene.inputs) out.signals.push_back(input.name);
   for (const ElementState& state : scene.states) out.signals.push_back(state.name);
@@ -167,6 +175,7 @@ std::optional<SensorOutput> find_sensor_output(const Scene& scene, std::string_v
 
 bool couples(const Scene& scene, const Formula& formula) {
   return std::ranges::any_of(formula.signal_names(), [&](const std::string& name) {
+    if (std::ranges::find(scene.inputs, name, &SceneInput::name) != scene.inputs.end()) return false;
     return name.find('.') != name.npos ||
            std::ranges::find(scene.states, name, &ElementState::name) != scene.states.end();
   });

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "element/forces/gravity_force.h"
+#include "element/joint_forces/coordinate_force.h"
 #include "element/kinds.h"
 #include "joint/kinds.h"
 #include "math/spatial.h"
@@ -92,16 +93,19 @@ using Force = Element<AnyForce>;
 using Constraint = Element<AnyConstraint>;
 using Contact = Element<AnyContact>;
 using Sensor = Element<AnySensor>;
+using Component = Element<AnyComponent>;
 
 // An input that expressions read, of no element.
 struct SceneInput {
   std::string name, unit, text;  // unit: in FMI's spelling; empty: none
+  std::string component;         // to which it belongs (component_parts.h); empty: none
   double start = 0;
 };
 
 // A quantity x with a rate of its own, x' = rate, such as a current, a pressure or the integral of a controller.
 struct ElementState {
   std::string name, unit, text;  // unit: in FMI's spelling; empty: none
+  std::string component;         // to which it belongs; empty: none
   Formula rate;                  // of x in SI units [unit/s]
   double start = 0;
   double nominal = 0;  // size of ordinary values, for tolerances; 0: 1 in natural units
@@ -116,11 +120,27 @@ struct ElementState {
 // An expression with a name: an output, and what other expressions mean by the name.
 struct NamedExpression {
   std::string name, unit, text;  // unit: in FMI's spelling; empty: none
+  std::string component;         // to which it belongs; empty: none
   Formula value;                 // in SI units
 
   static std::span<const Field> fields() {
     static constexpr Field all[] = {field<&NamedExpression::value>(
         {.name = "value", .text = "value of the expression", .required = true, .reads = FormulaReads::forces})};
+    return all;
+  }
+};
+
+// What a component exerts along the only coordinate of a joint.
+struct JointEffort {
+  std::string component, joint;
+  Formula value;
+
+  static std::span<const Field> fields() {
+    static constexpr Field all[] = {field<&JointEffort::value>({.name = "effort",
+                                                                .unit = "{f}",
+                                                                .text = "{torque} along {coordinate}",
+                                                                .variables = variables_along,
+                                                                .reads = FormulaReads::signals})};
     return all;
   }
 };
@@ -193,6 +213,8 @@ struct Scene {
   std::vector<Constraint> constraints;
   std::vector<Contact> contacts;
   std::vector<Sensor> sensors;
+  std::vector<Component> components;
+  std::vector<JointEffort> efforts;     // of components
   std::vector<std::string> parameters;  // paths of the FMU's parameters, such as "crank.mass"
   std::vector<std::string> outputs;     // names and patterns of the wanted outputs (wanted_outputs.h); empty: all
   std::optional<OmittedSizes> left_out;
@@ -215,11 +237,13 @@ inline constexpr Section constraints_section = {
 inline constexpr Section contacts_section = {
     "contacts", "Contacts between shapes: friction and restitution by pairs of surfaces.", "contact"};
 inline constexpr Section sensors_section = {"sensors", "Outputs in addition to the joints' states."};
+inline constexpr Section components_section = {"components",
+                                               "Components with states: motors, controllers, filters, chambers."};
 
 // Indices of the sections in the order of each_section().
 namespace sections {
-inline constexpr int motors = 0, forces = 1, constraints = 2, contacts = 3, sensors = 4;
-inline constexpr int joints = 5, states = 6, expressions = 7;  // after them
+inline constexpr int motors = 0, forces = 1, constraints = 2, contacts = 3, sensors = 4, components = 5;
+inline constexpr int joints = 6, states = 7, expressions = 8;  // after them
 }  // namespace sections
 
 // Calls visit(section, elements) for each section of elements.
@@ -230,6 +254,7 @@ void each_section(S& scene, Visit&& visit) {
   visit(constraints_section, scene.constraints);
   visit(contacts_section, scene.contacts);
   visit(sensors_section, scene.sensors);
+  visit(components_section, scene.components);
 }
 
 // All errors in a scene, one complete line each: "file: path: found ..., expected ...".

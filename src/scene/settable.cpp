@@ -212,7 +212,7 @@ double SettableNumber::get(const Scene& scene) const {
 
 void SettableNumber::put(Scene& scene, double value) const {
   place(scene) = value;
-  if (of_ == Of::constant) renew_formulas(scene);
+  if (of_ == Of::constant || (of_ == Of::element && section_ == sections::components)) renew_formulas(scene);
   if (of_ != Of::inertia) return;
   const auto& [r, c] = inertia_places[static_cast<std::size_t>(i_)];
   scene.bodies[owner_].inertia(c, r) = value;

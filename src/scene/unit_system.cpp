@@ -121,6 +121,8 @@ class Converter {
     for (Body& body : scene.bodies) convert(body);
     for (BodyShape& shape : scene.ground_shapes) convert(shape);
     for (Joint& joint : scene.joints) convert(joint);
+    for (JointEffort& effort : scene.efforts)
+      convert(JointEffort::fields().front(), effort.value, coordinate_of(kind_of_joint(scene, effort.joint)));
     each_section(scene, [&](const Section&, auto& elements) {
       for (auto& element : elements) {
         for (BodyFrame& frame : element.frames) convert(frame);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "scene/component_parts.h"
 #include "scene_file/element_fields.h"
 #include "scene_file/reader.h"
 
@@ -139,10 +140,37 @@ void read_section(const Json& section, const Section& of, Reader& reader, std::v
 
 }  // namespace
 
+void add_component_names(const Json& components, const Json* joints, const Scene& scene, FormulaNames& names) {
+  if (!components.is_object()) return;
+  Scene seen;  // of which nothing but the components and the types of joints is known
+  Faults ignored(scene.file);
+  SuspectNames suspect_names;
+  Reader reader{seen, ignored, {}, {}, suspect_names, {}};
+  reader.names.tables = names.tables;
+  reader.names.constants = names.constants;
+  reader.names.any = true;
+  each_typed(joints, [&](const std::string& name, const std::string& type) {
+    if (find_joint_kind(type) == nullptr) return;
+    Joint& joint = seen.joints.emplace_back();
+    joint.name = name;
+    joint.type = type;
+    reader.joints.push_back(name);
+  });
+  read_section(components, components_section, reader, seen.components);
+  std::erase_if(seen.components, [](const Component& component) {
+    return std::ranges::any_of(component.joints, [](const std::string& joint) { return joint.empty(); });
+  });
+  add_component_names(seen, names);
+}
+
 void read_elements(Fields& sections, Reader& reader) {
   each_section(reader.scene, [&](const Section& section, auto& elements) {
     const Json* value = sections.find(std::string(section.name));
     if (value != nullptr) read_section(*value, section, reader, elements);
+  });
+  if (reader.faults.count() > 0) return;
+  add_component_parts(reader.scene, reader.names, [&](const Component& component, const std::string& found) {
+    reader.faults.add("components." + text::printable(component.name), found, "expressions that name less");
   });
 }
 

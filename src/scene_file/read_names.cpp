@@ -94,6 +94,7 @@ void read_formulas(const Json* section, const std::string& name, std::vector<Nam
   const Field& field = Named::fields().front();
   const std::string key(field.name);
   for (Named& named : all) {
+    if (!named.component.empty()) continue;
     const Json& value = section->at(named.name);
     const std::string path = name + "." + text::printable(named.name);
     if (value.is_object() && value.contains(key)) {
@@ -121,20 +122,6 @@ void read_formulas(const Json* states, const Json* expressions, Reader& reader) 
   read_formulas(expressions, "expressions", reader.scene.expressions, reader);
 }
 
-namespace {
-
-// Calls visit(name, type) for the entries of a section that has not been read.
-template <class Visit>
-void each_typed(const Json* section, Visit visit) {
-  if (section == nullptr || !section->is_object()) return;
-  for (const auto& [name, entry] : section->items()) {
-    if (entry.is_object() && entry.contains("type") && entry.at("type").is_string())
-      visit(name, entry.at("type").template get<std::string>());
-  }
-}
-
-}  // namespace
-
 FormulaNames names_in(const SectionsNotRead& sections, const Scene& scene) {
   FormulaNames out = formula_names(scene);
   out.expressions.clear();
@@ -150,6 +137,7 @@ FormulaNames names_in(const SectionsNotRead& sections, const Scene& scene) {
     if (kind != kinds.end()) add_sensor_names(name, *kind, *coordinates);
   });
   out.coordinates = coordinates;
+  if (sections.components != nullptr) add_component_names(*sections.components, sections.joints, scene, out);
   return out;
 }
 

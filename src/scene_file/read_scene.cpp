@@ -123,7 +123,11 @@ void read_sections(Fields& fields, Scene& scene, SuspectNames& suspect_names) {
   const Json* expressions = fields.find("expressions");
   if (states != nullptr) read_states(*states, reader);
   if (expressions != nullptr) read_expressions(*expressions, reader);
-  reader.names = names_in({.joints = joints, .sensors = fields.peek("sensors"), .expressions = expressions}, scene);
+  reader.names = names_in({.joints = joints,
+                           .sensors = fields.peek("sensors"),
+                           .expressions = expressions,
+                           .components = fields.peek("components")},
+                          scene);
   if (gravity != nullptr) read_gravity(*gravity, fields, reader);
   if (bodies != nullptr && bodies->is_object()) reader.bodies = {ground};
   for (std::string& name : keys(bodies)) reader.bodies.push_back(std::move(name));

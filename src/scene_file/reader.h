@@ -39,7 +39,7 @@ void read_expressions(const Json& section, Reader& reader);
 void read_formulas(const Json* states, const Json* expressions, Reader& reader);
 // What expressions may name: of the scene as far as it has been read, and of these sections.
 struct SectionsNotRead {
-  const Json *joints, *sensors, *expressions;
+  const Json *joints, *sensors, *expressions, *components;
 };
 FormulaNames names_in(const SectionsNotRead& sections, const Scene& scene);
 void read_bodies(const Json& section, Reader& reader);
@@ -48,7 +48,18 @@ void read_ground(const Json& section, Reader& reader);
 // Reads {name: {sphere: 0.1, position: [..], surface: wood}, ...}. path: that of the mapping.
 std::vector<BodyShape> read_shapes(const Json& value, const std::string& path, Faults& faults);
 void read_joints(const Json& section, Reader& reader);
-// Reads all sections of elements.
+// What expressions may name of components (scene/component_parts.h) that have not been read. joints: their section.
+void add_component_names(const Json& components, const Json* joints, const Scene& scene, FormulaNames& names);
+// Calls visit(name, type) for the entries of a section that has not been read; null: of none.
+template <class Visit>
+void each_typed(const Json* section, Visit visit) {
+  if (section == nullptr || !section->is_object()) return;
+  for (const auto& [name, entry] : section->items()) {
+    if (entry.is_object() && entry.contains("type") && entry.at("type").is_string())
+      visit(name, entry.at("type").template get<std::string>());
+  }
+}
+// Reads all sections of elements, and adds the parts of components.
 void read_elements(Fields& sections, Reader& reader);
 void read_parameters(const Json& section, Reader& reader);
 void read_outputs(const Json& section, Reader& reader);

@@ -220,12 +220,14 @@ void add_names(Json& out, const Scene& scene) {
   for (const FormulaNames::Constant& constant : scene.constants) out["constants"][constant.name] = constant.value;
   for (const SceneTable& of : scene.tables) out["tables"][of.name] = table(of);
   for (const SceneInput& of : scene.inputs) {
+    if (!of.component.empty()) continue;
     Json& input = out["inputs"][of.name] = Json::object();
     if (!of.unit.empty()) input["unit"] = of.unit;
     if (of.start != 0) input["start"] = of.start;
     if (!of.text.empty()) input["text"] = of.text;
   }
   for (const ElementState& of : scene.states) {
+    if (!of.component.empty()) continue;
     Json& state = out["states"][of.name] = {{"rate", std::string(of.rate.text())}};
     if (!of.unit.empty()) state["unit"] = of.unit;
     if (of.start != 0) state["start"] = of.start;
@@ -233,6 +235,7 @@ void add_names(Json& out, const Scene& scene) {
     if (!of.text.empty()) state["text"] = of.text;
   }
   for (const NamedExpression& of : scene.expressions) {
+    if (!of.component.empty()) continue;
     Json& expression = out["expressions"][of.name] = {{"value", std::string(of.value.text())}};
     if (!of.unit.empty()) expression["unit"] = of.unit;
     if (!of.text.empty()) expression["text"] = of.text;

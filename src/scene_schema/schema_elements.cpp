@@ -220,6 +220,7 @@ Json elements(const Section& section, const std::vector<Force>&) { return elemen
 Json elements(const Section& section, const std::vector<Constraint>&) { return elements<AnyConstraint>(section); }
 Json elements(const Section& section, const std::vector<Contact>&) { return elements<AnyContact>(section); }
 Json elements(const Section& section, const std::vector<Sensor>&) { return elements<AnySensor>(section); }
+Json elements(const Section& section, const std::vector<Component>&) { return elements<AnyComponent>(section); }
 
 Json shapes() {
   Json fields = {

@@ -41,6 +41,7 @@ Json elements(const Section& section, const std::vector<Force>&);
 Json elements(const Section& section, const std::vector<Constraint>&);
 Json elements(const Section& section, const std::vector<Contact>&);
 Json elements(const Section& section, const std::vector<Sensor>&);
+Json elements(const Section& section, const std::vector<Component>&);
 // Schema of a mapping from names to shapes.
 Json shapes();
 

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Components: motors with circuits, controllers, filters, chambers. A component is a header with fields and equations
+// as texts, from which scene/component_parts.h makes states, named expressions and inputs of the scene, and a force
+// along a joint. Besides what elements share (element/element.h) it has
+//
+//   ports                          none, or a joint with one coordinate
+//   describe(ComponentEquations& of) const  its equations
+//   inertia()                      what it adds to that of its joint's coordinate [kg m2, kg]; optional
+//
+// Texts are expressions in SI units. They name the fields, signals, states and values of the component, and `position`
+// and `speed` of its joint. Which equations there are may depend on which optional fields are given, not on numbers,
+// since these are parameters.
+#pragma once
+
+#include <cmath>
+#include <initializer_list>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "element/element.h"
+#include "element/joint_forces/coordinate_force.h"
+
+namespace gelenk {
+
+struct ComponentEquations {
+  // What all quantities have; unit: as of a field.
+  struct Quantity {
+    std::string_view name, unit, text;
+  };
+  struct State : Quantity {
+    std::string rate;
+    double start = 0;
+    double nominal = 0;  // 0: 1 in the unit
+  };
+  struct Value : Quantity {
+    std::string value;
+    bool is_given = false;  // by a field, as an expression of the user's
+  };
+  std::vector<Quantity> inputs;
+  std::vector<State> states;
+  std::vector<Value> values;
+  std::string_view effort;  // along the joint; empty: none
+
+  // Several texts one after the other.
+  using Texts = std::initializer_list<std::string_view>;
+  // A signal that a field of this name gives as an expression, or else an input.
+  void signal(const Quantity& quantity, const Formula& given);
+  void state(const Quantity& quantity, Texts rate, double start = 0, double nominal = 0);
+  void value(const Quantity& quantity, Texts value);
+  // The effort on the joint, also an output.
+  void act(Texts value);
+};
+// As one text.
+std::string joined(ComponentEquations::Texts texts);
+
+inline bool is_given(double optional) { return std::isfinite(optional); }
+
+// The port of components that act on a joint.
+inline constexpr Port driven_joint = {.kind = Port::Kind::joint,
+                                      .name = "joint",
+                                      .text = "Joint with one degree of freedom",
+                                      .fits = [](const JointKind& kind) { return kind.nq == 1 && kind.nv == 1; }};
+inline constexpr Port driven_slide = {
+    .kind = Port::Kind::joint, .name = "joint", .text = "Prismatic joint", .fits = [](const JointKind& kind) {
+      return kind.nq == 1 && kind.nv == 1 && kind.q[0].unit == "m";
+    }};
+inline constexpr Port driven_shaft = {
+    .kind = Port::Kind::joint, .name = "joint", .text = "Revolute joint", .fits = [](const JointKind& kind) {
+      return kind.nq == 1 && kind.nv == 1 && kind.q[0].unit == "rad";
+    }};
+
+}  // namespace gelenk
