@@ -185,6 +185,19 @@ void check_contact_methods(const Scene& scene, Faults& faults) {
   }
 }
 
+// Resets of states are located events, which steps with impulses do not have.
+void check_resets(const Scene& scene, Faults& faults) {
+  const bool may_be_impulses = scene.solver.integrator == "auto" && !scene.contacts.empty();
+  if (!steps_with_impulses(scene) && !may_be_impulses) return;
+  for (const ElementState& state : scene.states) {
+    if (state.resets.empty()) continue;
+    faults.add("states." + text::printable(state.name) + ".resets",
+               may_be_impulses ? "resets with contacts and the integrator auto, which may take steps with impulses"
+                               : "resets with the integrator moreau-jean",
+               "an integrator that locates events, such as erk or dirk");
+  }
+}
+
 // Dependent coordinates cannot be solved for if a constraint acts on velocities only; and only `projection` keeps
 // coordinates at rest.
 void check_formulation(const Scene& scene, Faults& faults) {
@@ -229,6 +242,7 @@ void check_elements(const Scene& scene, Faults& faults, bool partial) {
   });
   check_formulation(scene, faults);
   check_contact_methods(scene, faults);
+  check_resets(scene, faults);
 }
 
 }  // namespace gelenk

@@ -227,6 +227,10 @@ class JointLaws {
     };
     each_formula(std::as_const(*state_.loads.forces), [&](const Formula& formula, int) { add_all(formula); });
     for (const Formula& rate : state_.loads.rates) add_all(rate);
+    for (const PlacedReset& reset : state_.loads.resets) {
+      add_all(reset.when);
+      add_all(reset.to);
+    }
     for (const MeshLosses& of : state_.loads.losses) MeshLosses::each(of, add_all);
     inputs_.resize(static_cast<std::size_t>(end) + 1);
   }

@@ -41,7 +41,7 @@ class LawKinksOf final : public LawKinks {
       look(formula);
       between_bodies_ = between_bodies_ || formula.branches() > 0;
     });
-    for (const Formula& rate : state_.loads.rates) look(rate);
+    each_of_states(look);
     laws_.each_branching_loss([&](const Formula& formula, int) {
       look(formula);
       depends_on_speed_ = depends_on_speed_ || names_variable(formula, 0);
@@ -68,11 +68,11 @@ class LawKinksOf final : public LawKinks {
     find_rates(all, vdot);
     const double* const rates = rates_.empty() ? nullptr : rates_.data();
     if (between_bodies_) kernels::force_branches(state_.loads, all, rates, state_.ws, arguments_.data());
-    for (const Formula& rate : state_.loads.rates) {
+    each_of_states([&](const Formula& formula) {
       std::array<Dual, Formula::max_signals> signals;
-      rate.take_signals(all, rates, At::of_signals, signals.data());
-      rate.decide<Dual>(nullptr, signals.data(), arguments_.data() + rate.first_branch());
-    }
+      formula.take_signals(all, rates, At::of_signals, signals.data());
+      formula.decide<Dual>(nullptr, signals.data(), arguments_.data() + formula.first_branch());
+    });
     laws_.each_branching([&](const auto& force, int cut, const double* q, const double* v) {
       Dual at(force.sign * q[force.q]);
       Dual speed(force.sign * v[force.v]);
@@ -137,15 +137,22 @@ class LawKinksOf final : public LawKinks {
   }
 
  private:
+  // The rates of element states, and the conditions of their resets.
+  template <class Visit>
+  void each_of_states(Visit visit) const {
+    for (const Formula& rate : state_.loads.rates) visit(rate);
+    for (const PlacedReset& reset : state_.loads.resets) visit(reset.when);
+  }
+
   // What decides on each branch at the present state.
   void decide() {
     const double* const all = signals();
     if (between_bodies_) kernels::force_branches(state_.loads, all, nullptr, state_.ws, values_.data());
-    for (const Formula& rate : state_.loads.rates) {
+    each_of_states([&](const Formula& formula) {
       std::array<double, Formula::max_signals> signals;
-      rate.take_signals(all, signals.data());
-      rate.decide<double>(nullptr, signals.data(), values_.data() + rate.first_branch());
-    }
+      formula.take_signals(all, signals.data());
+      formula.decide<double>(nullptr, signals.data(), values_.data() + formula.first_branch());
+    });
     laws_.each_branching([&](const auto& force, int, const double* q, const double* v) {
       std::array<double, Formula::max_signals> signals;
       const Formula& formula = force.element.formula();

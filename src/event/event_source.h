@@ -68,11 +68,14 @@ class EventSource {
   virtual std::string refusal() const { return {}; }
 };
 
+// Whether an indicator with this value and rate counts as positive.
+inline bool is_positive(double g, double gdot) { return g > 0 || (g == 0 && gdot >= 0); }
+
 // Evaluates the indicators at (t, y) and determines which are positive; at zero, those with nonnegative rate.
 inline void read_mode(EventSource& source, double t, const double* y, std::vector<double>& g, std::vector<double>& gdot,
                       bool* positive) {
   source.indicator_values(t, y, g.data(), gdot.data());
-  for (std::size_t i = 0; i < g.size(); ++i) positive[i] = g[i] > 0 || (g[i] == 0 && gdot[i] >= 0);
+  for (std::size_t i = 0; i < g.size(); ++i) positive[i] = is_positive(g[i], gdot[i]);
 }
 
 // Holds a mode of the equations during its lifetime.

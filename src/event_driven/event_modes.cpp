@@ -83,6 +83,7 @@ EventModes::EventModes(const Context& context)
       gdot_(g_.size()),
       rates_(static_cast<std::size_t>(nq_ + context.mechanism.nv + context.loads.states())),
       locks_(context.equations, dynamics_, nq_, context.mechanism.nv, log_, sides_),
+      resets_(loads_, dynamics_, equations_, nq_, nv_),
       outputs_(dynamics_, locks_, sides_),
       contacts_(std::make_unique<ContactModes>(ContactModes::Context{context.mechanism, dynamics_, context.loads,
                                                                      context.equations, context.locates_contacts})),
@@ -159,6 +160,7 @@ void EventModes::indicator_values(double t, const double* y, double* g, double* 
 }
 
 void EventModes::start(double t, const double* y) {
+  resets_.start(t, y);
   contacts_->start();
   changes_->start(t, y);
 }
@@ -168,10 +170,14 @@ void EventModes::release() {
   if (!locks_.empty()) locks_.release();
 }
 
-bool EventModes::recall_mode(double t, double* y) { return changes_->recall(t, y); }
+bool EventModes::recall_mode(double t, double* y) {
+  const bool jumped = resets_.apply(t, y);
+  return changes_->recall(t, y) || jumped;
+}
 
 void EventModes::change_mode(double t, double* y) {
   hold_mode(t, nullptr);  // stops and signs of loads follow from the state, at which the others are decided on
+  resets_.apply(t, y);
   changes_->change(t, y);
 }
 
@@ -244,6 +250,7 @@ std::string EventModes::refusal() const {
            ", where no force can stop it: closed loops or prescribed motions determine its motion, which leads beyond";
   }
   if (const std::string& why = changes_->refusal(); !why.empty()) return why;
+  if (resets_.endless() >= 0) return "the resets of element states cause each other without end at one instant";
   return log_.too_many();
 }
 
@@ -272,6 +279,7 @@ bool EventModes::drift(double t, double* y, double dt) {
 }
 
 void EventModes::serialize(Archive& archive) {
+  resets_.serialize(archive);
   locks_.serialize(archive);
   contacts_->serialize(archive);
   changes_->serialize(archive);

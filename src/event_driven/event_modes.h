@@ -13,6 +13,7 @@
 #include "event_driven/hidden_changes.h"
 #include "event_driven/joint_outputs.h"
 #include "event_driven/lock_modes.h"
+#include "event_driven/state_resets.h"
 #include "kinematics/placed_formulas.h"
 
 namespace gelenk {
@@ -131,6 +132,7 @@ class EventModes final : public EventSource {
     double before = 0;  // what it was before
   } left_by_forces_;
   LockModes locks_;
+  StateResets resets_;
   JointOutputs outputs_;
   std::unique_ptr<ContactModes> contacts_;
   std::unique_ptr<ModeChanges> changes_;

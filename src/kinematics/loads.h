@@ -25,6 +25,12 @@ struct NamedQuantity {
   std::shared_ptr<const NamedReading> reading;  // of a sensor; the above is then of no meaning
 };
 
+// A jump of an element state of an island, see scene/scene.h.
+struct PlacedReset {
+  int state = 0;  // among those of the island
+  Formula when, to;
+};
+
 struct Loads {
   Eigen::Vector3d gravity = Eigen::Vector3d::Zero();   // m/s2, in the root's axes
   Eigen::Matrix3d R_0W = Eigen::Matrix3d::Identity();  // the world's axes, in the root's
@@ -39,6 +45,7 @@ struct Loads {
   // of the motion, which the kernels add.
   int first_state = 0;
   std::vector<Formula> rates;              // of the element states
+  std::vector<PlacedReset> resets;         // of the element states
   std::vector<Formula> values;             // of the named expressions, as outputs
   std::vector<NamedQuantity> named;        // after those
   std::vector<MeshLosses> losses;          // by coordinate row

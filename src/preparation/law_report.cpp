@@ -71,6 +71,8 @@ std::string owner_of_branch(const Scene& scene, const Mechanism& mechanism, cons
       return scene.constraints[static_cast<std::size_t>(mechanism.coordinate_rows[i].constraint)].name;
     case BranchPlace::Of::state:
       return scene.states[static_cast<std::size_t>(mechanism.states[i])].name + ".rate";
+    case BranchPlace::Of::reset:
+      return scene.states[static_cast<std::size_t>(mechanism.states[i])].name + ".resets";
     case BranchPlace::Of::gravity:
       break;
   }

@@ -27,6 +27,7 @@ void clear(Loads& loads) {
   clear_forces(*loads.forces);
   loads.inputs.clear();
   loads.rates.clear();
+  loads.resets.clear();
   loads.values.clear();
   loads.named.clear();
   loads.losses.clear();
@@ -193,11 +194,15 @@ struct LoadCollector {
   }
 
   void bind(Formula& formula, int island) {
-    Loads& loads = out[static_cast<std::size_t>(island)];
     int& first = branches[static_cast<std::size_t>(island)];
-    binder.bind(formula, reduced.islands[static_cast<std::size_t>(island)], loads);
-    formula.bind_branches(loads.branches.get(), first);
+    bind_signals(formula, island);
+    formula.bind_branches(out[static_cast<std::size_t>(island)].branches.get(), first);
     first += formula.branches();
+  }
+
+  void bind_signals(Formula& formula, int island) {
+    Loads& loads = out[static_cast<std::size_t>(island)];
+    binder.bind(formula, reduced.islands[static_cast<std::size_t>(island)], loads);
     for (const int signal : formula.signals()) {
       const bool is_given = signal < loads.first_named();
       if (is_given && std::ranges::find(loads.inputs, signal) == loads.inputs.end()) loads.inputs.push_back(signal);
@@ -211,10 +216,18 @@ struct LoadCollector {
         const ElementState& state = scene.states[static_cast<std::size_t>(number)];
         out[i].rates.push_back(state.rate);
         out[i].rates.back().set_sizes(size_of(state, scene.units), {});
+        for (const StateReset& reset : state.resets) {
+          out[i].resets.push_back({static_cast<int>(out[i].rates.size()) - 1, reset.when, reset.to});
+          out[i].resets.back().to.set_sizes(size_of(state, scene.units), {});
+        }
       }
     }
     for (std::size_t i = 0; i < out.size(); ++i) {
       for (Formula& rate : out[i].rates) bind(rate, static_cast<int>(i));
+      for (PlacedReset& reset : out[i].resets) {
+        bind(reset.when, static_cast<int>(i));
+        bind_signals(reset.to, static_cast<int>(i));  // its kinks are no events
+      }
       for (const int number : reduced.islands[i].expressions) {
         const NamedExpression& of = scene.expressions[static_cast<std::size_t>(number)];
         Formula& value = out[i].values.emplace_back(of.value);

@@ -36,6 +36,13 @@ void each_formula(Scene& scene, Visit visit) {
     }
   };
   of_none(scene.states);
+  for (ElementState& state : scene.states) {
+    const auto nowhere = [&] { return ElementPlace{.name = state.name, .frames = {}, .joints = {}, .coordinate = {}}; };
+    for (StateReset& reset : state.resets) {
+      each_of(StateReset::fields(), &reset, {},
+              [&](Formula& formula, const Field& field, const Coordinate& at) { visit(formula, field, at, nowhere); });
+    }
+  }
   of_none(scene.expressions);
   for (Joint& joint : scene.joints) {
     const JointKind& kind = *find_joint_kind(joint.type);

@@ -102,6 +102,24 @@ struct SceneInput {
   double start = 0;
 };
 
+// A jump of a state at the instants at which a condition becomes true.
+struct StateReset {
+  std::string condition;  // as in the file
+  Formula when;           // 1 where it is true, 0 elsewhere
+  Formula to;             // the state after the jump, from all values before it
+
+  static std::span<const Field> fields() {
+    static constexpr Field all[] = {
+        field<&StateReset::when>(
+            {.name = "when", .text = "condition", .required = true, .reads = FormulaReads::signals}),
+        field<&StateReset::to>({.name = "to",
+                                .text = "state after the jump, in SI units",
+                                .required = true,
+                                .reads = FormulaReads::signals})};
+    return all;
+  }
+};
+
 // A quantity x with a rate of its own, x' = rate, such as a current, a pressure or the integral of a controller.
 struct ElementState {
   std::string name, unit, text;  // unit: in FMI's spelling; empty: none
@@ -109,6 +127,7 @@ struct ElementState {
   Formula rate;                  // of x in SI units [unit/s]
   double start = 0;
   double nominal = 0;  // size of ordinary values, for tolerances; 0: 1 in natural units
+  std::vector<StateReset> resets;
 
   static std::span<const Field> fields() {
     static constexpr Field all[] = {field<&ElementState::rate>(

@@ -67,6 +67,7 @@ void read_states(const Json& section, Reader& reader) {
                fields.require("rate", "an expression");
                read_quantity(fields, reader.faults, state);
                state.nominal = fields.number("nominal", 0, state.unit, Range::positive);
+               fields.find("resets");  // read with the rate
                fields.done();
              });
 }
@@ -117,8 +118,51 @@ void add_texts(const Json* section, FormulaNames& names) {
 
 }  // namespace
 
+namespace {
+
+void read_condition(const Json& value, const std::string& path, Reader& reader, StateReset& reset) {
+  constexpr const char* expected = "a condition, such as x > 0.1";
+  const auto text = read_text(value, path, reader.faults, expected);
+  if (!text) return;
+  reset.condition = *text;
+  constexpr std::string_view before = "if(", after = ", 1, 0)";
+  const Field& field = StateReset::fields().front();
+  try {
+    reset.when =
+        Formula(std::string(before) + *text + std::string(after), variables_of(field, {}), reader.names, field.reads);
+  } catch (const expression::SyntaxError& error) {
+    const std::size_t place = std::min(error.place - std::min(error.place, before.size()), text->size());
+    const expression::SyntaxError here(place, std::min(error.length, text->size() - place), error.what());
+    reader.faults.add(path, text::quoted(*text), std::string(expected) + "; " + with_caret(here, *text));
+  }
+}
+
+// Reads the list of {when, to} of a state.
+void read_resets(const Json& value, const std::string& path, Reader& reader, ElementState& state) {
+  constexpr const char* expected = "a list of {when, to}";
+  if (!value.is_array()) return reader.faults.add(path, shown(value), expected);
+  for (std::size_t i = 0; i < value.size(); ++i) {
+    Fields fields(value[i], path + "[" + std::to_string(i + 1) + "]", reader.faults, "a mapping with when, to");
+    if (!fields.valid()) return;
+    StateReset& reset = state.resets.emplace_back();
+    if (const Json* when = fields.require("when", "a condition"))
+      read_condition(*when, fields.path("when"), reader, reset);
+    if (const Json* to = fields.require("to", "an expression"))
+      read_field(*to, fields.path("to"), reader.faults, StateReset::fields().back(), &reset, {}, reader.names);
+    fields.done();
+  }
+}
+
+}  // namespace
+
 void read_formulas(const Json* states, const Json* expressions, Reader& reader) {
   read_formulas(states, "states", reader.scene.states, reader);
+  for (ElementState& state : reader.scene.states) {
+    if (states == nullptr || !states->is_object() || !state.component.empty()) continue;
+    const Json& value = states->at(state.name);
+    if (value.is_object() && value.contains("resets"))
+      read_resets(value.at("resets"), "states." + text::printable(state.name) + ".resets", reader, state);
+  }
   read_formulas(expressions, "expressions", reader.scene.expressions, reader);
 }
 

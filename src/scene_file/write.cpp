@@ -233,6 +233,8 @@ void add_names(Json& out, const Scene& scene) {
     if (of.start != 0) state["start"] = of.start;
     if (of.nominal != 0) state["nominal"] = of.nominal;
     if (!of.text.empty()) state["text"] = of.text;
+    for (const StateReset& reset : of.resets)
+      state["resets"].push_back({{"when", reset.condition}, {"to", std::string(reset.to.text())}});
   }
   for (const NamedExpression& of : scene.expressions) {
     if (!of.component.empty()) continue;

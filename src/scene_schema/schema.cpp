@@ -283,6 +283,12 @@ void name_quantities(Json& fields) {
                        {"unit", {{"type", "string"}, {"description", "Unit of SI, such as A or Pa"}}},
                        {"start", number("", "Start value; 0 if not given", Range::any)},
                        {"nominal", number("", "Size of ordinary values, to which tolerances refer", Range::positive)},
+                       {"resets",
+                        {{"type", "array"},
+                         {"description", "Jumps at the instants at which conditions become true"},
+                         {"items", object({{"when", {{"type", "string"}, {"description", "Condition"}}},
+                                           {"to", {{"type", {"string", "number"}}, {"description", "State after it"}}}},
+                                          {"when", "to"})}}},
                        {"text", {{"type", "string"}, {"description", "Description"}}}},
                       {"rate"});
   fields["states"] = section({{"anyOf", {rate, state}}},

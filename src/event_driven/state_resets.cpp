@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "event_driven/state_resets.h"
+
+#include "dynamics/law_kinks.h"
+#include "event/event_source.h"
+#include "kinematics/loads.h"
+
+namespace gelenk {
+namespace {
+
+// At the same instant.
+constexpr int most_rounds = 50;
+
+}  // namespace
+
+StateResets::StateResets(const Loads& loads, Dynamics& dynamics, ModeEquations& equations, int nq, int nv)
+    : loads_(loads),
+      dynamics_(dynamics),
+      equations_(equations),
+      nq_(nq),
+      first_state_(static_cast<std::size_t>(nq + nv)),
+      vdot_(static_cast<std::size_t>(nv)),
+      g_(loads.resets.empty() ? 0 : static_cast<std::size_t>(dynamics.kinks().count())),
+      gdot_(g_.size()),
+      positive_(std::make_unique<bool[]>(g_.size())),
+      held_(loads.resets.size(), 0),
+      when_(held_.size()),
+      to_(held_.size()) {}
+
+// On the branches on which a step from y is: where events are located, what decides on them may be exactly 0.
+void StateResets::evaluate(double t, const double* y) {
+  LawKinks& kinks = dynamics_.kinks();
+  const bool* const before = kinks.held().data();
+  kinks.hold(nullptr);
+  const bool needs_accelerations = kinks.need_accelerations();
+  if (needs_accelerations) equations_.accelerations_at(t, y, vdot_.data());
+  equations_.bring_inputs(t, y);
+  dynamics_.set_position(y);
+  dynamics_.set_velocity(y + nq_);
+  kinks.indicators(needs_accelerations ? vdot_.data() : nullptr, g_.data(), gdot_.data());
+  for (std::size_t i = 0; i < g_.size(); ++i) positive_[i] = is_positive(g_[i], gdot_[i]);
+  kinks.hold(positive_.get());
+  equations_.resets_at(t, y, when_.data(), to_.data());
+  kinks.hold(before);
+}
+
+void StateResets::start(double t, const double* y) {
+  endless_ = -1;
+  if (held_.empty()) return;
+  evaluate(t, y);
+  for (std::size_t i = 0; i < held_.size(); ++i) held_[i] = when_[i] > 0 ? 1 : 0;
+}
+
+bool StateResets::apply(double t, double* y) {
+  if (held_.empty()) return false;
+  bool any = false;
+  for (int round = 0; round < most_rounds; ++round) {
+    evaluate(t, y);
+    int jumping = -1;
+    for (std::size_t i = 0; i < held_.size(); ++i) {
+      const char holds = when_[i] > 0 ? 1 : 0;
+      if (holds != 0 && held_[i] == 0) {
+        jumping = loads_.resets[i].state;
+        y[first_state_ + static_cast<std::size_t>(jumping)] = to_[i];
+      }
+      held_[i] = holds;
+    }
+    if (jumping < 0) return any;
+    any = true;
+    if (round == most_rounds - 1) endless_ = jumping;
+  }
+  return any;
+}
+
+void StateResets::serialize(Archive& archive) {
+  if (!held_.empty()) archive.serialize(held_);
+}
+
+}  // namespace gelenk

@@ -1,0 +1,205 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Jumps of element states where conditions become true: closed forms, inputs, saved states, refusals."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from circuits import rotor, values
+
+import gelenk
+
+ADAPTIVE = ["auto", "erk", "dirk", "cvode", "cvode-adams", "ida"]
+HEATED, COOLED = 1.0, 0.2  # thresholds of the relay
+TAU = 0.5  # s
+
+
+def relay(**more: Any) -> dict[str, Any]:
+    """A first order plant x' = (on - x)/tau with drive 1.5, switched off at 1 and on at 0.2 (hysteresis)."""
+    return rotor(
+        states={
+            "on": {
+                "rate": "0",
+                "start": 1,
+                "resets": [{"when": f"x1 > {HEATED}", "to": "0"}, {"when": f"x1 < {COOLED}", "to": 1}],
+            },
+            "x1": f"(1.5*on - x1)/{TAU}",
+        },
+        **more,
+    )
+
+
+def relay_exact(t: float) -> tuple[float, float]:
+    """State and switch, piece by piece."""
+    x, on, now = 0.0, 1.0, 0.0
+    while True:
+        goal, end = (1.5, HEATED) if on else (0.0, COOLED)
+        duration = TAU * math.log((x - goal) / (end - goal))
+        if now + duration > t:
+            return goal + (x - goal) * math.exp(-(t - now) / TAU), on
+        now, x, on = now + duration, end, 1 - on
+
+
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-9])
+@pytest.mark.parametrize("integrator", ADAPTIVE)
+def test_relay_with_hysteresis(integrator: str, tolerance: float) -> None:
+    times = [0.3, 0.7, 1.9, 5.0, 10.0]
+    found = values(relay(solver={"integrator": integrator}), ["x1", "on"], times, tolerance)
+    expected = np.array([relay_exact(t) for t in times])
+    assert np.array_equal(found[:, 1], expected[:, 1])
+    assert np.abs(found[:, 0] - expected[:, 0]).max() <= 100 * tolerance  # errors add up over 20 switchings
+
+
+@pytest.mark.parametrize("integrator", ["rk4", "generalized-alpha", "hht", "euler"])
+def test_fixed_steps_locate_the_switching(integrator: str) -> None:
+    order = {"rk4": 4, "euler": 1}.get(integrator, 2)
+    errors = []
+    for step in (0.02, 0.01):
+        source = relay(solver={"integrator": integrator, "step": step})
+        errors.append(abs(values(source, ["x1"], [2.5], 1e-6)[0, 0] - relay_exact(2.5)[0]))
+    assert errors[1] < 2e-2**order + 1e-9
+    assert errors[0] > 1.5 * errors[1] or errors[0] < 1e-9
+
+
+@pytest.mark.parametrize("integrator", ["auto", "erk", "dirk", "cvode"])
+def test_ball_that_bounces(integrator: str) -> None:
+    """As states alone: height h, speed u, u to -0.8 u where h becomes negative; 1 m high."""
+    source = rotor(
+        states={
+            "h": {"rate": "u1", "start": 1.0},
+            "u1": {"rate": "-9.81", "resets": [{"when": "h < 0", "to": "-0.8*u1"}]},
+        },
+        solver={"integrator": integrator},
+    )
+    times = [0.4, 0.9, 1.5, 2.4]
+    expected = []
+    for t in times:
+        start, speed, height = 0.0, 0.0, 1.0
+        while True:
+            flight = (speed + math.sqrt(speed**2 + 2 * 9.81 * height)) / 9.81
+            if start + flight > t:
+                break
+            speed, height, start = 0.8 * (9.81 * flight - speed), 0.0, start + flight
+        expected.append(height + speed * (t - start) - 9.81 / 2 * (t - start) ** 2)
+    found = values(source, ["h"], times, 1e-9)[:, 0]
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-7)
+
+
+def test_sample_and_hold() -> None:
+    """The angle of a rotor at 2 rad/s, sampled where a clock of 0.1 s starts anew."""
+    source = rotor(
+        start={"phi": 0.0, "w": 2.0},
+        states={
+            "clock": {"rate": "1", "resets": [{"when": "clock > 0.1", "to": "0"}]},
+            "sampled": {"rate": "0", "resets": [{"when": "clock > 0.1", "to": "A.phi"}]},
+        },
+    )
+    for t, found in zip(
+        [0.05, 0.13, 0.99], values(source, ["sampled"], [0.05, 0.13, 0.99], 1e-9), strict=True
+    ):
+        assert found[0] == pytest.approx(0.2 * int(t / 0.1), abs=1e-8)
+
+
+def test_input_that_makes_a_condition_true() -> None:
+    """Once for each time that it becomes true, at the communication point."""
+    source = rotor(
+        inputs={"trigger": {"start": 1.0}},
+        states={"count": {"rate": "0", "resets": [{"when": "trigger > 0.5", "to": "count + 1"}]}},
+    )
+    simulation = gelenk.Simulation(source)
+    simulation.initialize(0.0, 1e-6)
+    counts = []
+    for k, trigger in enumerate([1, 1, 0, 1, 1, 0, 0, 1]):
+        simulation.set_input("trigger", trigger)
+        simulation.step_to(0.1 * (k + 1))
+        counts.append(simulation.output("count"))
+    assert counts == [0, 0, 0, 1, 1, 1, 1, 2]  # not at the start, where it holds already
+
+
+def test_jumps_at_one_instant_take_the_values_before() -> None:
+    """Two states that are exchanged, and a third that follows from the jump of the first."""
+    when = "t > 0.25"
+    source = rotor(
+        states={
+            "one": {"rate": "0", "start": 3, "resets": [{"when": when, "to": "two"}]},
+            "two": {"rate": "0", "start": 5, "resets": [{"when": when, "to": "one"}]},
+            "third": {"rate": "0", "resets": [{"when": "one > 4", "to": "10*one + two"}]},
+        }
+    )
+    assert values(source, ["one", "two", "third"], [0.3], 1e-6)[0].tolist() == [5, 3, 53]
+
+
+@pytest.mark.parametrize("integrator", [*ADAPTIVE, "rk4"])
+def test_saved_state_repeats_the_run(integrator: str) -> None:
+    simulation = gelenk.Simulation(relay(solver={"integrator": integrator}))
+    simulation.initialize(0.0, 1e-7)
+    for k in range(10):
+        simulation.step_to(0.1 * (k + 1))
+    saved = simulation.save()
+    runs = []
+    for _ in range(2):
+        run = []
+        for k in range(10, 30):
+            simulation.step_to(0.1 * (k + 1))
+            run.append([simulation.output(name) for name in ("x1", "on")])
+        runs.append(run)
+        simulation.restore(saved)
+    assert runs[0] == runs[1]
+
+
+def test_joint_is_driven_by_a_relay() -> None:
+    """From rest to 0.4 rad by 0.3 N m, then decelerated over the same angle to rest."""
+    source = rotor(
+        effort="if(on > 0.5, 0.3, -0.3)",
+        states={
+            "on": {
+                "rate": "0",
+                "start": 1,
+                "resets": [{"when": "A.phi > 0.4", "to": 0}, {"when": "A.phi < -0.4", "to": 1}],
+            }
+        },
+    )
+    J = 0.5
+    t = 2 * math.sqrt(2 * 0.4 * J / 0.3)
+    phi, w = values(source, ["A.phi", "A.w"], [t], 1e-9)[0]
+    assert phi == pytest.approx(0.8, abs=1e-6)
+    assert w == pytest.approx(0, abs=1e-6)
+
+
+def test_endless_jumps_are_refused() -> None:
+    resets = [{"when": "x1 > 1", "to": 0}, {"when": "x1 < 0.5", "to": 2}]
+    source = rotor(states={"x1": {"rate": "1", "start": 0.7, "resets": resets}})
+    with pytest.raises(gelenk.StepError, match="cause each other without end"):
+        values(source, ["x1"], [1.0], 1e-6)
+
+
+MISTAKES = {
+    "no condition": ([{"to": 0}], "resets[1].when: found nothing"),
+    "no value": ([{"when": "x1 > 1"}], "resets[1].to: found nothing"),
+    "a number as a condition": ([{"when": "x1", "to": 0}], "resets[1].when"),
+    "an unknown name": ([{"when": "x2 > 1", "to": 0}], "x2"),
+    "no list": ({"when": "x1 > 1", "to": 0}, "a list of {when, to}"),
+}
+
+
+@pytest.mark.parametrize("mistake", MISTAKES)
+def test_mistakes_are_answered(mistake: str) -> None:
+    resets, told = MISTAKES[mistake]
+    with pytest.raises(gelenk.SceneError) as error:
+        gelenk.load(rotor(states={"x1": {"rate": "1", "resets": resets}}))
+    assert "states.x1" in str(error.value)
+    assert told in str(error.value)
+
+
+def test_steps_with_impulses_are_refused() -> None:
+    with pytest.raises(gelenk.SceneError, match="an integrator that locates events"):
+        gelenk.load(relay(solver={"integrator": "moreau-jean"}))
+
+
+def test_saved_scene_has_the_resets() -> None:
+    loaded = gelenk.load(relay())
+    assert gelenk.load(loaded.to_dict()).to_dict() == loaded.to_dict()
+    assert [r["when"] for r in loaded.to_dict()["states"]["on"]["resets"]] == ["x1 > 1.0", "x1 < 0.2"]
