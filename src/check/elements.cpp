@@ -187,14 +187,18 @@ void check_contact_methods(const Scene& scene, Faults& faults) {
 
 // Resets of states are located events, which steps with impulses do not have.
 void check_resets(const Scene& scene, Faults& faults) {
-  const bool may_be_impulses = scene.solver.integrator == "auto" && !scene.contacts.empty();
-  if (!steps_with_impulses(scene) && !may_be_impulses) return;
+  if (!steps_with_impulses(scene)) return;
+  std::string found = scene.solver.integrator == "moreau-jean" ? "resets with the integrator moreau-jean" : "";
+  for (const Contact& contact : scene.contacts) {
+    if (!found.empty()) break;
+    if (const std::string pair = pair_without_tips(scene, contact); !pair.empty())
+      found = "resets with contacts." + text::printable(contact.name) + ", which is between " + pair +
+              " and is not located";
+  }
   for (const ElementState& state : scene.states) {
-    if (state.resets.empty()) continue;
-    faults.add("states." + text::printable(state.name) + ".resets",
-               may_be_impulses ? "resets with contacts and the integrator auto, which may take steps with impulses"
-                               : "resets with the integrator moreau-jean",
-               "an integrator that locates events, such as erk or dirk");
+    if (!found.empty() && !state.resets.empty())
+      faults.add("states." + text::printable(state.name) + ".resets", found,
+                 "an integrator and contacts that locate events");
   }
 }
 

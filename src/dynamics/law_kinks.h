@@ -27,6 +27,8 @@ class LawKinks {
   virtual void distances(double* out) = 0;
   // Whether the state is on other branches than the held ones, by more than rounding.
   virtual bool are_passed() = 0;
+  // By reset of element states: 1 where its condition holds, on the held branches, otherwise 0; and the state after it.
+  virtual void resets(double* when, double* to) = 0;
   // What is said of a table that has no value at the present state and time; empty: each has.
   virtual std::string missing_value() = 0;
 };

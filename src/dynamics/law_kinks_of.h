@@ -119,6 +119,14 @@ class LawKinksOf final : public LawKinks {
     return false;
   }
 
+  void resets(double* when, double* to) override {
+    const double* const all = signals();
+    for (const PlacedReset& reset : state_.loads.resets) {
+      *when++ = reset.when.value_among<double>(nullptr, all);
+      *to++ = reset.to.value_among<double>(nullptr, all);
+    }
+  }
+
   std::string missing_value() override {
     if (count_ > 0) decide();
     const double* const all = signals();

@@ -175,7 +175,10 @@ double Locator::resolution_to(double end) const {
   return std::max(resolution_fraction * (end - course_.start()), rounding(end));
 }
 
-bool Locator::is_resolved(double end) const { return end - course_.start() > shortest_course * rounding(end); }
+// The time at the end of the communication step decides, since near 0 any step would be long enough.
+bool Locator::is_resolved(double end) const {
+  return end - course_.start() > shortest_course * rounding(std::max(std::abs(end), std::abs(end_)));
+}
 
 // See EventSource; after the end of the step has been set.
 double Locator::touch_within(double end, const double* y) const {

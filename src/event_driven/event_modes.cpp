@@ -250,7 +250,7 @@ std::string EventModes::refusal() const {
            ", where no force can stop it: closed loops or prescribed motions determine its motion, which leads beyond";
   }
   if (const std::string& why = changes_->refusal(); !why.empty()) return why;
-  if (resets_.endless() >= 0) return "the resets of element states cause each other without end at one instant";
+  if (resets_.endless() >= 0) return "the resets of element states cause each other again and again at one instant";
   return log_.too_many();
 }
 

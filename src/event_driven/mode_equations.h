@@ -15,8 +15,6 @@ class ModeEquations {
   // Brings the inputs of `dynamics` to t, and the element states to those in y; returns whether they change from there
   // on.
   virtual bool bring_inputs(double t, const double* y) = 0;
-  // Of resets of element states at (t, y), see Readings::resets().
-  virtual void resets_at(double t, const double* y, double* when, double* to) = 0;
   // Whether an input or a prescribed motion changes with time.
   virtual bool loads_move() const = 0;
   // Of prescribed motions, see EventSource.

@@ -23,7 +23,7 @@ StateResets::StateResets(const Loads& loads, Dynamics& dynamics, ModeEquations& 
       g_(loads.resets.empty() ? 0 : static_cast<std::size_t>(dynamics.kinks().count())),
       gdot_(g_.size()),
       positive_(std::make_unique<bool[]>(g_.size())),
-      held_(loads.resets.size(), 0),
+      held_(g_.empty() ? 0 : loads.resets.size(), 0),  // conditions that are constant never become true
       when_(held_.size()),
       to_(held_.size()) {}
 
@@ -40,7 +40,7 @@ void StateResets::evaluate(double t, const double* y) {
   kinks.indicators(needs_accelerations ? vdot_.data() : nullptr, g_.data(), gdot_.data());
   for (std::size_t i = 0; i < g_.size(); ++i) positive_[i] = is_positive(g_[i], gdot_[i]);
   kinks.hold(positive_.get());
-  equations_.resets_at(t, y, when_.data(), to_.data());
+  kinks.resets(when_.data(), to_.data());
   kinks.hold(before);
 }
 

@@ -4,11 +4,14 @@
 #include "event_driven/contact_modes.h"
 #include "event_driven/event_modes.h"
 #include "event_driven/mode_changes.h"
+#include "kinematics/loads.h"
 
 namespace gelenk {
 
 ContactMotion::ContactMotion(const ImpulseSteps::Context& context, EventModes& modes, bool located)
     : steps_(context), modes_(modes), located_(located ? &modes.contacts() : nullptr) {}
+
+bool ContactMotion::must_be_located() const { return !steps_.loads().resets.empty(); }
 
 void ContactMotion::use(double cone_tolerance) {
   steps_.use(cone_tolerance);

@@ -20,6 +20,8 @@ class ImpulseEquations {
   // Whether shapes can touch; and whether that can also be by modes between located events.
   virtual bool are_required() const = 0;
   virtual bool may_be_located() const = 0;
+  // Whether element states jump at events, which steps with impulses do not locate.
+  virtual bool must_be_located() const = 0;
   // Call before all else, if steps are made with impulses. cone_tolerance: see Solver.
   virtual void use(double cone_tolerance) = 0;
   // Whether the present steps are made with impulses; changes that at (t, y), after use(), or back.

@@ -263,13 +263,6 @@ bool Formulation::bring_inputs(double t, const double* y) {
   return drives_.bring_signals(y);
 }
 
-void Formulation::resets_at(double t, const double* y, double* when, double* to) {
-  drives_.go_to(t, y);
-  dynamics_.set_position(y);
-  dynamics_.set_velocity(y + mechanism_.nq);
-  dynamics_.readings().resets(drives_.u().data(), when, to);
-}
-
 // Does not use the factors of the projector: reading outputs must not change the run.
 void Formulation::solve_at(double t, const double* y, double* vdot) {
   dynamics_.set_position(y);

@@ -125,7 +125,6 @@ class Formulation : public Equations, private ModeEquations {
   std::string describe_lost_state(const double* y);
   void mode_changed() override {}
   bool bring_inputs(double t, const double* y) final;
-  void resets_at(double t, const double* y, double* when, double* to) final;
   bool loads_move() const final { return drives_.inputs().moving() || mechanism_.driven(); }
   bool has_breaks() const final { return drives_.has_breaks(); }
   double next_break(double t) final { return drives_.next_break(t); }

@@ -35,6 +35,7 @@ class ImpulseSteps {
   bool step(double t, double h, double* y);
   LockModes& locks() const { return with_.locks; }
   EventLog& events() const { return with_.events; }
+  const Loads& loads() const { return with_.loads; }
   TimeStepper& stepper() { return *stepper_; }
   const double* smooth_accelerations() const { return stepper_->smooth_accelerations().data(); }
   double highest_frequency(double t, const double* y);

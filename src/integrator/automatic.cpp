@@ -251,7 +251,7 @@ std::unique_ptr<Integrator> make_automatic(Equations& system, const IntegratorOp
   if (system.multipliers() > 0) return make_ida(system, options);
   auto by_cost = [&] { return std::make_unique<Automatic>(system, options); };
   ImpulseEquations* const impulses = system.impulses();
-  if (impulses == nullptr || !impulses->are_required()) return by_cost();
+  if (impulses == nullptr || !impulses->are_required() || impulses->must_be_located()) return by_cost();
   if (!impulses->may_be_located()) return std::make_unique<ControlledSteps>(system, options, true);
   return make_contact_scheme(by_cost(), system, options);
 }

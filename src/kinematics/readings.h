@@ -29,8 +29,6 @@ class Readings {
   virtual EnergyOf<T> energy() const = 0;  // after set_velocity and set_root_poses
   // The rates of the element states under these signals (loads.h), after set_velocity.
   virtual void state_rates(const T* u, T* out) = 0;
-  // By reset of element states: 1 where its condition holds, otherwise 0; and the state after it.
-  virtual void resets(const T* u, T* when, T* to) = 0;
   virtual void expression_values(const T* u, T* out) = 0;  // the same of the named expressions that name no forces
 
   // Pose of a link in the root frame (that of the ground link), after set_root_poses; velocity, in the link's frame.

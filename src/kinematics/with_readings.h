@@ -64,13 +64,6 @@ class WithReadings : public Base {
     const T* const all = with_named(u);
     for (const Formula& rate : loads_.rates) *out++ = rate.value_among<T>(nullptr, all);
   }
-  void resets(const T* u, T* when, T* to) override {
-    const T* const all = with_named(u);
-    for (const PlacedReset& reset : loads_.resets) {
-      *when++ = reset.when.value_among<T>(nullptr, all);
-      *to++ = reset.to.value_among<T>(nullptr, all);
-    }
-  }
   void expression_values(const T* u, T* out) override {
     const T* const all = with_named(u);
     for (const Formula& value : loads_.values)

@@ -8,6 +8,7 @@
 #include "expression/error.h"
 #include "expression/tokens.h"
 #include "scene/element_numbers.h"
+#include "util/text.h"
 
 namespace gelenk {
 namespace {
@@ -119,6 +120,7 @@ void add_component_names(const Scene& scene, FormulaNames& names) {
 void add_component_parts(Scene& scene, const FormulaNames& names,
                          const std::function<void(const Component&, const std::string&)>& fault) {
   for (const Component& component : scene.components) {
+    if (!text::is_identifier(component.name)) continue;  // reported with the names
     try {
       Parts(scene, component).add_to(scene, names);
     } catch (const expression::SyntaxError& error) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Reads motors, forces, constraints and sensors according to the registry of their kinds.
 #include <algorithm>
+#include <map>
+#include <type_traits>
 #include <utility>
 
 #include "scene/component_parts.h"
@@ -112,6 +114,9 @@ std::vector<std::string> element_kind_names(std::span<const ElementKind> kinds) 
 }
 
 template <class Any>
+constexpr bool section_has_states = std::is_same_v<Any, AnyComponent>;
+
+template <class Any>
 void read_section(const Json& section, const Section& of, Reader& reader, std::vector<Element<Any>>& out) {
   const std::span<const ElementKind> kinds = element_kinds<Any>();
   const std::vector<std::string> names = element_kind_names(kinds);
@@ -132,6 +137,9 @@ void read_section(const Json& section, const Section& of, Reader& reader, std::v
                read_ports(fields, kinds[n], reader, element);
                const Coordinate coordinate = coordinate_of(reader.scene, element);
                read_fields(fields, kinds[n].fields, data_of(*element.is), coordinate, reader.names);
+               if (section_has_states<Any>) {
+                 if (const Json* start = fields.find("start")) reader.starts[name] = *start;
+               }
                fields.done();
                if (reader.faults.count() == before) check_numbers(element, path, coordinate, reader.faults);
                out.push_back(std::move(element));
@@ -163,6 +171,37 @@ void add_component_names(const Json& components, const Json* joints, const Scene
   add_component_names(seen, names);
 }
 
+namespace {
+
+// Reads the start values of the states of components: {i: 0.5}.
+void read_starts(Reader& reader) {
+  for (const auto& [component, value] : reader.starts) {
+    const std::string path = "components." + text::printable(component) + ".start";
+    if (!value.is_object()) {
+      reader.faults.add(path, shown(value), "a mapping from states to their start values");
+      continue;
+    }
+    std::map<std::string, ElementState*> states;
+    std::vector<std::string> names;
+    for (ElementState& state : reader.scene.states) {
+      if (state.component != component) continue;
+      names.push_back(state.name.substr(component.size() + 1));
+      states[names.back()] = &state;
+    }
+    for (const auto& [name, start] : value.items()) {
+      const auto found = states.find(name);
+      if (found == states.end()) {
+        reader.faults.add(path, text::quoted(name), text::one_of(name, names, "states of " + component));
+        continue;
+      }
+      const std::string at = path + "." + name;
+      found->second->start = read_number(start, at, reader.faults, found->second->unit).value_or(0);
+    }
+  }
+}
+
+}  // namespace
+
 void read_elements(Fields& sections, Reader& reader) {
   each_section(reader.scene, [&](const Section& section, auto& elements) {
     const Json* value = sections.find(std::string(section.name));
@@ -170,8 +209,10 @@ void read_elements(Fields& sections, Reader& reader) {
   });
   if (reader.faults.count() > 0) return;
   add_component_parts(reader.scene, reader.names, [&](const Component& component, const std::string& found) {
-    reader.faults.add("components." + text::printable(component.name), found, "expressions that name less");
+    reader.faults.add("components." + text::printable(component.name), found.substr(std::string_view("found ").size()),
+                      "expressions that name less, with the names of the component");
   });
+  read_starts(reader);
 }
 
 }  // namespace gelenk

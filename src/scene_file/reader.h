@@ -2,6 +2,7 @@
 // Readers of the sections of a scene file: each reads one section into the scene and adds errors to its faults.
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -21,7 +22,8 @@ struct Reader {
   std::vector<std::string> bodies;  // names, ground first; empty if the section could not be read
   std::vector<std::string> joints;
   SuspectNames& suspect_names;
-  FormulaNames names;  // what expressions may name
+  FormulaNames names;                    // what expressions may name
+  std::map<std::string, Json> starts{};  // of the states of components, by their name
 };
 
 // Reads and checks the whole tree. Throws SceneError with all errors, including those in `faults` before the call.

@@ -284,6 +284,11 @@ std::string write_scene_json(const Scene& scene) {
     Json& entries = out[std::string(of.name)] = Json::object();
     for (const auto& e : elements) entries[e.name] = element(e, kind_of(*e.is), data_of(*e.is), of);
   });
+  for (const ElementState& state : scene.states) {
+    if (state.component.empty()) continue;
+    const std::string name = state.name.substr(state.component.size() + 1);
+    out[std::string(components_section.name)][state.component]["start"][name] = state.start;
+  }
   out["parameters"] = scene.parameters;
   if (!scene.outputs.empty()) out["outputs"] = scene.outputs;
   if (scene.assembly.tolerance > 0) out["assembly"] = {{"tolerance", scene.assembly.tolerance}};

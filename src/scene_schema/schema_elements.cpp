@@ -192,6 +192,10 @@ Json elements(const Section& section) {
     if (section.default_type != kind.kind) required.emplace_back("type");
     for (const Port& port : kind.ports) add_port(port, fields, required);
     fields.update(properties(kind.fields, data_of(*defaults), nullptr, required));
+    if (section.name == components_section.name)
+      fields["start"] = {{"type", "object"},
+                         {"description", "Start values of its states, in SI units"},
+                         {"additionalProperties", {{"type", "number"}}}};
     names.push_back(name);
     Json element = object(fields, required);
     add_ways(element, kind.fields);

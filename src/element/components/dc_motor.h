@@ -18,7 +18,6 @@ struct DcMotor {
   double current_limit = NAN;
   double gear_ratio = 1;
   double rotor_inertia = 0;
-  double start_current = 0;
 
   static std::span<const Field> fields() {
     static constexpr Field all[] = {
@@ -55,9 +54,7 @@ struct DcMotor {
         field<&DcMotor::rotor_inertia>({.name = "rotor_inertia",
                                         .unit = "{J}",
                                         .text = "rotor inertia on the motor side",
-                                        .range = Range::not_negative}),
-        field<&DcMotor::start_current>(
-            {.name = "start_current", .unit = "A", .text = "current at the start", .settable = false})};
+                                        .range = Range::not_negative})};
     return all;
   }
 
@@ -67,7 +64,7 @@ struct DcMotor {
     of.value({"applied", "V", "voltage at the armature"},
              {is_given(current_limit) ? "clip(voltage, emf - resistance*current_limit, emf + resistance*current_limit)"
                                       : "voltage"});
-    of.state({"i", "A", "current"}, {"(applied - emf - resistance*i)/inductance"}, start_current);
+    of.state({"i", "A", "current"}, {"(applied - emf - resistance*i)/inductance"});
     of.act({"gear_ratio*constant*i"});
     of.value({"power", "W", "electrical power taken"}, {"applied*i"});
     of.value({"loss", "W", "heat of the resistance"}, {"resistance*i^2"});

@@ -13,7 +13,6 @@ struct FirstOrder {
 
   Formula input;
   double time_constant = 0;
-  double start = 0;
 
   static std::span<const Field> fields() {
     static constexpr Field all[] = {
@@ -26,14 +25,13 @@ struct FirstOrder {
                                            .unit = "s",
                                            .text = "time constant",
                                            .range = Range::positive,
-                                           .required = true}),
-        field<&FirstOrder::start>({.name = "start", .unit = "", .text = "output at the start", .settable = false})};
+                                           .required = true})};
     return all;
   }
 
   void describe(ComponentEquations& of) const {
     of.signal({"input", "", "signal to filter"}, input);
-    of.state({"y", "", "filtered signal"}, {"(input - y)/time_constant"}, start);
+    of.state({"y", "", "filtered signal"}, {"(input - y)/time_constant"});
   }
 };
 

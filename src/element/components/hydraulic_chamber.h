@@ -18,7 +18,6 @@ struct HydraulicChamber {
   double bulk_modulus = 1.4e9;
   double leakage = 0;
   double ambient_pressure = 101325;
-  double start_pressure = 101325;
 
   static std::span<const Field> fields() {
     static constexpr Field all[] = {
@@ -48,20 +47,17 @@ struct HydraulicChamber {
         field<&HydraulicChamber::ambient_pressure>({.name = "ambient_pressure",
                                                     .unit = "Pa",
                                                     .text = "pressure on the other side",
-                                                    .range = Range::not_negative}),
-        field<&HydraulicChamber::start_pressure>({.name = "start_pressure",
-                                                  .unit = "Pa",
-                                                  .text = "pressure at the start",
-                                                  .range = Range::not_negative,
-                                                  .settable = false})};
+                                                    .range = Range::not_negative})};
     return all;
   }
 
   void describe(ComponentEquations& of) const {
     of.signal({"flow", "m3/s", "volume flow into the chamber"}, flow);
+    of.value({"chamber_volume", "m3", "volume of the chamber"}, {"volume + area*position"});
+    // Of no volume there is no root: the run ends, with a message.
     of.state({"pressure", "Pa", "pressure"},
-             {"bulk_modulus*(flow - area*speed - leakage*(pressure - ambient_pressure))/(volume + area*position)"},
-             start_pressure, 1e5);
+             {"bulk_modulus*(flow - area*speed - leakage*(pressure - ambient_pressure))/sqrt(chamber_volume)^2"},
+             ambient_pressure, 1e5);
     of.act({"(pressure - ambient_pressure)*area"});
   }
 };

@@ -19,7 +19,6 @@ struct PneumaticChamber {
   double gas_constant = 287.05;
   double temperature = 293.15;
   double ambient_pressure = 101325;
-  double start_pressure = 101325;
 
   static std::span<const Field> fields() {
     static constexpr Field all[] = {
@@ -53,20 +52,17 @@ struct PneumaticChamber {
         field<&PneumaticChamber::ambient_pressure>({.name = "ambient_pressure",
                                                     .unit = "Pa",
                                                     .text = "pressure on the other side",
-                                                    .range = Range::not_negative}),
-        field<&PneumaticChamber::start_pressure>({.name = "start_pressure",
-                                                  .unit = "Pa",
-                                                  .text = "pressure at the start",
-                                                  .range = Range::positive,
-                                                  .settable = false})};
+                                                    .range = Range::not_negative})};
     return all;
   }
 
   void describe(ComponentEquations& of) const {
     of.signal({"flow", "kg/s", "mass flow into the chamber"}, flow);
+    of.value({"chamber_volume", "m3", "volume of the chamber"}, {"volume + area*position"});
+    // Of no volume there is no root: the run ends, with a message.
     of.state({"pressure", "Pa", "pressure"},
-             {"exponent*(gas_constant*temperature*flow - pressure*area*speed)/(volume + area*position)"},
-             start_pressure, 1e5);
+             {"exponent*(gas_constant*temperature*flow - pressure*area*speed)/sqrt(chamber_volume)^2"},
+             ambient_pressure, 1e5);
     of.act({"(pressure - ambient_pressure)*area"});
   }
 };

@@ -15,7 +15,6 @@ struct RateLimiter {
   double rise = 0;
   double fall = NAN;
   double time_constant = 1e-3;
-  double start = 0;
 
   static std::span<const Field> fields() {
     static constexpr Field all[] = {
@@ -32,15 +31,14 @@ struct RateLimiter {
                                    .range = Range::positive,
                                    .optional = true}),
         field<&RateLimiter::time_constant>(
-            {.name = "time_constant", .unit = "s", .text = "time constant near the signal", .range = Range::positive}),
-        field<&RateLimiter::start>({.name = "start", .unit = "", .text = "output at the start", .settable = false})};
+            {.name = "time_constant", .unit = "s", .text = "time constant near the signal", .range = Range::positive})};
     return all;
   }
 
   void describe(ComponentEquations& of) const {
     of.signal({"input", "", "signal to follow"}, input);
     of.state({"y", "", "limited signal"},
-             {"clip((input - y)/time_constant, -", is_given(fall) ? "fall" : "rise", ", rise)"}, start);
+             {"clip((input - y)/time_constant, -", is_given(fall) ? "fall" : "rise", ", rise)"});
   }
 };
 

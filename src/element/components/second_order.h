@@ -14,7 +14,6 @@ struct SecondOrder {
   Formula input;
   double natural_frequency = 0;
   double damping_ratio = 1;
-  double start = 0;
 
   static std::span<const Field> fields() {
     static constexpr Field all[] = {
@@ -29,14 +28,13 @@ struct SecondOrder {
                                                 .range = Range::positive,
                                                 .required = true}),
         field<&SecondOrder::damping_ratio>(
-            {.name = "damping_ratio", .unit = "1", .text = "damping ratio", .range = Range::not_negative}),
-        field<&SecondOrder::start>({.name = "start", .unit = "", .text = "output at the start", .settable = false})};
+            {.name = "damping_ratio", .unit = "1", .text = "damping ratio", .range = Range::not_negative})};
     return all;
   }
 
   void describe(ComponentEquations& of) const {
     of.signal({"input", "", "signal to filter"}, input);
-    of.state({"y", "", "filtered signal"}, {"rate"}, start);
+    of.state({"y", "", "filtered signal"}, {"rate"});
     of.state({"rate", "1/s", "rate of the filtered signal"},
              {"natural_frequency^2*(input - y) - 2*damping_ratio*natural_frequency*rate"});
   }

@@ -15,7 +15,6 @@ struct ThermalMass {
   double capacity = 0;
   double resistance = NAN;
   double ambient_temperature = 293.15;
-  double start_temperature = 293.15;
 
   static std::span<const Field> fields() {
     static constexpr Field all[] = {
@@ -34,12 +33,7 @@ struct ThermalMass {
         field<&ThermalMass::ambient_temperature>({.name = "ambient_temperature",
                                                   .unit = "K",
                                                   .text = "temperature of the surroundings",
-                                                  .range = Range::not_negative}),
-        field<&ThermalMass::start_temperature>({.name = "start_temperature",
-                                                .unit = "K",
-                                                .text = "temperature at the start",
-                                                .range = Range::not_negative,
-                                                .settable = false})};
+                                                  .range = Range::not_negative})};
     return all;
   }
 
@@ -47,7 +41,7 @@ struct ThermalMass {
     of.signal({"heat", "W", "heat flow into it"}, heat);
     of.state({"temperature", "K", "temperature"},
              {"(heat", is_given(resistance) ? " - (temperature - ambient_temperature)/resistance" : "", ")/capacity"},
-             start_temperature, 100);
+             ambient_temperature, 100);
   }
 };
 

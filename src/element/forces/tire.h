@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -22,12 +23,16 @@ namespace gelenk {
 //                (sec. 4.2): with e = (slip_stiffness kappa/mu_long, -cornering_stiffness tan alpha/mu_lat),
 //                f_i = mu_i N (e_i/|e|) G_i(|e|), G_i(e) = sin(C_i atan(x - E_i (x - atan x))), x = e/C_i
 // so that B = stiffness/(C mu), D = mu N, and each pure slip has its own curve.
+//   with curves  f_long, f_lat as expressions of kappa, alpha and N
 struct Tire {
   static constexpr std::string_view kind = "tire";
-  static constexpr std::string_view summary = "a tire that slips on a road: linear or with the Magic Formula";
+  static constexpr std::string_view summary =
+      "a tire that slips on a road: linear, with the Magic Formula or by expressions";
   static constexpr Port ports[] = {
       {.kind = Port::Kind::frame, .name = "", .text = "Center of the wheel", .on_ground = false},
       {.kind = Port::Kind::frame, .name = "on", .text = "The road, with z as its normal", .optional = true}};
+
+  static constexpr FormulaVariable variables[] = {{"slip", "1"}, {"slip_angle", "rad"}, {"normal_force", "N"}};
 
   Direction axis = {Eigen::Vector3d::UnitY()};  // of the wheel
   double radius = 0;                            // m
@@ -41,6 +46,7 @@ struct Tire {
   double friction_lat = std::numeric_limits<double>::quiet_NaN();
   double shape_long = 1.65, shape_lat = 1.3;     // C
   double curvature_long = 0, curvature_lat = 0;  // E
+  Formula force_long, force_lat;                 // N, in place of the above
   double standstill = 0.1;                       // m/s
   double bump_position = 0;                      // m
   double bump_length = 1;                        // m
@@ -94,6 +100,17 @@ struct Tire {
             number({.name = "curvature_long", .unit = "1", .text = "curvature factor E, longitudinal"})),
         field<&Tire::curvature_lat>(
             number({.name = "curvature_lat", .unit = "1", .text = "curvature factor E, lateral"})),
+        field<&Tire::force_long>(
+            {.name = "force_long",
+             .unit = "N",
+             .text = "expression of slip, slip_angle and normal_force for the longitudinal force, in place of these",
+             .settable = false,
+             .variables = variables}),
+        field<&Tire::force_lat>({.name = "force_lat",
+                                 .unit = "N",
+                                 .text = "the same for the lateral force, with force_long",
+                                 .settable = false,
+                                 .variables = variables}),
         field<&Tire::standstill>(number({.name = "standstill",
                                          .unit = "m/s",
                                          .text = "speed below which slip is relative to a mean of it and the speed",
@@ -116,6 +133,17 @@ struct Tire {
       {"tau", 0, "N.m", "torque of the road about the axis of the wheel", Stage::velocity}};
 
   std::optional<ElementFault> fault(const Coordinate&) const {
+    if (force_long.is_given() != force_lat.is_given()) {
+      const bool lacks_lat = force_long.is_given();
+      return ElementFault{.field = lacks_lat ? "force_lat" : "force_long",
+                          .found = "nothing",
+                          .expected = lacks_lat ? "an expression, since force_long is given"
+                                                : "an expression, since force_lat is given"};
+    }
+    if (has_curves() && (slip_stiffness != 0 || cornering_stiffness != 0 || std::isfinite(friction_long)))
+      return ElementFault{.field = "force_long",
+                          .found = "expressions and a stiffness or friction of the tire",
+                          .expected = "one of them"};
     if (std::isfinite(friction_long) != std::isfinite(friction_lat)) {
       const bool lacks_lat = std::isfinite(friction_long);
       return ElementFault{
@@ -134,6 +162,20 @@ struct Tire {
 
   bool is_idle() const { return stiffness == 0 && damping == 0 && load == 0; }
 
+  // Of curves of slip.
+  template <class Self, class Visit>
+  static void each_formula(Self& self, Visit visit) {
+    visit(self.force_long);
+    visit(self.force_lat);
+  }
+  template <class T, class At, class Use>
+  void with_variables(const At* at, Use use) const {
+    if (!has_curves()) return;
+    const std::array<T, 3> variables = contact<T>(at).variables();
+    use(force_long, variables.data());
+    use(force_lat, variables.data());
+  }
+
   // In the axes of `on`.
   template <class T>
   struct Contact {
@@ -141,6 +183,11 @@ struct Tire {
     T f_n, f_long, f_lat;  // N
     T slip, tan_alpha;     // kappa, tan alpha
     T tau;                 // N m
+
+    std::array<T, 3> variables() const {
+      using std::atan2;
+      return {slip, atan2(tan_alpha, T(1)), f_n};
+    }
   };
 
   // Whether the wheel lies flat on the road, where it has no heading, and no force.
@@ -175,6 +222,8 @@ struct Tire {
   }
 
  private:
+  bool has_curves() const { return force_long.is_given(); }
+
   // A wheel that lies flatter than this on the road has no heading.
   static constexpr double least_sine = 1e-6;
 
@@ -265,11 +314,18 @@ struct Tire {
     const T V = speed(T(l.dot(v)));
     out.slip = -l.dot(v_c) / V;
     out.tan_alpha = t.dot(v_c) / V;
-    T f_long = T(slip_stiffness) * out.slip;
-    T f_lat = -T(cornering_stiffness) * out.tan_alpha;
-    limit(f_long, f_lat);
-    out.f_long = f_long * out.f_n;
-    out.f_lat = f_lat * out.f_n;
+    if (has_curves()) {
+      const std::array<T, 3> at = out.variables();
+      const bool touches = value_of(out.f_n) > 0;
+      if (touches) out.f_long = force_long.value(at.data());
+      if (touches) out.f_lat = force_lat.value(at.data());
+    } else {
+      T f_long = T(slip_stiffness) * out.slip;
+      T f_lat = -T(cornering_stiffness) * out.tan_alpha;
+      limit(f_long, f_lat);
+      out.f_long = f_long * out.f_n;
+      out.f_lat = f_lat * out.f_n;
+    }
     const Vector3<T> along = out.f_long * l + out.f_lat * t;
     const Vector3<T> normal(T(0), T(0), out.f_n);
     out.f = along + normal - Vector3<T>(out.f_n * gradient, T(0), T(0));

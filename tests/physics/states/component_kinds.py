@@ -21,7 +21,7 @@ KINDS: dict[str, Fields] = {
         "current_limit": 3.0,
         "gear_ratio": 2.0,
         "rotor_inertia": 0.01,
-        "start_current": 0.5,
+        "start": {"i": 0.5},
     },
     "synchronous_motor": {
         "joint": "axle",
@@ -82,7 +82,7 @@ KINDS: dict[str, Fields] = {
         "gas_constant": 280.0,
         "temperature": 300.0,
         "ambient_pressure": 1e5,
-        "start_pressure": 1.01e5,
+        "start": {"pressure": 1.01e5},
     },
     "hydraulic_chamber": {
         "joint": "axle",
@@ -92,23 +92,28 @@ KINDS: dict[str, Fields] = {
         "bulk_modulus": 1e7,
         "leakage": 1e-11,
         "ambient_pressure": 1e5,
-        "start_pressure": 1.1e5,
+        "start": {"pressure": 1.1e5},
     },
-    "first_order": {"input": "u + axle.phi", "time_constant": 0.1, "start": 0.3},
-    "second_order": {"input": "u + axle.phi", "natural_frequency": 8.0, "damping_ratio": 0.4, "start": 0.3},
+    "first_order": {"input": "u + axle.phi", "time_constant": 0.1, "start": {"y": 0.3}},
+    "second_order": {
+        "input": "u + axle.phi",
+        "natural_frequency": 8.0,
+        "damping_ratio": 0.4,
+        "start": {"y": 0.3},
+    },
     "rate_limiter": {
         "input": "3*sin(4*t) + u",
         "rise": 4.0,
         "fall": 6.0,
         "time_constant": 0.01,
-        "start": 0.3,
+        "start": {"y": 0.3},
     },
     "thermal_mass": {
         "heat": "u^2 + 0.1*axle.w^2",
         "capacity": 5.0,
         "resistance": 0.4,
         "ambient_temperature": 280.0,
-        "start_temperature": 290.0,
+        "start": {"temperature": 290.0},
     },
 }
 OF_SLIDES = {"pneumatic_chamber", "hydraulic_chamber"}

@@ -7,6 +7,7 @@ import itertools
 import math
 
 import pytest
+from circuits import rotor, values
 
 import gelenk
 
@@ -69,3 +70,11 @@ def test_a_diode_conducts_in_each_period(frequency: float, integrator: str) -> N
     plant.initialize(0.0, 1e-6)
     plant.step_to(2.0)
     assert plant.output("u") == pytest.approx(charged(frequency, 2.0), abs=1e-6)
+
+
+@pytest.mark.parametrize("wanted", ["if(t > 0, 4, -4)", "4*sign(sin(2*t))", "4*if(sin(2*t) > 0, 1, -1)"])
+@pytest.mark.parametrize("integrator", ["auto", "erk", "dirk", "cvode", "ida", "rk4"])
+def test_a_condition_that_changes_at_the_start_meets_a_limit(wanted: str, integrator: str) -> None:
+    """0.8 N m from the start on, as the limit of a controller that is switched at t = 0."""
+    source = rotor(effort=f"clip({wanted} - w, -0.8, 0.8)", solver={"integrator": integrator, "step": 1e-3})
+    assert values(source, ["A.w"], [1.0], 1e-8)[0, 0] == pytest.approx(1.6, rel=1e-9)
