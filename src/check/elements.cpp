@@ -187,6 +187,12 @@ void check_contact_methods(const Scene& scene, Faults& faults) {
 
 // Resets of states are located events, which steps with impulses do not have.
 void check_resets(const Scene& scene, Faults& faults) {
+  const auto jumps = [](const ElementState& state) { return !state.resets.empty(); };
+  const auto first = std::ranges::find_if(scene.states, jumps);
+  if (first != scene.states.end() && scene.solver.start == "equilibrium") {
+    faults.add("solver.start", "'equilibrium' with states." + text::printable(first->name) + ".resets",
+               "as_given: where states jump, there may be no equilibrium");
+  }
   if (!steps_with_impulses(scene)) return;
   std::string found = scene.solver.integrator == "moreau-jean" ? "resets with the integrator moreau-jean" : "";
   for (const Contact& contact : scene.contacts) {

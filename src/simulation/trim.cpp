@@ -116,6 +116,11 @@ void Simulation::Impl::add_residuals(int island, const EquilibriumRequest& reque
 }
 
 Trim Simulation::Impl::trim(const EquilibriumRequest& request) {
+  // Where a state jumps, rates that vanish are no equilibrium, as of a relay.
+  const auto jumps = [](const ElementState& state) { return !state.resets.empty(); };
+  if (const auto state = std::ranges::find_if(scene.states, jumps); state != scene.states.end())
+    throw UsageError("states." + state->name +
+                     ".resets: there may be no equilibrium where states jump, none is searched for");
   Trim out;
   for (const EquilibriumRequest::Held& held : request.held) {
     const double natural = held.value / output_size[static_cast<std::size_t>(held.output)];

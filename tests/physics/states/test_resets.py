@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import warned
 from circuits import rotor, values
 
 import gelenk
@@ -203,3 +204,19 @@ def test_saved_scene_has_the_resets() -> None:
     loaded = gelenk.load(relay())
     assert gelenk.load(loaded.to_dict()).to_dict() == loaded.to_dict()
     assert [r["when"] for r in loaded.to_dict()["states"]["on"]["resets"]] == ["x1 > 1.0", "x1 < 0.2"]
+
+
+def test_equilibria_are_refused() -> None:
+    """A relay has none: rates alone would vanish halfway between its positions."""
+    with pytest.raises(gelenk.UsageError, match="there may be no equilibrium where states jump"):
+        gelenk.equilibrium(relay())
+    with pytest.raises(gelenk.SceneError, match="as_given"):
+        gelenk.load(relay(solver={"start": "equilibrium"}))
+
+
+@warned.MOVING
+def test_linear_model_is_that_between_jumps() -> None:
+    found = gelenk.linearize(relay())
+    rates = found.A[found.state_labels.index("x1")]
+    assert rates[found.state_labels.index("x1")] == pytest.approx(-1 / TAU)
+    assert rates[found.state_labels.index("on")] == pytest.approx(1.5 / TAU)
