@@ -21,6 +21,7 @@ constexpr double fewest_held_places = 8, most_held_places = 64;
 // Where nothing moves, no error bounds the length of a step: unless it is short, at least so many.
 constexpr double resting_places = 24;
 constexpr double short_step = 0.05;    // natural units
+constexpr int most_jumps = 20;         // of states and modes that cause each other at one instant
 constexpr double still_speed = 1e-10;  // natural units
 
 }  // namespace
@@ -171,14 +172,20 @@ void EventModes::release() {
 }
 
 bool EventModes::recall_mode(double t, double* y) {
-  const bool jumped = resets_.apply(t, y);
-  return changes_->recall(t, y) || jumped;
+  bool changed = changes_->recall(t, y);
+  for (int round = 0; round < most_jumps && resets_.apply(t, y); ++round) {
+    changed = true;
+    changes_->inputs_jumped();  // on which modes depend
+    changes_->recall(t, y);
+  }
+  return changed;
 }
 
 void EventModes::change_mode(double t, double* y) {
   hold_mode(t, nullptr);  // stops and signs of loads follow from the state, at which the others are decided on
-  resets_.apply(t, y);
   changes_->change(t, y);
+  if (resets_.apply(t, y))
+    changes_->inputs_jumped();  // on velocities after impacts; modes follow where the step begins
 }
 
 EventModes::Present EventModes::present(double t, const double* y, FrictionTreatment friction) {
@@ -250,7 +257,7 @@ std::string EventModes::refusal() const {
            ", where no force can stop it: closed loops or prescribed motions determine its motion, which leads beyond";
   }
   if (const std::string& why = changes_->refusal(); !why.empty()) return why;
-  if (resets_.endless() >= 0) return "the resets of element states cause each other again and again at one instant";
+  if (!resets_.refusal().empty()) return std::string(resets_.refusal());
   return log_.too_many();
 }
 

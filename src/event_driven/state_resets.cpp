@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "event_driven/state_resets.h"
 
+#include <cmath>
+
 #include "dynamics/law_kinks.h"
 #include "event/event_source.h"
 #include "kinematics/loads.h"
@@ -45,7 +47,7 @@ void StateResets::evaluate(double t, const double* y) {
 }
 
 void StateResets::start(double t, const double* y) {
-  endless_ = -1;
+  refusal_ = {};
   if (held_.empty()) return;
   evaluate(t, y);
   for (std::size_t i = 0; i < held_.size(); ++i) held_[i] = when_[i] > 0 ? 1 : 0;
@@ -53,27 +55,31 @@ void StateResets::start(double t, const double* y) {
 
 bool StateResets::apply(double t, double* y) {
   if (held_.empty()) return false;
-  bool any = false;
   for (int round = 0; round < most_rounds; ++round) {
     evaluate(t, y);
-    int jumping = -1;
+    int jumped = -1;  // the resets of a state follow each other
     for (std::size_t i = 0; i < held_.size(); ++i) {
-      const char holds = when_[i] > 0 ? 1 : 0;
-      if (holds != 0 && held_[i] == 0) {
-        jumping = loads_.resets[i].state;
-        y[first_state_ + static_cast<std::size_t>(jumping)] = to_[i];
+      const bool becomes_true = when_[i] > 0 && held_[i] == 0;
+      held_[i] = when_[i] > 0 ? 1 : 0;
+      const int state = loads_.resets[i].state;
+      if (!becomes_true || state == jumped) continue;
+      jumped = state;
+      if (std::isfinite(to_[i])) {
+        y[first_state_ + static_cast<std::size_t>(state)] = to_[i];
+      } else {
+        refusal_ = "a reset of an element state has no finite value";
       }
-      held_[i] = holds;
     }
-    if (jumping < 0) return any;
-    any = true;
-    if (round == most_rounds - 1) endless_ = jumping;
+    if (jumped < 0) return round > 0;
   }
-  return any;
+  refusal_ = "resets of element states cause each other again and again at one instant";
+  return true;
 }
 
 void StateResets::serialize(Archive& archive) {
-  if (!held_.empty()) archive.serialize(held_);
+  if (held_.empty()) return;
+  archive.serialize(held_);
+  if (archive.reading()) refusal_ = {};
 }
 
 }  // namespace gelenk

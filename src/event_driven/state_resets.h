@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <string_view>
 #include <vector>
 
 #include "dynamics/dynamics.h"
@@ -21,11 +22,11 @@ class StateResets {
 
   // Conditions that hold at the start cause no jump.
   void start(double t, const double* y);
-  // Lets the states in y jump whose conditions have become true since the last call; returns whether one has. What
-  // becomes true by a jump causes one at the same instant.
+  // Lets the states in y jump whose conditions have become true since the last call, by the first of their resets;
+  // returns whether one has. What becomes true by a jump causes one at the same instant.
   bool apply(double t, double* y);
-  // The state that would jump again and again at the same instant; -1: none.
-  int endless() const { return endless_; }
+  // Why the run cannot continue: states would jump again and again at the same instant, or to no number; empty: it can.
+  std::string_view refusal() const { return refusal_; }
   void serialize(Archive& archive);
 
  private:
@@ -40,7 +41,7 @@ class StateResets {
   std::unique_ptr<bool[]> positive_;  // by branch of expressions
   std::vector<char> held_;            // by reset: whether its condition held at the last call
   std::vector<double> when_, to_;
-  int endless_ = -1;
+  std::string_view refusal_;
 };
 
 }  // namespace gelenk

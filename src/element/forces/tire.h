@@ -32,7 +32,7 @@ struct Tire {
       {.kind = Port::Kind::frame, .name = "", .text = "Center of the wheel", .on_ground = false},
       {.kind = Port::Kind::frame, .name = "on", .text = "The road, with z as its normal", .optional = true}};
 
-  static constexpr FormulaVariable variables[] = {{"slip", "1"}, {"slip_angle", "rad"}, {"normal_force", "N"}};
+  static constexpr FormulaVariable variables[] = {{"tire_slip", "1"}, {"tire_angle", "rad"}, {"tire_load", "N"}};
 
   Direction axis = {Eigen::Vector3d::UnitY()};  // of the wheel
   double radius = 0;                            // m
@@ -103,7 +103,7 @@ struct Tire {
         field<&Tire::force_long>(
             {.name = "force_long",
              .unit = "N",
-             .text = "expression of slip, slip_angle and normal_force for the longitudinal force, in place of these",
+             .text = "expression of tire_slip, tire_angle and tire_load for the longitudinal force, in place of these",
              .settable = false,
              .variables = variables}),
         field<&Tire::force_lat>({.name = "force_lat",
@@ -140,9 +140,9 @@ struct Tire {
                           .expected = lacks_lat ? "an expression, since force_long is given"
                                                 : "an expression, since force_lat is given"};
     }
-    if (has_curves() && (slip_stiffness != 0 || cornering_stiffness != 0 || std::isfinite(friction_long)))
+    if (has_curves() && has_numbers())
       return ElementFault{.field = "force_long",
-                          .found = "expressions and a stiffness or friction of the tire",
+                          .found = "expressions and a stiffness, friction, shape or curvature of the tire",
                           .expected = "one of them"};
     if (std::isfinite(friction_long) != std::isfinite(friction_lat)) {
       const bool lacks_lat = std::isfinite(friction_long);
@@ -223,6 +223,11 @@ struct Tire {
 
  private:
   bool has_curves() const { return force_long.is_given(); }
+  bool has_numbers() const {
+    const Tire plain;
+    return slip_stiffness != 0 || cornering_stiffness != 0 || std::isfinite(friction_long) ||
+           shape_long != plain.shape_long || shape_lat != plain.shape_lat || curvature_long != 0 || curvature_lat != 0;
+  }
 
   // A wheel that lies flatter than this on the road has no heading.
   static constexpr double least_sine = 1e-6;

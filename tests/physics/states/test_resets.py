@@ -170,6 +170,65 @@ def test_joint_is_driven_by_a_relay() -> None:
     assert w == pytest.approx(0, abs=1e-6)
 
 
+@pytest.mark.parametrize("integrator", [*ADAPTIVE, "rk4", "generalized-alpha"])
+@pytest.mark.parametrize("step", [0.1, 3.0, 5.0])
+def test_rest_by_friction_triggers_at_its_instant(integrator: str, step: float) -> None:
+    """A rotor that 1 N m decelerates at 2 rad/s2: at rest, its speed is exactly 0, and never negative."""
+    for start in (0.9, 2.0, 4.4):
+        states = {
+            "hit": {"rate": "0", "start": -1, "resets": [{"when": "A.w <= 0", "to": "t"}]},
+            "passed": {"rate": "0", "resets": [{"when": "A.w < 0", "to": "1"}]},
+        }
+        solver = {"integrator": integrator, "step": 0.01}
+        source = rotor(start={"phi": 0.0, "w": start}, states=states, solver=solver)
+        source["joints"]["A"]["friction"] = {"coulomb": 1.0}
+        times = [step * (k + 1) for k in range(math.ceil(3 / step))]
+        hit, passed = values(source, ["hit", "passed"], times, 1e-6)[-1]
+        assert hit == pytest.approx(start / 2, abs=1e-6)
+        assert passed == 0
+
+
+@pytest.mark.parametrize("integrator", [*ADAPTIVE, "rk4"])
+@pytest.mark.parametrize("step", [0.1, 3.0])
+def test_impact_triggers_at_its_instant(integrator: str, step: float) -> None:
+    source = rotor(
+        start={"phi": 0.0, "w": 1.4},
+        states={"hit": {"rate": "0", "start": -1, "resets": [{"when": "A.w < 0", "to": "t"}]}},
+        solver={"integrator": integrator, "step": 0.01},
+    )
+    source["joints"]["A"]["limit"] = {"upper": 1.0, "restitution": 0.5}
+    times = [step * (k + 1) for k in range(math.ceil(3 / step))]
+    assert values(source, ["hit"], times, 1e-6)[-1, 0] == pytest.approx(1 / 1.4, abs=1e-6)
+
+
+def test_relay_that_friction_stops() -> None:
+    """5 N m for 0.5 s against friction of 1 N m, on again at rest: 4 rad/s, then 2 s to rest."""
+    states = {
+        "on": {
+            "rate": "0",
+            "start": 1,
+            "resets": [{"when": "clock > 0.5", "to": 0}, {"when": "A.w <= 0", "to": 1}],
+        },
+        "clock": {"rate": "1", "resets": [{"when": "A.w <= 0", "to": 0}]},
+    }
+    for times in ([20.3], [0.7 * (k + 1) for k in range(29)]):
+        source = rotor(states=states, effort="5*on")
+        source["joints"]["A"]["friction"] = {"coulomb": 1.0}
+        w = values(source, ["A.w"], times, 1e-8)[-1, 0]
+        assert w == pytest.approx(8 * (times[-1] - 20), abs=1e-5)
+
+
+def test_a_jump_to_no_number_is_refused() -> None:
+    source = rotor(states={"x1": {"rate": "1", "resets": [{"when": "x1 > 0.5", "to": "log(-x1)"}]}})
+    with pytest.raises(gelenk.StepError, match="a reset of an element state has no finite value"):
+        values(source, ["x1"], [1.0], 1e-6)
+
+
+def test_the_first_reset_of_a_state_applies() -> None:
+    resets = [{"when": "t > 0.5", "to": 3}, {"when": "t > 0.5", "to": 7}]
+    assert values(rotor(states={"x1": {"rate": "0", "resets": resets}}), ["x1"], [1.0], 1e-6)[0, 0] == 3
+
+
 def test_endless_jumps_are_refused() -> None:
     resets = [{"when": "x1 > 1", "to": 0}, {"when": "x1 < 0.5", "to": 2}]
     source = rotor(states={"x1": {"rate": "1", "start": 0.7, "resets": resets}})

@@ -17,14 +17,14 @@ OF_NUMBERS = ("slip_stiffness", "cornering_stiffness", "friction_long", "shape_l
 
 
 def formula(x: str, B: float, C: float, D: float, E: float) -> str:
-    return f"{D}*normal_force*sin({C}*atan({B}*{x} - {E}*({B}*{x} - atan({B}*{x}))))"
+    return f"{D}*tire_load*sin({C}*atan({B}*{x} - {E}*({B}*{x} - atan({B}*{x}))))"
 
 
 def curves(velocity: tuple[float, float], spin: float, **changes: Any) -> dict[str, Any]:
     """The rig with the Magic Formula of each pure slip as expressions."""
     scene = rig(velocity, spin)
     tire = {key: value for key, value in scene["forces"]["tire"].items() if key not in OF_NUMBERS}
-    laws = {"force_long": formula("slip", *LONG), "force_lat": "-" + formula("tan(slip_angle)", *LAT)}
+    laws = {"force_long": formula("tire_slip", *LONG), "force_lat": "-" + formula("tan(tire_angle)", *LAT)}
     scene["forces"]["tire"] = tire | laws | changes
     return scene
 
@@ -61,7 +61,7 @@ def test_linear_model_is_that_of_numbers() -> None:
 def test_table_of_the_slip() -> None:
     scene = curves(
         (20.0, 0.0), 22 / RADIUS,
-        force_long="normal_force*table(mu, slip)", force_lat="-5e4*slip_angle",
+        force_long="tire_load*table(mu, tire_slip)", force_lat="-5e4*tire_angle",
     )  # fmt: skip
     scene["tables"] = {
         "mu": {"x": [-1, -0.1, 0, 0.1, 1], "values": [-0.7, -1, 0, 1, 0.7], "interpolation": "linear"}
@@ -73,7 +73,7 @@ def test_table_of_the_slip() -> None:
 def test_limit_of_a_curve_is_an_event() -> None:
     """A wheel that spins up by its drive passes the end of the linear range."""
     scene = curves(
-        (20.0, 0.0), 20 / RADIUS, force_long="1e4*clip(slip, -0.02, 0.02)", force_lat="-5e4*slip_angle"
+        (20.0, 0.0), 20 / RADIUS, force_long="1e4*clip(tire_slip, -0.02, 0.02)", force_lat="-5e4*tire_angle"
     )
     scene["joints"]["hub"]["law"] = {"effort": "300"}
     result = gelenk.Simulation(gelenk.load(scene))
@@ -86,7 +86,12 @@ def test_limit_of_a_curve_is_an_event() -> None:
 
 def test_lifted_wheel_has_no_force() -> None:
     scene = curves(
-        (20.0, 1.0), 22 / RADIUS, load=0, stiffness=2e5, force_long="1000*slip", force_lat="-1000*slip_angle"
+        (20.0, 1.0),
+        22 / RADIUS,
+        load=0,
+        stiffness=2e5,
+        force_long="1000*tire_slip",
+        force_lat="-1000*tire_angle",
     )
     scene["joints"]["road"]["parent"]["position"] = [0, 0, RADIUS + 0.01]
     assert outputs(scene)[:3] == [0, 0, 0]
