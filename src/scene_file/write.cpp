@@ -215,6 +215,19 @@ Json table(const SceneTable& table) {
   return out;
 }
 
+void add_states(Json& out, const Scene& scene) {
+  for (const ElementState& of : scene.states) {
+    if (!of.component.empty()) continue;
+    Json& state = out["states"][of.name] = {{"rate", std::string(of.rate.text())}};
+    if (!of.unit.empty()) state["unit"] = of.unit;
+    if (of.start != 0) state["start"] = of.start;
+    if (of.nominal != 0) state["nominal"] = of.nominal;
+    if (!of.text.empty()) state["text"] = of.text;
+    for (const StateReset& reset : of.resets)
+      state["resets"].push_back({{"when", reset.condition}, {"to", std::string(reset.to.text())}});
+  }
+}
+
 // What expressions name.
 void add_names(Json& out, const Scene& scene) {
   for (const FormulaNames::Constant& constant : scene.constants) out["constants"][constant.name] = constant.value;
@@ -226,16 +239,7 @@ void add_names(Json& out, const Scene& scene) {
     if (of.start != 0) input["start"] = of.start;
     if (!of.text.empty()) input["text"] = of.text;
   }
-  for (const ElementState& of : scene.states) {
-    if (!of.component.empty()) continue;
-    Json& state = out["states"][of.name] = {{"rate", std::string(of.rate.text())}};
-    if (!of.unit.empty()) state["unit"] = of.unit;
-    if (of.start != 0) state["start"] = of.start;
-    if (of.nominal != 0) state["nominal"] = of.nominal;
-    if (!of.text.empty()) state["text"] = of.text;
-    for (const StateReset& reset : of.resets)
-      state["resets"].push_back({{"when", reset.condition}, {"to", std::string(reset.to.text())}});
-  }
+  add_states(out, scene);
   for (const NamedExpression& of : scene.expressions) {
     if (!of.component.empty()) continue;
     Json& expression = out["expressions"][of.name] = {{"value", std::string(of.value.text())}};
