@@ -7,6 +7,7 @@
 #include "check/fields.h"
 #include "joint/kinds.h"
 #include "scene/element_numbers.h"
+#include "scene/formulas.h"
 #include "scene/shapes.h"
 #include "shape/features.h"
 #include "shape/rounded.h"
@@ -187,9 +188,9 @@ void check_contact_methods(const Scene& scene, Faults& faults) {
 
 // Resets of states are located events, which steps with impulses do not have.
 void check_resets(const Scene& scene, Faults& faults) {
-  const auto jumps = [](const ElementState& state) { return !state.resets.empty(); };
-  const auto first = std::ranges::find_if(scene.states, jumps);
-  if (first != scene.states.end() && scene.solver.start == "equilibrium") {
+  const ElementState* const first = first_with_resets(scene);
+  if (first == nullptr) return;
+  if (scene.solver.start == "equilibrium") {
     faults.add("solver.start", "'equilibrium' with states." + text::printable(first->name) + ".resets",
                "as_given: where states jump, there may be no equilibrium");
   }

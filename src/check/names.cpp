@@ -6,6 +6,7 @@
 #include "check/check.h"
 #include "expression/library.h"
 #include "joint/kinds.h"
+#include "scene/component_parts.h"
 #include "scene/element_numbers.h"
 #include "scene/quantity_groups.h"
 #include "util/text.h"
@@ -190,8 +191,7 @@ void check_names(const Scene& scene, Faults& faults) {
     claims.claim(is_part(state) ? "components." + state.component : "states." + state.name, state.name, {"rate"});
   const auto claim_parts = [&](const auto& all) {
     for (const auto& named : all) {
-      if (is_part(named))
-        claims.claim("components." + named.component, named.component, {named.name.substr(named.component.size() + 1)});
+      if (is_part(named)) claims.claim("components." + named.component, named.component, {own_name(named)});
     }
   };
   claim_parts(scene.inputs);

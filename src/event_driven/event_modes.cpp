@@ -173,8 +173,10 @@ void EventModes::release() {
 
 bool EventModes::recall_mode(double t, double* y) {
   bool changed = changes_->recall(t, y);
-  for (int round = 0; round < most_jumps && resets_.apply(t, y); ++round) {
+  for (int round = 0; resets_.apply(t, y); ++round) {
     changed = true;
+    if (round == most_jumps) resets_.refuse_repetition();
+    if (!resets_.refusal().empty()) break;
     changes_->inputs_jumped();  // on which modes depend
     changes_->recall(t, y);
   }
@@ -184,8 +186,8 @@ bool EventModes::recall_mode(double t, double* y) {
 void EventModes::change_mode(double t, double* y) {
   hold_mode(t, nullptr);  // stops and signs of loads follow from the state, at which the others are decided on
   changes_->change(t, y);
-  if (resets_.apply(t, y))
-    changes_->inputs_jumped();  // on velocities after impacts; modes follow where the step begins
+  // On velocities after impacts; modes follow where the next step begins.
+  if (resets_.apply(t, y)) changes_->inputs_jumped();
 }
 
 EventModes::Present EventModes::present(double t, const double* y, FrictionTreatment friction) {

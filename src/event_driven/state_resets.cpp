@@ -72,7 +72,7 @@ bool StateResets::apply(double t, double* y) {
     }
     if (jumped < 0) return round > 0;
   }
-  refusal_ = "resets of element states cause each other again and again at one instant";
+  refuse_repetition();
   return true;
 }
 

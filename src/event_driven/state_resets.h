@@ -27,9 +27,13 @@ class StateResets {
   bool apply(double t, double* y);
   // Why the run cannot continue: states would jump again and again at the same instant, or to no number; empty: it can.
   std::string_view refusal() const { return refusal_; }
+  void refuse_repetition() { refusal_ = repetition; }
   void serialize(Archive& archive);
 
  private:
+  static constexpr std::string_view repetition =
+      "resets of element states cause each other again and again at one instant";
+
   void evaluate(double t, const double* y);
 
   const Loads& loads_;

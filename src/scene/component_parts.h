@@ -24,6 +24,12 @@ void add_component_parts(Scene& scene, const FormulaNames& names,
 // Adds the numbers of components, in SI units, as constants: "M.resistance".
 void add_component_constants(const Scene& scene, std::vector<FormulaNames::Constant>& constants);
 
+// The name of a part within its component: "i" of "M.i".
+template <class Part>
+std::string own_name(const Part& part) {
+  return part.name.substr(part.component.size() + 1);
+}
+
 // The joints that a motor or a component drives, with the inertia that it adds there [kg m2, kg].
 struct DrivenJoint {
   std::string_view joint;

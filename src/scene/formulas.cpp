@@ -26,24 +26,17 @@ void each_of(std::span<const Field> fields, void* element, const Coordinate& coo
 // The same for all expressions, with place(), that of their element, which is that of a joint for forces along it.
 template <class Visit>
 void each_formula(Scene& scene, Visit visit) {
-  const auto of_none = [&](auto& all) {
-    for (auto& named : all) {
-      const auto nowhere = [&] {
-        return ElementPlace{.name = named.name, .frames = {}, .joints = {}, .coordinate = {}};
-      };
-      each_of(named.fields(), &named, {},
-              [&](Formula& formula, const Field& field, const Coordinate& at) { visit(formula, field, at, nowhere); });
-    }
+  // Of what has a name, but no place.
+  const auto of_none = [&](const std::string& name, auto& of) {
+    const auto nowhere = [&] { return ElementPlace{.name = name, .frames = {}, .joints = {}, .coordinate = {}}; };
+    each_of(of.fields(), &of, {},
+            [&](Formula& formula, const Field& field, const Coordinate& at) { visit(formula, field, at, nowhere); });
   };
-  of_none(scene.states);
+  for (ElementState& state : scene.states) of_none(state.name, state);
   for (ElementState& state : scene.states) {
-    const auto nowhere = [&] { return ElementPlace{.name = state.name, .frames = {}, .joints = {}, .coordinate = {}}; };
-    for (StateReset& reset : state.resets) {
-      each_of(StateReset::fields(), &reset, {},
-              [&](Formula& formula, const Field& field, const Coordinate& at) { visit(formula, field, at, nowhere); });
-    }
+    for (StateReset& reset : state.resets) of_none(state.name, reset);
   }
-  of_none(scene.expressions);
+  for (NamedExpression& of : scene.expressions) of_none(of.name, of);
   for (Joint& joint : scene.joints) {
     const JointKind& kind = *find_joint_kind(joint.type);
     const auto place = [&] {
@@ -207,6 +200,11 @@ std::unordered_set<std::string> named_of_motion(const Scene& scene) {
     }
   }
   return out;
+}
+
+const ElementState* first_with_resets(const Scene& scene) {
+  const auto found = std::ranges::find_if(scene.states, [](const ElementState& of) { return !of.resets.empty(); });
+  return found == scene.states.end() ? nullptr : &*found;
 }
 
 double size_of(const ElementState& state, const UnitSystem& units) {

@@ -54,6 +54,9 @@ struct FormulaReader {
 // All that name any, in the order of the file; first the element states and the named expressions, by their name.
 std::vector<FormulaReader> formula_readers(const Scene& scene);
 
+// The first element state that has resets; null: none.
+const ElementState* first_with_resets(const Scene& scene);
+
 // The elements of which expressions name this signal, in the order of the file; forces along a joint as this joint.
 std::vector<ElementPlace> readers_of(const Scene& scene, std::string_view signal);
 // Whether an expression names the time, other than that of a prescribed motion.

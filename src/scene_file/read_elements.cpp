@@ -137,7 +137,7 @@ void read_section(const Json& section, const Section& of, Reader& reader, std::v
                read_ports(fields, kinds[n], reader, element);
                const Coordinate coordinate = coordinate_of(reader.scene, element);
                read_fields(fields, kinds[n].fields, data_of(*element.is), coordinate, reader.names);
-               if (section_has_states<Any>) {
+               if constexpr (section_has_states<Any>) {
                  if (const Json* start = fields.find("start")) reader.starts[name] = *start;
                }
                fields.done();
@@ -185,7 +185,7 @@ void read_starts(Reader& reader) {
     std::vector<std::string> names;
     for (ElementState& state : reader.scene.states) {
       if (state.component != component) continue;
-      names.push_back(state.name.substr(component.size() + 1));
+      names.push_back(own_name(state));
       states[names.back()] = &state;
     }
     for (const auto& [name, start] : value.items()) {

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "joint/kinds.h"
+#include "scene/component_parts.h"
 #include "scene/quantity_groups.h"
 #include "scene/words.h"
 #include "scene_file/element_fields.h"
@@ -290,8 +291,7 @@ std::string write_scene_json(const Scene& scene) {
   });
   for (const ElementState& state : scene.states) {
     if (state.component.empty()) continue;
-    const std::string name = state.name.substr(state.component.size() + 1);
-    out[std::string(components_section.name)][state.component]["start"][name] = state.start;
+    out[std::string(components_section.name)][state.component]["start"][own_name(state)] = state.start;
   }
   out["parameters"] = scene.parameters;
   if (!scene.outputs.empty()) out["outputs"] = scene.outputs;

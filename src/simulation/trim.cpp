@@ -8,6 +8,7 @@
 
 #include "preparation/report.h"
 #include "preparation/rest_forces.h"
+#include "scene/formulas.h"
 #include "scene/natural_time.h"
 #include "simulation/simulation_impl.h"
 #include "simulation/trim.h"
@@ -117,8 +118,7 @@ void Simulation::Impl::add_residuals(int island, const EquilibriumRequest& reque
 
 Trim Simulation::Impl::trim(const EquilibriumRequest& request) {
   // Where a state jumps, rates that vanish are no equilibrium, as of a relay.
-  const auto jumps = [](const ElementState& state) { return !state.resets.empty(); };
-  if (const auto state = std::ranges::find_if(scene.states, jumps); state != scene.states.end())
+  if (const ElementState* const state = first_with_resets(scene))
     throw UsageError("states." + state->name +
                      ".resets: there may be no equilibrium where states jump, none is searched for");
   Trim out;

@@ -3,9 +3,9 @@
 // as texts, from which scene/component_parts.h makes states, named expressions and inputs of the scene, and a force
 // along a joint. Besides what elements share (element/element.h) it has
 //
-//   ports                          none, or a joint with one coordinate
-//   describe(ComponentEquations& of) const  its equations
-//   inertia()                      what it adds to that of its joint's coordinate [kg m2, kg]; optional
+//   ports         none, or a joint with one coordinate
+//   describe(of)  enters its equations in ComponentEquations
+//   inertia()     what it adds to that of its joint's coordinate [kg m2, kg]; optional
 //
 // Texts are expressions in SI units. They name the fields, signals, states and values of the component, and `position`
 // and `speed` of its joint. Which equations there are may depend on which optional fields are given, not on numbers,
@@ -18,7 +18,7 @@
 #include <string_view>
 #include <vector>
 
-#include "element/element.h"
+#include "element/gearing.h"
 #include "element/joint_forces/coordinate_force.h"
 
 namespace gelenk {
@@ -56,11 +56,23 @@ std::string joined(ComponentEquations::Texts texts);
 
 inline bool is_given(double optional) { return std::isfinite(optional); }
 
-// The port of components that act on a joint.
-inline constexpr Port driven_joint = {.kind = Port::Kind::joint,
-                                      .name = "joint",
-                                      .text = "Joint with one degree of freedom",
-                                      .fits = [](const JointKind& kind) { return kind.nq == 1 && kind.nv == 1; }};
+// A field with a signal: an expression, also of the coordinate and the speed of the joint.
+constexpr FieldInfo signal_info(std::string_view name, std::string_view unit, std::string_view text) {
+  return {.name = name,
+          .unit = unit,
+          .text = text,
+          .settable = false,
+          .variables = variables_along,
+          .reads = FormulaReads::signals};
+}
+// The same of a component without a joint.
+constexpr FieldInfo free_signal_info(std::string_view name, std::string_view unit, std::string_view text) {
+  FieldInfo out = signal_info(name, unit, text);
+  out.variables = {};
+  return out;
+}
+
+// Joints of components that fit one type of coordinate only; others have a driven_joint.
 inline constexpr Port driven_slide = {
     .kind = Port::Kind::joint, .name = "joint", .text = "Prismatic joint", .fits = [](const JointKind& kind) {
       return kind.nq == 1 && kind.nv == 1 && kind.q[0].unit == "m";

@@ -9,7 +9,7 @@ namespace gelenk {
 // current is one of the voltage, as in drives that know the back-EMF: it is never more than the largest current needs.
 struct DcMotor {
   static constexpr std::string_view kind = "dc_motor";
-  static constexpr std::string_view summary = "a DC motor with inductance, back-EMF and perhaps a limit of the current";
+  static constexpr std::string_view summary = "a DC motor with inductance, back-EMF and an optional current limit";
   static constexpr Port ports[] = {driven_joint};
 
   Formula voltage;
@@ -21,12 +21,7 @@ struct DcMotor {
 
   static std::span<const Field> fields() {
     static constexpr Field all[] = {
-        field<&DcMotor::voltage>({.name = "voltage",
-                                  .unit = "V",
-                                  .text = "voltage, an expression; an input if not given",
-                                  .settable = false,
-                                  .variables = variables_along,
-                                  .reads = FormulaReads::signals}),
+        field<&DcMotor::voltage>(signal_info("voltage", "V", "voltage, an expression; an input if not given")),
         field<&DcMotor::resistance>({.name = "resistance",
                                      .unit = "Ohm",
                                      .text = "resistance of the armature",
@@ -47,14 +42,8 @@ struct DcMotor {
                                         .text = "limit of the current in both directions",
                                         .range = Range::positive,
                                         .optional = true}),
-        field<&DcMotor::gear_ratio>({.name = "gear_ratio",
-                                     .unit = "1",
-                                     .text = "travel of the motor per travel of joint {joint}",
-                                     .range = Range::not_zero}),
-        field<&DcMotor::rotor_inertia>({.name = "rotor_inertia",
-                                        .unit = "{J}",
-                                        .text = "rotor inertia on the motor side",
-                                        .range = Range::not_negative})};
+        field<&DcMotor::gear_ratio>(gear_ratio_info),
+        field<&DcMotor::rotor_inertia>(rotor_inertia_info)};
     return all;
   }
 
@@ -67,9 +56,9 @@ struct DcMotor {
     of.state({"i", "A", "current"}, {"(applied - emf - resistance*i)/inductance"});
     of.act({"gear_ratio*constant*i"});
     of.value({"power", "W", "electrical power taken"}, {"applied*i"});
-    of.value({"loss", "W", "heat of the resistance"}, {"resistance*i^2"});
+    of.value({"loss", "W", "resistive loss"}, {"resistance*i^2"});
   }
-  double inertia() const { return gear_ratio * gear_ratio * rotor_inertia; }
+  double inertia() const { return reflected_inertia(gear_ratio, rotor_inertia); }
 };
 
 }  // namespace gelenk

@@ -9,7 +9,7 @@ namespace gelenk {
 struct Engine {
   static constexpr std::string_view kind = "engine";
   static constexpr std::string_view summary =
-      "a drive whose torque follows a map or an expression, perhaps with a delay";
+      "a drive whose torque follows a map or an expression, optionally with a first-order lag";
   static constexpr Port ports[] = {driven_shaft};
 
   Formula torque;
@@ -19,26 +19,15 @@ struct Engine {
 
   static std::span<const Field> fields() {
     static constexpr Field all[] = {
-        field<&Engine::torque>({.name = "torque",
-                                .unit = "N.m",
-                                .text = "torque on the side of the engine, an expression, such as table(map, w, "
-                                        "throttle); an input if not given",
-                                .settable = false,
-                                .variables = variables_along,
-                                .reads = FormulaReads::signals}),
+        field<&Engine::torque>(signal_info(
+            "torque", "N.m",
+            "torque on the side of the engine, an expression, such as table(map, w, throttle); an input if not given")),
         field<&Engine::time_constant>({.name = "time_constant",
                                        .unit = "s",
                                        .text = "time constant with which the torque follows; at once if not given",
                                        .range = Range::positive,
                                        .optional = true}),
-        field<&Engine::gear_ratio>({.name = "gear_ratio",
-                                    .unit = "1",
-                                    .text = "travel of the motor per travel of joint {joint}",
-                                    .range = Range::not_zero}),
-        field<&Engine::rotor_inertia>({.name = "rotor_inertia",
-                                       .unit = "{J}",
-                                       .text = "rotor inertia on the motor side",
-                                       .range = Range::not_negative})};
+        field<&Engine::gear_ratio>(gear_ratio_info), field<&Engine::rotor_inertia>(rotor_inertia_info)};
     return all;
   }
 
@@ -53,7 +42,7 @@ struct Engine {
     }
     of.value({"power", "W", "mechanical power"}, {"{effort}*speed"});
   }
-  double inertia() const { return gear_ratio * gear_ratio * rotor_inertia; }
+  double inertia() const { return reflected_inertia(gear_ratio, rotor_inertia); }
 };
 
 }  // namespace gelenk

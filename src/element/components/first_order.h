@@ -15,17 +15,13 @@ struct FirstOrder {
   double time_constant = 0;
 
   static std::span<const Field> fields() {
-    static constexpr Field all[] = {
-        field<&FirstOrder::input>({.name = "input",
-                                   .unit = "",
-                                   .text = "signal to filter, an expression; an input if not given",
-                                   .settable = false,
-                                   .reads = FormulaReads::signals}),
-        field<&FirstOrder::time_constant>({.name = "time_constant",
-                                           .unit = "s",
-                                           .text = "time constant",
-                                           .range = Range::positive,
-                                           .required = true})};
+    static constexpr Field all[] = {field<&FirstOrder::input>(free_signal_info(
+                                        "input", "", "signal to filter, an expression; an input if not given")),
+                                    field<&FirstOrder::time_constant>({.name = "time_constant",
+                                                                       .unit = "s",
+                                                                       .text = "time constant",
+                                                                       .range = Range::positive,
+                                                                       .required = true})};
     return all;
   }
 

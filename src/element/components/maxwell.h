@@ -30,7 +30,7 @@ struct Maxwell {
   void describe(ComponentEquations& of) const {
     of.state({"elongation", "{q}", "elongation of the spring"}, {"speed - stiffness*elongation/damping"});
     of.act({"-stiffness*elongation"});
-    of.value({"loss", "W", "heat of the damper"}, {"(stiffness*elongation)^2/damping"});
+    of.value({"loss", "W", "power dissipated by the damper"}, {"(stiffness*elongation)^2/damping"});
   }
 };
 

@@ -5,12 +5,12 @@
 
 namespace gelenk {
 
-// A P, PD, PI or PID controller of the coordinate of a joint. With a limit, the integral is led back as long as the
-// effort is at it (anti-windup by back-calculation).
+// A P, PD, PI or PID controller of the coordinate of a joint. With a limit, the integral has anti-windup
+// by back-calculation.
 struct PositionServo {
   static constexpr std::string_view kind = "position_servo";
   static constexpr std::string_view summary =
-      "a P, PD, PI or PID controller of a position, perhaps with a limit and anti-windup";
+      "a P, PD, PI or PID controller of a position, optionally with a limit and anti-windup";
   static constexpr Port ports[] = {driven_joint};
 
   Formula target, target_speed;
@@ -23,26 +23,12 @@ struct PositionServo {
 
   static std::span<const Field> fields() {
     static constexpr Field all[] = {
-        field<&PositionServo::target>({.name = "target",
-                                       .unit = "{q}",
-                                       .text = "position to reach, an expression; an input if not given",
-                                       .settable = false,
-                                       .variables = variables_along,
-                                       .reads = FormulaReads::signals}),
-        field<&PositionServo::target_speed>(
-            {.name = "target_speed",
-             .unit = "{v}",
-             .text = "speed of the target, to which the damping refers, an expression; 0 if not given",
-             .settable = false,
-             .variables = variables_along,
-             .reads = FormulaReads::signals}),
-        field<&PositionServo::feedforward>(
-            {.name = "feedforward",
-             .unit = "{f}",
-             .text = "{torque} that is added before the limit, an expression; none if not given",
-             .settable = false,
-             .variables = variables_along,
-             .reads = FormulaReads::signals}),
+        field<&PositionServo::target>(
+            signal_info("target", "{q}", "position to reach, an expression; an input if not given")),
+        field<&PositionServo::target_speed>(signal_info(
+            "target_speed", "{v}", "speed of the target, to which the damping refers, an expression; 0 if not given")),
+        field<&PositionServo::feedforward>(signal_info(
+            "feedforward", "{f}", "{torque} that is added before the limit, an expression; none if not given")),
         field<&PositionServo::gain>({.name = "gain",
                                      .unit = "{f}/{q}",
                                      .text = "{torque} per error of the position",
@@ -52,23 +38,9 @@ struct PositionServo {
                                         .unit = "{f}.s/{q}",
                                         .text = "{torque} per error of the speed",
                                         .range = Range::not_negative}),
-        field<&PositionServo::reset_time>(
-            {.name = "reset_time",
-             .unit = "s",
-             .text = "time in which the integral of an error adds as much as its gain; no integral if not given",
-             .range = Range::positive,
-             .optional = true}),
-        field<&PositionServo::limit>({.name = "limit",
-                                      .unit = "{f}",
-                                      .text = "limit of the {torque} in both directions",
-                                      .range = Range::positive,
-                                      .optional = true}),
-        field<&PositionServo::tracking_time>(
-            {.name = "tracking_time",
-             .unit = "s",
-             .text = "time constant that leads the integral back at the limit; reset_time if not given",
-             .range = Range::positive,
-             .optional = true})};
+        field<&PositionServo::reset_time>(reset_time_info),
+        field<&PositionServo::limit>(limit_info),
+        field<&PositionServo::tracking_time>(tracking_time_info)};
     return all;
   }
 

@@ -18,16 +18,13 @@ struct RateLimiter {
 
   static std::span<const Field> fields() {
     static constexpr Field all[] = {
-        field<&RateLimiter::input>({.name = "input",
-                                    .unit = "",
-                                    .text = "signal to follow, an expression; an input if not given",
-                                    .settable = false,
-                                    .reads = FormulaReads::signals}),
+        field<&RateLimiter::input>(
+            free_signal_info("input", "", "signal to follow, an expression; an input if not given")),
         field<&RateLimiter::rise>(
-            {.name = "rise", .unit = "1/s", .text = "largest rate", .range = Range::positive, .required = true}),
+            {.name = "rise", .unit = "1/s", .text = "largest rising rate", .range = Range::positive, .required = true}),
         field<&RateLimiter::fall>({.name = "fall",
                                    .unit = "1/s",
-                                   .text = "largest rate downwards, positive; rise if not given",
+                                   .text = "largest falling rate, as a positive number; rise if not given",
                                    .range = Range::positive,
                                    .optional = true}),
         field<&RateLimiter::time_constant>(

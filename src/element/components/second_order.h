@@ -17,11 +17,8 @@ struct SecondOrder {
 
   static std::span<const Field> fields() {
     static constexpr Field all[] = {
-        field<&SecondOrder::input>({.name = "input",
-                                    .unit = "",
-                                    .text = "signal to filter, an expression; an input if not given",
-                                    .settable = false,
-                                    .reads = FormulaReads::signals}),
+        field<&SecondOrder::input>(
+            free_signal_info("input", "", "signal to filter, an expression; an input if not given")),
         field<&SecondOrder::natural_frequency>({.name = "natural_frequency",
                                                 .unit = "rad/s",
                                                 .text = "natural frequency",

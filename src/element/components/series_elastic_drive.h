@@ -6,7 +6,7 @@
 namespace gelenk {
 
 // A motor with an inertia of its own that drives the joint through a gear and a spring: its speed and the deflection of
-// the spring are states, so that it needs no body. Both start as the joint does, without deflection.
+// the spring are states, so that it needs no body. The spring starts relaxed, and the motor at rest.
 struct SeriesElasticDrive {
   static constexpr std::string_view kind = "series_elastic_drive";
   static constexpr std::string_view summary = "a motor that drives its joint through a spring";
@@ -22,12 +22,7 @@ struct SeriesElasticDrive {
   static std::span<const Field> fields() {
     static constexpr Field all[] = {
         field<&SeriesElasticDrive::torque>(
-            {.name = "torque",
-             .unit = "{f}",
-             .text = "{torque} of the motor on its side, an expression; an input if not given",
-             .settable = false,
-             .variables = variables_along,
-             .reads = FormulaReads::signals}),
+            signal_info("torque", "{f}", "{torque} of the motor on its side, an expression; an input if not given")),
         field<&SeriesElasticDrive::stiffness>({.name = "stiffness",
                                                .unit = "{f}/{q}",
                                                .text = "stiffness of the spring, on the side of the joint",

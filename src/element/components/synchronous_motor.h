@@ -23,18 +23,10 @@ struct SynchronousMotor {
 
   static std::span<const Field> fields() {
     static constexpr Field all[] = {
-        field<&SynchronousMotor::voltage_d>({.name = "voltage_d",
-                                             .unit = "V",
-                                             .text = "voltage of the axis d, an expression; an input if not given",
-                                             .settable = false,
-                                             .variables = variables_along,
-                                             .reads = FormulaReads::signals}),
-        field<&SynchronousMotor::voltage_q>({.name = "voltage_q",
-                                             .unit = "V",
-                                             .text = "voltage of the axis q, an expression; an input if not given",
-                                             .settable = false,
-                                             .variables = variables_along,
-                                             .reads = FormulaReads::signals}),
+        field<&SynchronousMotor::voltage_d>(
+            signal_info("voltage_d", "V", "voltage of the axis d, an expression; an input if not given")),
+        field<&SynchronousMotor::voltage_q>(
+            signal_info("voltage_q", "V", "voltage of the axis q, an expression; an input if not given")),
         field<&SynchronousMotor::pole_pairs>(
             {.name = "pole_pairs", .unit = "1", .text = "number of pairs of poles", .range = Range::positive}),
         field<&SynchronousMotor::resistance>({.name = "resistance",
@@ -62,23 +54,17 @@ struct SynchronousMotor {
                                                  .text = "limit of either current in both directions",
                                                  .range = Range::positive,
                                                  .optional = true}),
-        field<&SynchronousMotor::gear_ratio>({.name = "gear_ratio",
-                                              .unit = "1",
-                                              .text = "travel of the motor per travel of joint {joint}",
-                                              .range = Range::not_zero}),
-        field<&SynchronousMotor::rotor_inertia>({.name = "rotor_inertia",
-                                                 .unit = "{J}",
-                                                 .text = "rotor inertia on the motor side",
-                                                 .range = Range::not_negative})};
+        field<&SynchronousMotor::gear_ratio>(gear_ratio_info),
+        field<&SynchronousMotor::rotor_inertia>(rotor_inertia_info)};
     return all;
   }
 
   void describe(ComponentEquations& of) const {
     of.signal({"voltage_d", "V", "voltage of the axis d"}, voltage_d);
     of.signal({"voltage_q", "V", "voltage of the axis q"}, voltage_q);
-    of.value({"turning", "rad/s", "electrical speed"}, {"pole_pairs*gear_ratio*speed"});
-    of.value({"emf_d", "V", "induced voltage of the axis d"}, {"-turning*inductance_q*iq"});
-    of.value({"emf_q", "V", "induced voltage of the axis q"}, {"turning*(inductance_d*id + flux)"});
+    of.value({"electrical_speed", "rad/s", "electrical speed"}, {"pole_pairs*gear_ratio*speed"});
+    of.value({"emf_d", "V", "induced voltage of the axis d"}, {"-electrical_speed*inductance_q*iq"});
+    of.value({"emf_q", "V", "induced voltage of the axis q"}, {"electrical_speed*(inductance_d*id + flux)"});
     const bool is_limited = is_given(current_limit);
     of.value({"applied_d", "V", "voltage at the winding of the axis d"},
              {is_limited ? "clip(voltage_d, emf_d - resistance*current_limit, emf_d + resistance*current_limit)"
@@ -90,9 +76,9 @@ struct SynchronousMotor {
     of.state({"iq", "A", "current of the axis q"}, {"(applied_q - emf_q - resistance*iq)/inductance_q"});
     of.act({"1.5*gear_ratio*pole_pairs*(flux*iq + (inductance_d - inductance_q)*id*iq)"});
     of.value({"power", "W", "electrical power taken"}, {"1.5*(applied_d*id + applied_q*iq)"});
-    of.value({"loss", "W", "heat of the resistances"}, {"1.5*resistance*(id^2 + iq^2)"});
+    of.value({"loss", "W", "resistive loss"}, {"1.5*resistance*(id^2 + iq^2)"});
   }
-  double inertia() const { return gear_ratio * gear_ratio * rotor_inertia; }
+  double inertia() const { return reflected_inertia(gear_ratio, rotor_inertia); }
 };
 
 }  // namespace gelenk

@@ -18,11 +18,8 @@ struct ThermalMass {
 
   static std::span<const Field> fields() {
     static constexpr Field all[] = {
-        field<&ThermalMass::heat>({.name = "heat",
-                                   .unit = "W",
-                                   .text = "heat flow into it, an expression; an input if not given",
-                                   .settable = false,
-                                   .reads = FormulaReads::signals}),
+        field<&ThermalMass::heat>(
+            free_signal_info("heat", "W", "heat flow into it, an expression; an input if not given")),
         field<&ThermalMass::capacity>(
             {.name = "capacity", .unit = "J/K", .text = "heat capacity", .range = Range::positive, .required = true}),
         field<&ThermalMass::resistance>({.name = "resistance",

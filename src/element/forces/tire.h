@@ -184,10 +184,11 @@ struct Tire {
     T slip, tan_alpha;     // kappa, tan alpha
     T tau;                 // N m
 
-    std::array<T, 3> variables() const {
+    T slip_angle() const {
       using std::atan2;
-      return {slip, atan2(tan_alpha, T(1)), f_n};
+      return atan2(tan_alpha, T(1));
     }
+    std::array<T, 3> variables() const { return {slip, slip_angle(), f_n}; }
   };
 
   // Whether the wheel lies flat on the road, where it has no heading, and no force.
@@ -215,9 +216,8 @@ struct Tire {
 
   template <class T, class At>
   T output(const At* at, int group) const {
-    using std::atan2;
     const Contact<T> on = contact<T>(at);
-    const T all[] = {on.f_n, on.f_long, on.f_lat, on.slip, atan2(on.tan_alpha, T(1)), on.tau};
+    const T all[] = {on.f_n, on.f_long, on.f_lat, on.slip, on.slip_angle(), on.tau};
     return all[group];
   }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "element/gearing.h"
 #include "element/joint_forces/coordinate_force.h"
 
 namespace gelenk {
@@ -10,24 +11,14 @@ namespace gelenk {
 struct Drive {
   static constexpr std::string_view kind = "drive";
   static constexpr std::string_view summary = "an ideal motor with gear ratio and rotor inertia at a joint";
-  static constexpr Port ports[] = {{.kind = Port::Kind::joint,
-                                    .name = "joint",
-                                    .text = "Joint with one degree of freedom",
-                                    .fits = [](const JointKind& kind) { return kind.nq == 1 && kind.nv == 1; }}};
+  static constexpr Port ports[] = {driven_joint};
 
   double gear_ratio = 1;     // motor angle / joint angle (prismatic: motor travel / joint travel)
   double rotor_inertia = 0;  // kg m2 on the motor side (prismatic: kg)
 
   static std::span<const Field> fields() {
-    static constexpr Field all[] = {
-        field<&Drive::gear_ratio>({.name = "gear_ratio",
-                                   .unit = "1",
-                                   .text = "travel of the motor per travel of joint {joint}",
-                                   .range = Range::not_zero}),
-        field<&Drive::rotor_inertia>({.name = "rotor_inertia",
-                                      .unit = "{J}",
-                                      .text = "rotor inertia on the motor side",
-                                      .range = Range::not_negative})};
+    static constexpr Field all[] = {field<&Drive::gear_ratio>(gear_ratio_info),
+                                    field<&Drive::rotor_inertia>(rotor_inertia_info)};
     return all;
   }
 
@@ -40,7 +31,7 @@ struct Drive {
   T effort(const T&, const T&, const T* u) const {
     return T(gear_ratio) * u[0];
   }
-  double inertia() const { return gear_ratio * gear_ratio * rotor_inertia; }
+  double inertia() const { return reflected_inertia(gear_ratio, rotor_inertia); }
 };
 
 }  // namespace gelenk

@@ -150,15 +150,15 @@ HAND: dict[str, Hand] = {
         "0.5*developed",
     ),
     "speed_servo": (
-        {"integral": {"rate": "0.4*(u - axle.w)/0.2 + (out - wanted)/0.05"}},
-        {"wanted": "0.4*(u - axle.w) + integral + 0.1*axle.phi", "out": "min(max(wanted, -0.5), 0.5)"},
+        {"integral": {"rate": "0.4*(u - axle.w)/0.2 + (out - unlimited)/0.05"}},
+        {"unlimited": "0.4*(u - axle.w) + integral + 0.1*axle.phi", "out": "min(max(unlimited, -0.5), 0.5)"},
         "out",
     ),
     "position_servo": (
-        {"integral": {"rate": "3*(u*t - axle.phi)/0.4 + (out - wanted)/0.1"}},
+        {"integral": {"rate": "3*(u*t - axle.phi)/0.4 + (out - unlimited)/0.1"}},
         {
-            "wanted": "3*(u*t - axle.phi) + 0.2*(u - axle.w) + integral + 0.1*axle.w",
-            "out": "min(max(wanted, -0.8), 0.8)",
+            "unlimited": "3*(u*t - axle.phi) + 0.2*(u - axle.w) + integral + 0.1*axle.w",
+            "out": "min(max(unlimited, -0.8), 0.8)",
         },
         "out",
     ),

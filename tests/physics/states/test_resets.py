@@ -279,3 +279,20 @@ def test_linear_model_is_that_between_jumps() -> None:
     rates = found.A[found.state_labels.index("x1")]
     assert rates[found.state_labels.index("x1")] == pytest.approx(-1 / TAU)
     assert rates[found.state_labels.index("on")] == pytest.approx(1.5 / TAU)
+
+
+@pytest.mark.parametrize("integrator", ["auto", "dirk", "ida", "rk4"])
+def test_a_motion_that_jumps_triggers_at_the_communication_point(integrator: str) -> None:
+    """The state is projected onto the new motion, which makes the condition true."""
+    source = rotor(
+        constraints={"drive": {"type": "motion", "joint": "A", "input": "position"}},
+        states={"hit": {"rate": "0", "start": -1, "resets": [{"when": "A.phi > 0.5", "to": "t"}]}},
+        solver={"integrator": integrator},
+    )
+    simulation = gelenk.Simulation(source)
+    simulation.initialize(0.0, 1e-6)
+    simulation.step_to(0.1)
+    simulation.set_input("drive.phi_ref", 1.0)
+    simulation.step_to(0.2)
+    assert simulation.output("A.phi") == pytest.approx(1)
+    assert simulation.output("hit") == pytest.approx(0.1)
