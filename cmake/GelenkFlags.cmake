@@ -67,14 +67,14 @@ option(GELENK_TOGETHER "Compile all files of a folder together" ON)
 # gelenk_together(TARGET FOLDER source...): adds the sources of a folder to a target, to be compiled together, those of a
 # folder in a folder of src with it. Apart are
 # files *_by_kind.cpp, which alone read the definitions of all kinds of forces: a new kind recompiles no others; and
-# *_dual.cpp, instances for derivatives, which no step executes and which are compiled for size.
+# *_dual.cpp and *_dual_by_kind.cpp, instances for derivatives, which no step executes and which are compiled for size.
 function(gelenk_together target folder)
   string(REGEX REPLACE "^(src/[^/]+)/.*" "\\1" group ${folder})
   string(MAKE_C_IDENTIFIER ${group} group)
   set(apart ${ARGN})
   list(FILTER apart INCLUDE REGEX "_(by_kind|dual)\\.cpp$")
   set(duals ${apart})
-  list(FILTER duals INCLUDE REGEX "_dual\\.cpp$")
+  list(FILTER duals INCLUDE REGEX "_dual(_by_kind)?\\.cpp$")
   set_property(SOURCE ${duals} APPEND PROPERTY COMPILE_OPTIONS "$<$<CONFIG:Release>:-Os>")
   set_property(SOURCE ${ARGN} PROPERTY UNITY_GROUP ${group})
   set_property(SOURCE ${apart} PROPERTY SKIP_UNITY_BUILD_INCLUSION ON)

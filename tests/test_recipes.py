@@ -71,7 +71,8 @@ KERNELS = (
     "kinematics/forces_by_kind.cpp",
     "kinematics/load_kernels.cpp",
     "derivatives/forces_by_kind.cpp",
-    "derivatives/residual_kernels.cpp",
+    "derivatives/forces_dual_by_kind.cpp",
+    "derivatives/residual_kernels_dual.cpp",
     "derivatives/recursive.cpp",
     "outputs/outputs.cpp",
 )

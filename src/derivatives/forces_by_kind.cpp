@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What depends on the kinds of forces on links: their derivatives, and the kernels for dual numbers and series.
+// What depends on the kinds of forces on links: their derivatives. See also forces_dual_by_kind.cpp.
 #include "derivatives/recursive_loads_impl.h"
-#include "kinematics/force_kernels_by_kind.h"
 #include "kinematics/force_ports.h"
-#include "math/series.h"
+#include "kinematics/placed_forces.h"
 
 namespace gelenk {
 
@@ -86,16 +85,4 @@ GELENK_INSTANTIATE(Planar)
 GELENK_INSTANTIATE(Spatial)
 #undef GELENK_INSTANTIATE
 
-namespace kernels {
-
-#define GELENK_INSTANTIATE(A)                                                               \
-  template void link_loads(const Model<A>&, const Loads&, const A::Scalar*, Workspace<A>&); \
-  template A::Scalar force_energy(const Loads&, const Workspace<A>&);
-GELENK_INSTANTIATE(PlanarAlgebra<Dual>)
-GELENK_INSTANTIATE(SpatialAlgebra<Dual>)
-GELENK_INSTANTIATE(PlanarAlgebra<Series>)
-GELENK_INSTANTIATE(SpatialAlgebra<Series>)
-#undef GELENK_INSTANTIATE
-
-}  // namespace kernels
 }  // namespace gelenk

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The loads, instantiated for double. Dual numbers and series are instantiated in residual_kernels.cpp: in one
+// The loads, instantiated for double. Dual numbers and series are instantiated in residual_kernels_dual.cpp: in one
 // file, the two prevent each other from being inlined.
 #include "kinematics/load_kernels_impl.h"
 

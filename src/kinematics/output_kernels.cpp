@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Kernels that only outputs need, instantiated for double. Dual numbers and series are instantiated in
-// residual_kernels.cpp: in one file, the two prevent each other from being inlined.
+// residual_kernels_dual.cpp: in one file, the two prevent each other from being inlined.
 #include "kinematics/output_kernels_impl.h"
 
 namespace gelenk::kernels {
