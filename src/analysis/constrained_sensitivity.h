@@ -9,8 +9,10 @@
 
 #include <Eigen/Core>
 #include <Eigen/QR>
+#include <functional>
 #include <memory>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "analysis/mobility.h"
@@ -92,6 +94,10 @@ class ConstrainedSensitivity {
   // The same for the state alone, along any number of directions, from the Jacobians of the equations.
   MovedState state_derivative(const Eigen::MatrixXd& dq, const Eigen::MatrixXd& dv, const Eigen::MatrixXd& du);
 
+  // Element states have rates that name forces: `rates` gives all rates where the accelerations are known.
+  void set_rates_of_forces(std::function<std::vector<Series>(CarriedState<Series>&)> rates) {
+    rates_of_forces_ = std::move(rates);
+  }
   // Time derivatives along the motion for inputs with these first and second derivatives.
   CarriedState<Series>& time_derivatives(const double* udot, const double* uddot);
 
@@ -118,6 +124,7 @@ class ConstrainedSensitivity {
   void differentiate_velocity(const Eigen::MatrixXd& dv);
   void differentiate_acceleration(const Eigen::MatrixXd& null_multipliers);
   void expand_acceleration(int k);
+  void find_rates(std::vector<Series>& rates);
   void solve(Eigen::VectorXd& r, const Eigen::VectorXd& c, Eigen::VectorXd& l, Eigen::VectorXd& holding) const;
   template <class T>
   void set_forces(CarriedState<T>& at, const std::vector<T>& holding);
@@ -148,6 +155,7 @@ class ConstrainedSensitivity {
   std::vector<Series> x_in_time_;
   CarriedState<Dual> dual_state_;
   CarriedState<Series> series_state_;
+  std::function<std::vector<Series>(CarriedState<Series>&)> rates_of_forces_;
 };
 
 }  // namespace gelenk

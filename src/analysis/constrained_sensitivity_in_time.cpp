@@ -19,6 +19,11 @@ CarriedState<Series>& ConstrainedSensitivity::time_derivatives(const double* udo
   expand_targets(udot, uddot);
   if (redundant_) set_values(x_, x_in_time_);
   holding_in_time_.assign(holding_.begin(), holding_.end());
+  if (rates_of_forces_) {
+    e.set_position(series_state_.q.data());
+    e.set_velocity(series_state_.v.data());
+    find_rates(rates);
+  }
   // If q and v are known to order k - 1, qdot = N v and vdot give them to order k, and the residuals give vdot and
   // lambda.
   for (int k = 1; k <= series_order; ++k) {
@@ -29,7 +34,7 @@ CarriedState<Series>& ConstrainedSensitivity::time_derivatives(const double* udo
     e.set_position(series_state_.q.data());
     for (std::size_t i = 0; i < rates.size(); ++i) series_state_.u[given + i][k] = rates[i][k - 1] / k;
     expand_acceleration(k);
-    e.state_rates(series_state_.u.data(), rates.data());
+    find_rates(rates);
   }
   if (dynamics_->switching_forces().is_redundant()) {
     for (std::vector<Series>* of : {&series_state_.lambda, &holding_in_time_}) {
@@ -42,6 +47,15 @@ CarriedState<Series>& ConstrainedSensitivity::time_derivatives(const double* udo
   e.set_acceleration(series_state_.u.data(), series_state_.vdot.data(), series_state_.lambda.data());
   set_forces(series_state_, holding_in_time_);
   return series_state_;
+}
+
+// Those of the element states, to the order to which the accelerations are known.
+void ConstrainedSensitivity::find_rates(std::vector<Series>& rates) {
+  ResidualEvaluator<Series>& e = *series_state_.equations;
+  if (!rates_of_forces_) return e.state_rates(series_state_.u.data(), rates.data());
+  e.set_acceleration(series_state_.u.data(), series_state_.vdot.data(), series_state_.lambda.data());
+  set_forces(series_state_, holding_in_time_);
+  rates = rates_of_forces_(series_state_);
 }
 
 // Targets given by inputs have the inputs' time derivatives.

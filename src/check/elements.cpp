@@ -186,27 +186,27 @@ void check_contact_methods(const Scene& scene, Faults& faults) {
   }
 }
 
-// Resets of states are located events, which steps with impulses do not have.
-void check_resets(const Scene& scene, Faults& faults) {
-  const ElementState* const first = first_with_resets(scene);
-  if (first == nullptr) return;
-  if (scene.solver.start == "equilibrium") {
-    faults.add("solver.start", "'equilibrium' with states." + text::printable(first->name) + ".resets",
-               "as_given: where states jump, there may be no equilibrium");
-  }
-  if (!steps_with_impulses(scene)) return;
-  std::string found = scene.solver.integrator == "moreau-jean" ? "resets with the integrator moreau-jean" : "";
-  for (const Contact& contact : scene.contacts) {
-    if (!found.empty()) break;
-    if (const std::string pair = pair_without_tips(scene, contact); !pair.empty())
-      found = "resets with contacts." + text::printable(contact.name) + ", which is between " + pair +
-              " and is not located";
-  }
-  for (const ElementState& state : scene.states) {
-    if (!found.empty() && !state.resets.empty())
-      faults.add("states." + text::printable(state.name) + ".resets", found,
-                 "an integrator and contacts that locate events");
-  }
+// Element states that steps with impulses cannot advance: resets are located events, which these do not have, and of
+// forces they know means over a step.
+void check_states(const Scene& scene, Faults& faults) {
+  const auto refuse = [&](const std::string& path, const std::string& what, const std::string& why_no_equilibrium) {
+    if (scene.solver.start == "equilibrium")
+      faults.add("solver.start", "'equilibrium' with " + path, "as_given: " + why_no_equilibrium);
+    if (!steps_with_impulses(scene)) return;
+    std::string found = scene.solver.integrator == "moreau-jean" ? what + " with the integrator moreau-jean" : "";
+    for (const Contact& contact : scene.contacts) {
+      if (!found.empty()) break;
+      if (const std::string pair = pair_without_tips(scene, contact); !pair.empty())
+        found = what + " with contacts." + text::printable(contact.name) + ", which is between " + pair +
+                " and is not located";
+    }
+    if (!found.empty()) faults.add(path, found, "an integrator and contacts that locate events");
+  };
+  if (const ElementState* const state = first_with_resets(scene))
+    refuse("states." + text::printable(state->name) + ".resets", "resets", "where states jump, there may be no equilibrium");
+  if (const ElementState* const state = first_with_rate_of_forces(scene))
+    refuse("states." + text::printable(state->name), "a rate that names forces",
+           "no equilibrium is searched for where rates name forces");
 }
 
 // Dependent coordinates cannot be solved for if a constraint acts on velocities only; and only `projection` keeps
@@ -253,7 +253,7 @@ void check_elements(const Scene& scene, Faults& faults, bool partial) {
   });
   check_formulation(scene, faults);
   check_contact_methods(scene, faults);
-  check_resets(scene, faults);
+  check_states(scene, faults);
 }
 
 }  // namespace gelenk

@@ -18,10 +18,11 @@ inline bool names_beyond_tree(const Loads& loads) {
       loads.named, [](const NamedQuantity& of) { return of.reading != nullptr || (of.moves && of.cut >= 0); });
 }
 
-// Sets the derivatives of the rates of the element states with respect to all signals, u.
+// Sets the derivatives of the rates of the element states that name no forces with respect to all signals, u.
 inline void differentiate_states(const Loads& loads, const double* u, Jacobians& out) {
   for (int k = 0; k < loads.states(); ++k) {
     const Formula& rate = loads.rates[static_cast<std::size_t>(k)];
+    if (rate.reads_forces()) continue;  // see formulation/rates_of_forces.h
     const std::span<const int> signals = rate.signals();
     std::array<Dual, Formula::max_signals> at;
     for (std::size_t i = 0; i < signals.size(); ++i) at[i] = Dual(u[signals[i]]);

@@ -221,6 +221,7 @@ class JointLaws {
     for (const JointLoads& on : state_.loads.cuts) look(on);
     const auto add_all = [&](const Formula& formula) {
       for (const int input : formula.signals()) {
+        if (input < 0) continue;  // a force
         input_numbers_.push_back(input);
         end = std::max(end, input + 1);
       }

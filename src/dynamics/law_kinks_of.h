@@ -132,6 +132,7 @@ class LawKinksOf final : public LawKinks {
     const double* const all = signals();
     std::string out;
     each_placed_formula(state_.loads, [&](const Formula& formula, const BranchPlace&) {
+      if (formula.reads_forces()) return;
       const Formula::Clock clock = formula.clock();
       const double t = clock.signal < 0 ? 0 : all[clock.signal] * clock.second;
       if (out.empty()) out = formula.tape().missing_value(values_.data() + formula.first_branch(), t);
@@ -145,10 +146,12 @@ class LawKinksOf final : public LawKinks {
   }
 
  private:
-  // The rates of element states, and the conditions of their resets.
+  // The rates of element states, and the conditions of their resets. Forces are not known when branches are decided on.
   template <class Visit>
   void each_of_states(Visit visit) const {
-    for (const Formula& rate : state_.loads.rates) visit(rate);
+    for (const Formula& rate : state_.loads.rates) {
+      if (!rate.reads_forces()) visit(rate);
+    }
     for (const PlacedReset& reset : state_.loads.resets) visit(reset.when);
   }
 
@@ -193,7 +196,8 @@ class LawKinksOf final : public LawKinks {
   void find_rates(const double* all, const double* vdot) {
     if (rates_.empty()) return;
     double* out = rates_.data() + state_.loads.first_state;
-    for (const Formula& rate : state_.loads.rates) *out++ = rate.value_among<double>(nullptr, all);
+    for (const Formula& rate : state_.loads.rates)
+      *out++ = rate.reads_forces() ? NAN : rate.value_among<double>(nullptr, all);
     if (named_rates_) {
       named_rates_->find(kinematics_, state_.q, state_.v, vdot, state_.cut_reference.data(), out);
       return;

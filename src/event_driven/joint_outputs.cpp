@@ -13,7 +13,8 @@ JointOutputs::JointOutputs(Dynamics& dynamics, LockModes& locks, const std::vect
       recorded_sides_(sides.size()),
       recorded_forces_(sides.size()),
       holding_(sides.size()),
-      recorded_holding_(static_cast<std::size_t>(forces_.locks())) {}
+      recorded_holding_(static_cast<std::size_t>(forces_.locks())),
+      present_forces_(sides.size()) {}
 
 void JointOutputs::record() {
   if (locks_.empty()) return;
@@ -22,6 +23,14 @@ void JointOutputs::record() {
   share_holding_forces(forces_, sides_.data(), recorded_holding_.data(), holding_.data());
   dynamics_.readings().switching_forces(forces_.inputs().data(), sides_.data(), holding_.data(),
                                         recorded_forces_.data());
+}
+
+const std::vector<double>& JointOutputs::present() {
+  if (locks_.empty()) return present_forces_;
+  share_holding_forces(forces_, sides_.data(), forces_.holding_forces().values().data(), holding_.data());
+  dynamics_.readings().switching_forces(forces_.inputs().data(), sides_.data(), holding_.data(),
+                                        present_forces_.data());
+  return present_forces_;
 }
 
 void JointOutputs::record(std::span<const LockForces> locks) {

@@ -18,6 +18,8 @@ class JointOutputs {
   void record();
   // The same of forces that steps have determined, by lock.
   void record(std::span<const LockForces> locks);
+  // Those of the last accelerations in the held modes, which are not recorded: by force with modes.
+  const std::vector<double>& present();
   // Makes constraint forces follow the recorded forces, after another solve() at the same state.
   void apply() { forces_.holding_forces().redistribute(recorded_holding_); }
   // By force with modes.
@@ -32,6 +34,7 @@ class JointOutputs {
   std::vector<int> recorded_sides_;
   std::vector<double> recorded_forces_, holding_;  // by force
   std::vector<double> recorded_holding_;           // by lock
+  std::vector<double> present_forces_;             // by force
 };
 
 }  // namespace gelenk

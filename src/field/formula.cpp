@@ -97,7 +97,8 @@ class FormulaParser {
     return "expected one of " + text::list(of_owner) + (near.empty() ? "" : "; did you mean '" + near + "'?") +
            (reads_ == FormulaReads::forces
                 ? ""
-                : " (accelerations and forces can be named only by `expressions` that nothing but outputs reads)");
+                : " (accelerations and forces can be named only by rates of states, and by `expressions` that nothing but these "
+                  "and outputs reads)");
   }
 
   // Of a named expression, which knows no variables of elements. A mistake in it is that of its own section. Each is

@@ -83,7 +83,8 @@ class Formula {
   void set_sizes(double of_result, std::span<const double> of_variables);
 
   bool reads_time() const { return is_given() && parsed_->reads_clock(); }
-  // Whether it names forces or accelerations. Outputs alone may: nothing else waits until these are known.
+  // Whether it names forces or accelerations. Outputs and rates of element states may: nothing else waits until these
+  // are known.
   bool reads_forces() const { return is_given() && parsed_->reads_forces; }
   // The signals that it names; for each, after bind_signal(): its index among all signals.
   std::span<const std::string> signal_names() const {

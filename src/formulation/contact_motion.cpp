@@ -11,7 +11,7 @@ namespace gelenk {
 ContactMotion::ContactMotion(const ImpulseSteps::Context& context, EventModes& modes, bool located)
     : steps_(context), modes_(modes), located_(located ? &modes.contacts() : nullptr) {}
 
-bool ContactMotion::must_be_located() const { return !steps_.loads().resets.empty(); }
+bool ContactMotion::must_be_located() const { return steps_.loads().need_events(); }
 
 void ContactMotion::use(double cone_tolerance) {
   steps_.use(cone_tolerance);

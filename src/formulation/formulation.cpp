@@ -81,7 +81,7 @@ bool Formulation::evaluate(double t, const double* y, double* ydot) {
   if (!modes_.locks().empty() && dynamics_.switching_forces().loads().undetermined() >= 0) return false;
   if (!takes_differences_) modes_.watch_forces(t);
   if (mechanism_.rows > 0 && factorizes_constraints()) singularity_monitor_.observe(t, dynamics_.pivot_ratio());
-  add_other_rates(y, ydot);
+  add_other_rates(t, y, ydot, leaves_solution());
   return all_finite(ydot, size());
 }
 
@@ -157,14 +157,20 @@ void Formulation::add_contacts(double t, double* vdot) {
   if (loads.empty() || contact_equations.closed().empty()) return;
   double change = INFINITY, before = INFINITY;
   for (int k = 0; k < most_corrections && change > enough && !(change <= rounding && change >= before); ++k) {
-    wrenches_.assign(mechanism_.links.size(), Spatial::Force{});
-    add_wrenches(contact_equations, contact_equations.forces(), wrenches_);
-    dynamics_.switching_forces().contact_rows().apply_forces(wrenches_.data(), nullptr);
+    apply_contact_forces();
     solve(t, vdot);
     before = std::exchange(change, contact_equations.accelerate(vdot, true));
   }
   dynamics_.switching_forces().contact_rows().apply_forces(nullptr, nullptr);
   if (!(change <= rounding)) loads.set_undetermined();
+}
+
+// As loads of the next solutions.
+void Formulation::apply_contact_forces() {
+  ContactEquations& contact_equations = contacts_.located()->equations();
+  wrenches_.assign(mechanism_.links.size(), Spatial::Force{});
+  add_wrenches(contact_equations, contact_equations.forces(), wrenches_);
+  dynamics_.switching_forces().contact_rows().apply_forces(wrenches_.data(), nullptr);
 }
 
 void Formulation::solve(double /*t*/, double* vdot) { dynamics_.solve(drives_.u().data(), vdot); }
@@ -182,6 +188,7 @@ bool Formulation::jacobian(double t, const double* y, double* J) {
   out.block(0, nq, nq, mechanism_.nv) = jacobians_.qdot_v;
   out.topRightCorner(nq, drives_.states()).setZero();
   jacobians_.put_rates(drives_.first_state(), out.bottomRows(drives_.states()));
+  if (has_rates_of_forces() && !differentiate_rates_of_forces(t, y, out.bottomRows(drives_.states()))) return false;
   return out.allFinite();
 }
 
@@ -249,13 +256,55 @@ void Formulation::accelerations_at(double t, const double* y, double* vdot) {
 
 void Formulation::rates_at(double t, const double* y, double* ydot) {
   accelerations_at(t, y, ydot + mechanism_.nq);
-  add_other_rates(y, ydot);
+  add_other_rates(t, y, ydot, true);
 }
 
 // Those of coordinates and of element states.
-void Formulation::add_other_rates(const double* y, double* ydot) {
+void Formulation::add_other_rates(double t, const double* y, double* ydot, bool has_solution) {
   dynamics_.qdot_from_v(y, y + mechanism_.nq, ydot);
-  if (drives_.states() > 0) dynamics_.readings().state_rates(drives_.u().data(), ydot + drives_.motion_size());
+  if (drives_.states() == 0) return;
+  double* const rates = ydot + drives_.motion_size();
+  dynamics_.readings().state_rates(drives_.u().data(), rates);
+  if (has_rates_of_forces()) add_rates_of_forces(t, y, has_solution ? ydot + mechanism_.nq : nullptr, rates);
+}
+
+// Contact forces act as loads, so that reactions show them.
+void Formulation::add_rates_of_forces(double t, const double* y, const double* vdot, double* rates) {
+  const bool touches = contacts_.located() != nullptr && !contacts_.located()->equations().closed().empty();
+  vdot_.resize(static_cast<std::size_t>(mechanism_.nv));
+  if (vdot == nullptr) {
+    dynamics_.factorize();
+    projector().factors_changed();
+    dynamics_.solve(drives_.u().data(), vdot_.data());
+  } else if (touches) {
+    apply_contact_forces();
+    solve(t, vdot_.data());
+  } else {
+    std::copy_n(vdot, mechanism_.nv, vdot_.begin());
+  }
+  dynamics_.readings().set_root_poses();
+  dynamics_.set_acceleration(vdot_.data());
+  rates_of_forces_->read(y, vdot_.data(), drives_.u().data(), modes_.outputs().present().data(), modes_.sides().data(),
+                         rates);
+  if (touches) dynamics_.switching_forces().contact_rows().apply_forces(nullptr, nullptr);
+}
+
+bool Formulation::differentiate_rates_of_forces(double t, const double* y, Eigen::Ref<Eigen::MatrixXd> out) {
+  constexpr double relative_step = 1e-7;
+  const Raised beside(takes_differences_);
+  std::vector<double> at(y, y + size());
+  std::vector<double> here(at.size()), there(at.size());
+  bool is_finite = Formulation::rhs(t, y, here.data());
+  for (std::size_t k = 0; k < at.size() && is_finite; ++k) {
+    at[k] += relative_step * std::max(1.0, std::abs(y[k]));
+    is_finite = Formulation::rhs(t, at.data(), there.data());
+    for (Eigen::Index i = 0; i < out.rows(); ++i) {
+      const auto row = static_cast<std::size_t>(drives_.motion_size() + i);
+      out(i, static_cast<Eigen::Index>(k)) = (there[row] - here[row]) / (at[k] - y[k]);
+    }
+    at[k] = y[k];
+  }
+  return Formulation::rhs(t, y, here.data()) && is_finite;
 }
 
 bool Formulation::bring_inputs(double t, const double* y) {

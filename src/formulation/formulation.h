@@ -24,6 +24,7 @@
 #include "formulation/contact_motion.h"
 #include "formulation/drives.h"
 #include "formulation/equations.h"
+#include "formulation/rates_of_forces.h"
 #include "formulation/revolution_counter.h"
 #include "formulation/row_domain.h"
 #include "nonsmooth/law_audit.h"
@@ -71,6 +72,8 @@ class Formulation : public Equations, private ModeEquations {
   RunCounts mode_counts();
   ContactMotion& contacts() { return contacts_; }
 
+  // Element states have rates that name forces. rates: must outlive this.
+  void set_rates_of_forces(RatesOfForces& rates) { rates_of_forces_ = &rates; }
   // Limits the number of solutions of the equations of motion from now on; LONG_MAX: unlimited.
   void set_evaluation_budget(long evaluations);
   // Starts or restarts the run at (t, y). cut_q: the angles of the cut joints are unwrapped to the nearest values.
@@ -104,6 +107,15 @@ class Formulation : public Equations, private ModeEquations {
   virtual bool accelerate(double t, const double* y, double* vdot);
   // vdot at the present state of `dynamics`, with the present factors.
   virtual void solve(double t, double* vdot);
+  // Whether accelerate() leaves the factors and the multipliers of its solution in `dynamics`.
+  virtual bool leaves_solution() const { return true; }
+  // Adds the rates of element states that name forces to `rates`, by state; `dynamics` is at y. vdot: the accelerations
+  // there, of which `dynamics` has the solution; null: they are found.
+  void add_rates_of_forces(double t, const double* y, const double* vdot, double* rates);
+  bool has_rates_of_forces() const { return rates_of_forces_ != nullptr; }
+  // The derivatives of the rates of all element states with respect to y, by differences, into the last rows of `out`.
+  // Newton's methods, which use them, need no exact ones.
+  bool differentiate_rates_of_forces(double t, const double* y, Eigen::Ref<Eigen::MatrixXd> out);
   // Rows of vdot of df/dy into `out` (size() x size()), at the state of the last accelerate(), which gave vdot; uses
   // jacobians_.
   virtual void differentiate(const double* vdot, Eigen::Map<Eigen::MatrixXd>& out);
@@ -131,7 +143,8 @@ class Formulation : public Equations, private ModeEquations {
   void begin_stretch(double from, double to) final { drives_.begin_stretch(from, to); }
   void accelerations_at(double t, const double* y, double* vdot) final;
   void rates_at(double t, const double* y, double* ydot) final;
-  void add_other_rates(const double* y, double* ydot);
+  void add_other_rates(double t, const double* y, double* ydot, bool has_solution);
+  void apply_contact_forces();
   void add_contacts(double t, double* vdot);
   void output_touched_accelerations(double t, const double* y, double* vdot);
   bool jacobian_by_differences(double t, const double* y, Eigen::Map<Eigen::MatrixXd>& out);
@@ -153,6 +166,8 @@ class Formulation : public Equations, private ModeEquations {
   std::vector<double> dv_, ydot_;
   RowMatrix by_states_, no_rows_;         // workspace
   std::vector<Spatial::Force> wrenches_;  // of contacts, by link
+  RatesOfForces* rates_of_forces_ = nullptr;  // null: there are none
+  std::vector<double> vdot_;                  // for these: workspace
 };
 
 struct FormulationKind {

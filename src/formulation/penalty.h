@@ -23,6 +23,7 @@ class Penalized : public Formulation {
   bool assemble(const double* v);
   // The penalized accelerations at y; keeps the factors. Returns false if the matrix is not positive definite.
   bool accelerate(double t, const double* y, double* vdot) override;
+  bool leaves_solution() const override { return false; }
   // Converts jacobians_.c from derivatives of J vdot - gamma to those of J vdot - target_.
   void stabilization_jacobian();
 

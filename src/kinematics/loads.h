@@ -2,6 +2,7 @@
 // All loads on an island.
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <vector>
 
@@ -55,6 +56,11 @@ struct Loads {
   // and, in planar mechanisms, along the normal.
   double potential_offset = 0;
 
+  // Whether steps with impulses cannot advance its states.
+  bool need_events() const { return !resets.empty() || rates_read_forces(); }
+  bool rates_read_forces() const {
+    return std::ranges::any_of(rates, [](const Formula& rate) { return rate.reads_forces(); });
+  }
   int states() const { return static_cast<int>(rates.size()); }
   int first_named() const { return first_state + states(); }
   int signals() const { return first_named() + static_cast<int>(named.size()); }

@@ -32,6 +32,7 @@ void each_placed_formula(const Loads& loads, const std::function<void(const Form
 std::vector<BranchPlace> branch_places(const Loads& loads) {
   std::vector<BranchPlace> out;
   each_placed_formula(loads, [&](const Formula& formula, BranchPlace place) {
+    if (formula.reads_forces()) return;  // its branches are not held
     const auto first = static_cast<std::size_t>(formula.first_branch());
     const auto count = static_cast<std::size_t>(formula.branches());
     out.resize(std::max(out.size(), first + count));

@@ -27,7 +27,7 @@ class Readings {
   virtual void cut_accelerations(int cut, T* a) const = 0;
 
   virtual EnergyOf<T> energy() const = 0;  // after set_velocity and set_root_poses
-  // The rates of the element states under these signals (loads.h), after set_velocity.
+  // The rates of the element states under these signals (loads.h), after set_velocity; 0 for those that name forces.
   virtual void state_rates(const T* u, T* out) = 0;
   virtual void expression_values(const T* u, T* out) = 0;  // the same of the named expressions that name no forces
 

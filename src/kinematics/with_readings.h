@@ -62,12 +62,13 @@ class WithReadings : public Base {
 
   void state_rates(const T* u, T* out) override {
     const T* const all = with_named(u);
-    for (const Formula& rate : loads_.rates) *out++ = rate.value_among<T>(nullptr, all);
+    for (const Formula& rate : loads_.rates)
+      *out++ = rate.reads_forces() ? T(0) : rate.value_among<T>(nullptr, all);  // Outputs has those of forces
   }
   void expression_values(const T* u, T* out) override {
     const T* const all = with_named(u);
     for (const Formula& value : loads_.values)
-      *out++ = value.reads_forces() ? T(0) : value.value_among<T>(nullptr, all);  // Outputs has those of forces
+      *out++ = value.reads_forces() ? T(0) : value.value_among<T>(nullptr, all);
   }
 
   Pose link_pose(int link) const override { return kernels::pose3<A>(ws_.X_0L[link], height(link)); }

@@ -26,22 +26,39 @@ Outputs::Source Outputs::source_of(const Scene& scene, const Signal& signal,
   return signal.joint >= 0 ? joint_source(signal) : element_source(scene, signal);
 }
 
-// Of the expressions that name any.
+// Of the rates and the expressions that name any.
 void Outputs::find_named_forces(const Scene& scene, const SwitchingForces& switching_forces) {
+  rates_of_forces_.resize(reduced_.islands.size());
   const auto reads_forces = [](const Source& source) { return source.kind == Kind::expression_of_forces; };
-  if (std::ranges::none_of(sources_, reads_forces)) return;
+  if (std::ranges::none_of(sources_, reads_forces) && first_with_rate_of_forces(scene) == nullptr) return;
   const std::vector<Signal> forces = force_signals(scene);
   for (Source& source : sources_) {
     if (!reads_forces(source)) continue;
     const std::vector<int>& expressions = reduced_.islands[static_cast<std::size_t>(source.island)].expressions;
     const int number = expressions[static_cast<std::size_t>(source.index)];
     source.group = static_cast<int>(named_forces_.size());
-    std::vector<Source>& named = named_forces_.emplace_back();
-    for (const std::string& name : scene.expressions[static_cast<std::size_t>(number)].value.signal_names()) {
-      const auto found = std::ranges::find(forces, name, &Signal::name);
-      named.push_back(found == forces.end() ? Source() : source_of(scene, *found, switching_forces));
+    named_forces_.push_back(
+        sources_of(scene.expressions[static_cast<std::size_t>(number)].value, forces, scene, switching_forces));
+  }
+  for (std::size_t i = 0; i < reduced_.islands.size(); ++i) {
+    const std::vector<int>& states = reduced_.islands[i].states;
+    for (std::size_t k = 0; k < states.size(); ++k) {
+      const Formula& rate = scene.states[static_cast<std::size_t>(states[k])].rate;
+      if (!rate.reads_forces()) continue;
+      rates_of_forces_[i].push_back({static_cast<int>(k), sources_of(rate, forces, scene, switching_forces)});
     }
   }
+}
+
+// Of what a formula names: forces have a source.
+std::vector<Outputs::Source> Outputs::sources_of(const Formula& formula, const std::vector<Signal>& forces,
+                                                 const Scene& scene, const SwitchingForces& switching_forces) const {
+  std::vector<Source> out;
+  for (const std::string& name : formula.signal_names()) {
+    const auto found = std::ranges::find(forces, name, &Signal::name);
+    out.push_back(found == forces.end() ? Source() : source_of(scene, *found, switching_forces));
+  }
+  return out;
 }
 
 Outputs::Entry Outputs::entry(int output) const {
@@ -166,6 +183,7 @@ double Outputs::constant(const Source& s) const {
 }
 
 template double Outputs::value(int, const Reading&) const;
+template void Outputs::rates_of_forces(int, const std::vector<Formula>&, const Reading&, double*) const;
 template double Outputs::of_energy(int, const Energy&) const;
 
 }  // namespace gelenk

@@ -65,6 +65,10 @@ class Outputs {
   // Returns the value of an output in the unit system of the scene. reading: data of the output's island.
   template <class T>
   T value(int output, const ReadingOf<T>& reading) const;
+  // The rates of the element states of an island that name forces or accelerations, into `out`, by state; the others are
+  // left as they are. rates: its formulas; reading: after set_acceleration and set_root_poses.
+  template <class T>
+  void rates_of_forces(int island, const std::vector<Formula>& rates, const ReadingOf<T>& reading, T* out) const;
   // Returns the value of an output that does not belong to an island.
   double constant(int output) const;
 
@@ -102,10 +106,13 @@ class Outputs {
   using SwitchingForces = std::vector<std::vector<SwitchingForce>>;
   Source source_of(const Scene& scene, const Signal& signal, const SwitchingForces& switching_forces) const;
   void find_named_forces(const Scene& scene, const SwitchingForces& switching_forces);
+  std::vector<Source> sources_of(const Formula& formula, const std::vector<Signal>& forces, const Scene& scene,
+                                 const SwitchingForces& switching_forces) const;
   template <class T>
   T value_of(const Source& source, const ReadingOf<T>& reading) const;
   template <class T>
-  [[gnu::noinline]] T value_of_forces(const Source& source, const ReadingOf<T>& reading) const;
+  [[gnu::noinline]] T value_of_forces(const Formula& formula, const std::vector<Source>& sources,
+                                      const ReadingOf<T>& reading) const;
   Source joint_source(const Signal& signal) const;
   Source joint_force_source(const Signal& signal,
                             const std::vector<std::vector<SwitchingForce>>& switching_forces) const;
@@ -125,6 +132,11 @@ class Outputs {
   const ReducedScene& reduced_;
   std::vector<Source> sources_;
   std::vector<std::vector<Source>> named_forces_;  // by expression that names forces: what it names
+  struct RateOfForces {
+    int state = 0;  // among those of the island
+    std::vector<Source> named;
+  };
+  std::vector<std::vector<RateOfForces>> rates_of_forces_;  // by island
   std::vector<PortPlaces> ports_;
   std::vector<PortPlaces> force_ports_;
 };

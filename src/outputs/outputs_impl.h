@@ -39,7 +39,7 @@ inline T Outputs::value_of(const Source& s, const ReadingOf<T>& reading) const {
     case Kind::expression:
       return reading.expressions[s.index];
     case Kind::expression_of_forces:
-      return value_of_forces<T>(s, reading);
+      return value_of_forces<T>(reading.formulas[s.index], named_forces_[static_cast<std::size_t>(s.group)], reading);
     case Kind::cut_q:
       return T(s.sign) * reading.cut_q[s.index];
     case Kind::cut_v:
@@ -73,9 +73,8 @@ inline T Outputs::value_of(const Source& s, const ReadingOf<T>& reading) const {
 }
 
 template <class T>
-T Outputs::value_of_forces(const Source& source, const ReadingOf<T>& reading) const {
-  const Formula& formula = reading.formulas[source.index];
-  const std::vector<Source>& sources = named_forces_[static_cast<std::size_t>(source.group)];
+T Outputs::value_of_forces(const Formula& formula, const std::vector<Source>& sources,
+                           const ReadingOf<T>& reading) const {
   std::array<T, Formula::max_signals> named;
   for (std::size_t k = 0; k < sources.size(); ++k) {
     const int signal = formula.signals()[k];
@@ -85,6 +84,13 @@ T Outputs::value_of_forces(const Source& source, const ReadingOf<T>& reading) co
                            : value_of<T>(sources[k], reading);
   }
   return formula.value<T>(nullptr, named.data());
+}
+
+template <class T>
+void Outputs::rates_of_forces(int island, const std::vector<Formula>& rates, const ReadingOf<T>& reading,
+                              T* out) const {
+  for (const RateOfForces& of : rates_of_forces_[static_cast<std::size_t>(island)])
+    out[of.state] = value_of_forces<T>(rates[static_cast<std::size_t>(of.state)], of.named, reading);
 }
 
 template <class T>

@@ -204,7 +204,7 @@ struct LoadCollector {
     Loads& loads = out[static_cast<std::size_t>(island)];
     binder.bind(formula, reduced.islands[static_cast<std::size_t>(island)], loads);
     for (const int signal : formula.signals()) {
-      const bool is_given = signal < loads.first_named();
+      const bool is_given = signal >= 0 && signal < loads.first_named();  // -1: a force
       if (is_given && std::ranges::find(loads.inputs, signal) == loads.inputs.end()) loads.inputs.push_back(signal);
     }
   }
@@ -223,7 +223,10 @@ struct LoadCollector {
       }
     }
     for (std::size_t i = 0; i < out.size(); ++i) {
-      for (Formula& rate : out[i].rates) bind(rate, static_cast<int>(i));
+      for (Formula& rate : out[i].rates) {
+        // Kinks of what is known with the accelerations only are no events.
+        rate.reads_forces() ? bind_signals(rate, static_cast<int>(i)) : bind(rate, static_cast<int>(i));
+      }
       for (PlacedReset& reset : out[i].resets) {
         bind(reset.when, static_cast<int>(i));
         bind_signals(reset.to, static_cast<int>(i));  // its kinks are no events

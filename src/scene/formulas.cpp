@@ -101,7 +101,8 @@ FormulaNames formula_names(const Scene& scene) {
   for (const Sensor& sensor : scene.sensors) add_sensor_names(sensor.name, kind_of(*sensor.is), *coordinates);
   out.coordinates = coordinates;
   const auto reads_forces = [](const NamedExpression& of) { return of.value.reads_forces(); };
-  if (std::ranges::any_of(scene.expressions, reads_forces)) out.forces = force_names(scene);
+  if (std::ranges::any_of(scene.expressions, reads_forces) || first_with_rate_of_forces(scene) != nullptr)
+    out.forces = force_names(scene);
   return out;
 }
 
@@ -204,6 +205,11 @@ std::unordered_set<std::string> named_of_motion(const Scene& scene) {
 
 const ElementState* first_with_resets(const Scene& scene) {
   const auto found = std::ranges::find_if(scene.states, [](const ElementState& of) { return !of.resets.empty(); });
+  return found == scene.states.end() ? nullptr : &*found;
+}
+
+const ElementState* first_with_rate_of_forces(const Scene& scene) {
+  const auto found = std::ranges::find_if(scene.states, [](const ElementState& of) { return of.rate.reads_forces(); });
   return found == scene.states.end() ? nullptr : &*found;
 }
 

@@ -38,7 +38,7 @@ struct SensorOutput {
 };
 std::optional<SensorOutput> find_sensor_output(const Scene& scene, std::string_view name);
 
-// The outputs that expressions of outputs may name besides: forces and accelerations. Those of contacts between shapes
+// The outputs that expressions of outputs and rates of states may name besides: forces and accelerations. Those of contacts between shapes
 // and of the whole mechanism are not among them.
 std::vector<Signal> force_signals(const Scene& scene);
 std::shared_ptr<const std::unordered_set<std::string>> force_names(const Scene& scene);
@@ -56,6 +56,8 @@ std::vector<FormulaReader> formula_readers(const Scene& scene);
 
 // The first element state that has resets; null: none.
 const ElementState* first_with_resets(const Scene& scene);
+// The first element state whose rate names forces or accelerations; null: none.
+const ElementState* first_with_rate_of_forces(const Scene& scene);
 
 // The elements of which expressions name this signal, in the order of the file; forces along a joint as this joint.
 std::vector<ElementPlace> readers_of(const Scene& scene, std::string_view signal);

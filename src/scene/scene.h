@@ -131,7 +131,7 @@ struct ElementState {
 
   static std::span<const Field> fields() {
     static constexpr Field all[] = {field<&ElementState::rate>(
-        {.name = "rate", .text = "rate of the state", .required = true, .reads = FormulaReads::signals})};
+        {.name = "rate", .text = "rate of the state", .required = true, .reads = FormulaReads::forces})};
     return all;
   }
 };

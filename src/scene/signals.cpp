@@ -195,7 +195,7 @@ std::vector<Signal> output_signals(const Scene& scene) {
     rate.name += ".rate";
     rate.unit = state.unit.empty() ? "1/s" : state.unit + "/s";
     rate.description = "rate of " + state.name;
-    rate.stage = Stage::velocity;
+    rate.stage = state.rate.reads_forces() ? Stage::acceleration : Stage::velocity;
     rate.group = 1;
     rate.derivative = -1;
     signals.push_back(rate);

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "scene/component_parts.h"
+#include "scene/formulas.h"
 #include "scene_file/element_fields.h"
 #include "scene_file/reader.h"
 
@@ -202,15 +203,29 @@ void read_starts(Reader& reader) {
 
 }  // namespace
 
+namespace {
+
+// Components come after all whose forces their signals may name. Which forces there are is known only if that is sound.
+void know_forces(Reader& reader) {
+  if (reader.faults.count() > 0)
+    reader.names.any = true;
+  else
+    reader.names.forces = force_names(reader.scene);
+}
+
+}  // namespace
+
 void read_elements(Fields& sections, Reader& reader) {
   each_section(reader.scene, [&](const Section& section, auto& elements) {
     const Json* value = sections.find(std::string(section.name));
-    if (value != nullptr) read_section(*value, section, reader, elements);
+    if (value == nullptr) return;
+    if (section.name == components_section.name) know_forces(reader);
+    read_section(*value, section, reader, elements);
   });
   if (reader.faults.count() > 0) return;
   add_component_parts(reader.scene, reader.names, [&](const Component& component, const std::string& found) {
     reader.faults.add("components." + text::printable(component.name), found.substr(std::string_view("found ").size()),
-                      "expressions that name less, with the names of the component");
+                      "signals of which its equations can be made");
   });
   read_starts(reader);
 }

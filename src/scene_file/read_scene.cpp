@@ -103,7 +103,7 @@ const Json* required_section(Fields& fields, const std::string& name, const std:
 // that is sound; otherwise mistakes in expressions are reported when all others have been mended.
 void read_named(const Json* states, const Json* expressions, Reader& reader) {
   if (reader.faults.count() == 0) {
-    if (expressions != nullptr) reader.names.forces = force_names(reader.scene);
+    reader.names.forces = force_names(reader.scene);
     return read_formulas(states, expressions, reader);
   }
   Faults ignored(reader.scene.file);

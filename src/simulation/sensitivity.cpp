@@ -93,32 +93,48 @@ ConstrainedSensitivity& Sensitivity::set_point(int island) {
   return *sensitivities_[island];
 }
 
+// All of an island at a point, with the rates of its element states.
+template <class T>
+class Sensitivity::ReadIsland {
+ public:
+  ReadIsland(const Sensitivity& of, int i, CarriedState<T>& at)
+      : values_(of.islands_[i]->prepared().mechanism.expressions.size()),
+        rates(of.islands_[i]->prepared().states.size()),
+        reading{.dynamics = *at.equations,
+                .q = at.q.data(),
+                .v = at.v.data(),
+                .vdot = at.vdot.data(),
+                .cut_q = at.equations->cut_coordinates().data(),
+                .states = at.u.data() + of.u_.signals(),
+                .state_rates = rates.data(),
+                .expressions = values_.data(),
+                .signals = at.equations->all_signals(at.u.data()),
+                .formulas = of.islands_[i]->loads().values.data(),
+                .forces = at.forces.data(),
+                .modes = at.modes} {
+    at.equations->state_rates(at.u.data(), rates.data());
+    at.equations->expression_values(at.u.data(), values_.data());
+    of.readings_.rates_of_forces(i, of.islands_[i]->loads().rates, reading, rates.data());
+  }
+
+ private:
+  std::vector<T> values_;
+
+ public:
+  std::vector<T> rates;
+  const ReadingOf<T> reading;
+};
+
 // Calls take(output, value) for each output of the island, and with its contribution to the energies.
 template <class T, class Take>
 void Sensitivity::read(int i, CarriedState<T>& at, Take take) const {
-  const ResidualEvaluator<T>& e = *at.equations;
-  std::vector<T> rates(islands_[i]->prepared().states.size());
-  at.equations->state_rates(at.u.data(), rates.data());
-  std::vector<T> values(islands_[i]->prepared().mechanism.expressions.size());
-  at.equations->expression_values(at.u.data(), values.data());
-  const ReadingOf<T> reading{.dynamics = e,
-                             .q = at.q.data(),
-                             .v = at.v.data(),
-                             .vdot = at.vdot.data(),
-                             .cut_q = at.equations->cut_coordinates().data(),
-                             .states = at.u.data() + u_.signals(),
-                             .state_rates = rates.data(),
-                             .expressions = values.data(),
-                             .signals = at.equations->all_signals(at.u.data()),
-                             .formulas = islands_[static_cast<std::size_t>(i)]->loads().values.data(),
-                             .forces = at.forces.data(),
-                             .modes = at.modes};
-  const EnergyOf<T> energy = e.energy();
+  const ReadIsland<T> of(*this, i, at);
+  const EnergyOf<T> energy = at.equations->energy();
   for (int k = 0; k < static_cast<int>(signals_.size()); ++k) {
     if (readings_.is_of_whole(k)) {
       take(k, readings_.of_energy(k, energy));
     } else if (readings_.island(k) == i) {
-      take(k, readings_.value(k, reading));
+      take(k, readings_.value(k, of.reading));
     }
   }
 }
@@ -134,7 +150,8 @@ void Sensitivity::add(int i, const MatrixXd& directions, DirectionalDerivative& 
       out.outputs.row(k) += entry.sign * moved.y.row(entry.index);
     }
   }
-  if (!has_computed_outputs(i)) return;
+  const bool has_rates_of_forces = islands_[i]->loads().rates_read_forces();
+  if (!has_rates_of_forces && !has_computed_outputs(i)) return;
   for (Index first = 0; first < n; first += dual_directions) {
     const Index width = std::min<Index>(dual_directions, n - first);
     const auto some = [&](const MatrixXd& of) -> MatrixXd { return of.middleCols(first, width); };
@@ -143,6 +160,21 @@ void Sensitivity::add(int i, const MatrixXd& directions, DirectionalDerivative& 
       if (readings_.entry(k).index != Outputs::none) return;
       out.outputs.row(k).segment(first, width) += value.derivatives().head(width).matrix().transpose();
     });
+    if (has_rates_of_forces) add_rates_of_forces(i, ReadIsland<Dual>(*this, i, at).rates, first, width, out);
+  }
+}
+
+// Of the element states whose rates name forces, in these columns.
+void Sensitivity::add_rates_of_forces(int i, const std::vector<Dual>& rates, Index first, Index width,
+                                      DirectionalDerivative& out) const {
+  for (std::size_t s = 0; s < states_.size(); ++s) {
+    const Place at = place(s);
+    if (at.island != i || at.of != Place::Of::elements) continue;
+    const auto component = static_cast<std::size_t>(at.component);
+    if (!islands_[i]->loads().rates[component].reads_forces()) continue;
+    const auto row = static_cast<Index>(s);
+    out.xdot[row] = rates[component].value();
+    out.rates.row(row).segment(first, width) = rates[component].derivatives().head(width).matrix().transpose();
   }
 }
 
@@ -258,7 +290,10 @@ Eigen::MatrixX2d Sensitivity::in_time(const std::vector<double>& udot, const std
   friction_ = FrictionTreatment::present;
   Eigen::MatrixX2d out = Eigen::MatrixX2d::Zero(static_cast<Index>(signals_.size()), 2);
   for (int i = 0; i < static_cast<int>(islands_.size()); ++i) {
-    CarriedState<Series>& path = set_point(i).time_derivatives(udot.data(), uddot.data());
+    ConstrainedSensitivity& at = set_point(i);
+    if (islands_[i]->loads().rates_read_forces())
+      at.set_rates_of_forces([this, i](CarriedState<Series>& here) { return ReadIsland<Series>(*this, i, here).rates; });
+    CarriedState<Series>& path = at.time_derivatives(udot.data(), uddot.data());
     read(i, path, [&](int k, const Series& value) {
       out(k, 0) += value[1];
       out(k, 1) += 2 * value[2];

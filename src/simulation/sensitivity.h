@@ -70,6 +70,10 @@ class Sensitivity {
   // Adds the derivatives of island `i` in these directions (states; inputs) at the point set.
   void add(int i, const Eigen::MatrixXd& directions, DirectionalDerivative& out);
   void add_rates(int i, const MovedState& moved, DirectionalDerivative& out) const;
+  template <class T>
+  class ReadIsland;
+  void add_rates_of_forces(int i, const std::vector<Dual>& rates, Eigen::Index first, Eigen::Index width,
+                           DirectionalDerivative& out) const;
   // Whether an output of the island is not simply an entry of its state.
   bool has_computed_outputs(int i) const;
   template <class T, class Take>

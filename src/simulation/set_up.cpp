@@ -70,6 +70,7 @@ void Simulation::Impl::make_islands() {
   std::vector<std::vector<SwitchingForce>> switching_forces;
   for (const auto& island : islands) switching_forces.push_back(switching_forces_of(island->loads()));
   readings = std::make_unique<Outputs>(scene, prepared.reduced, outputs, switching_forces);
+  for (std::size_t i = 0; i < islands.size(); ++i) islands[i]->read_forces(*readings, static_cast<int>(i));
   immobile_energy = gelenk::immobile_energy(scene, prepared.reduced);
 }
 

@@ -121,6 +121,8 @@ Trim Simulation::Impl::trim(const EquilibriumRequest& request) {
   if (const ElementState* const state = first_with_resets(scene))
     throw UsageError("states." + state->name +
                      ".resets: there may be no equilibrium where states jump, none is searched for");
+  if (const ElementState* const state = first_with_rate_of_forces(scene))
+    throw UsageError("states." + state->name + ": its rate names forces, no equilibrium is searched for");
   Trim out;
   for (const EquilibriumRequest::Held& held : request.held) {
     const double natural = held.value / output_size[static_cast<std::size_t>(held.output)];

@@ -63,7 +63,7 @@ constexpr FieldInfo signal_info(std::string_view name, std::string_view unit, st
           .text = text,
           .settable = false,
           .variables = variables_along,
-          .reads = FormulaReads::signals};
+          .reads = FormulaReads::forces};
 }
 // The same of a component without a joint.
 constexpr FieldInfo free_signal_info(std::string_view name, std::string_view unit, std::string_view text) {
