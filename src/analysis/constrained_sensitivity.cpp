@@ -2,6 +2,7 @@
 #include "analysis/constrained_sensitivity_impl.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 #include <variant>
@@ -174,13 +175,34 @@ MatrixXd ConstrainedSensitivity::Partition::solve(const MatrixXd& residuals, Ind
   return out;
 }
 
-// Targets given by inputs change with them.
-void ConstrainedSensitivity::differentiate_targets(const MatrixXd& du) {
-  set_targets(dual_state_, [&](std::size_t i, int order) {
+// The changes of the targets, or of their time derivatives of this order, by coordinate row: with the inputs that give
+// them, and with the signals that they follow.
+MatrixXd ConstrainedSensitivity::changes_of_targets(int order, const MatrixXd& du) const {
+  MatrixXd out = MatrixXd::Zero(static_cast<Index>(targets_.size()), du.cols());
+  for (std::size_t i = 0; i < targets_.size(); ++i) {
     const CoordinateRow& row = mechanism_.coordinate_rows[i];
-    Dual s(targets_[i][order]);
-    if (row.input < 0 || order != (row.holds_position ? 0 : 1)) return s;
-    for (Index k = 0; k < du.cols(); ++k) s.derivatives()[k] = du(row.input, k);
+    const auto r = static_cast<Index>(i);
+    if (row.input >= 0 && order == (row.holds_position ? 0 : 1)) out.row(r) = du.row(row.input);
+    if (!row.follows_signals) continue;
+    const Formula& target = loads_.motions[i][static_cast<std::size_t>(order)];
+    if (!target.is_given()) continue;
+    for (std::size_t k = 0; k < target.signals().size(); ++k) {
+      std::array<Dual, Formula::max_signals> signals;
+      std::ranges::transform(target.signals(), signals.begin(), [&](int signal) { return Dual(u_[signal]); });
+      signals[k].derivatives()[0] = 1;
+      out.row(r) += target.value<Dual>(nullptr, signals.data()).derivatives()[0] * du.row(target.signals()[k]);
+    }
+  }
+  return out;
+}
+
+void ConstrainedSensitivity::differentiate_targets(const MatrixXd& du) {
+  std::array<MatrixXd, 3> changes;
+  for (int order = 0; order < 3; ++order) changes[static_cast<std::size_t>(order)] = changes_of_targets(order, du);
+  set_targets(dual_state_, [&](std::size_t i, int order) {
+    Dual s(targets_[i][static_cast<std::size_t>(order)]);
+    const MatrixXd& change = changes[static_cast<std::size_t>(order)];
+    for (Index k = 0; k < du.cols(); ++k) s.derivatives()[k] = change(static_cast<Index>(i), k);
     return s;
   });
 }
@@ -192,11 +214,7 @@ MatrixXd ConstrainedSensitivity::complete_dq(const MatrixXd& dq, const MatrixXd&
   for (const int k : of_positions_.dependent) z.row(k).setZero();
   if (mechanism_.rows > 0) {
     MatrixXd residuals = J_ * z;  // minus the change of the targets
-    for (std::size_t i = 0; i < mechanism_.coordinate_rows.size(); ++i) {
-      const CoordinateRow& row = mechanism_.coordinate_rows[i];
-      if (row.input < 0 || !row.holds_position) continue;
-      residuals.row(mechanism_.first_coordinate_row() + static_cast<Index>(i)) -= du.row(row.input);
-    }
+    residuals.bottomRows(static_cast<Index>(targets_.size())) -= changes_of_targets(0, du);
     z += of_positions_.solve(residuals, mechanism_.nv);
   }
   MatrixXd moved(mechanism_.nq, n);
@@ -250,16 +268,13 @@ MovedState ConstrainedSensitivity::state_derivative(const MatrixXd& dq, const Ma
   RowMatrix c(mechanism_.rows, n);
   if (mechanism_.rows > 0) {
     MatrixXd rates = jacobians_.rate_q * q + J_ * v;  // minus the change of the targets
-    for (std::size_t i = 0; i < mechanism_.coordinate_rows.size(); ++i) {
-      const CoordinateRow& row = mechanism_.coordinate_rows[i];
-      if (row.input < 0 || row.holds_position) continue;
-      rates.row(mechanism_.first_coordinate_row() + static_cast<Index>(i)) -= du.row(row.input);
-    }
+    rates.bottomRows(static_cast<Index>(targets_.size())) -= changes_of_targets(1, du);
     v += of_speeds_.solve(rates, nv);
   }
   v = stopped(v);
   if (mechanism_.rows > 0) {
     c.noalias() = jacobians_.c * out.y.topRows(nq + nv);
+    c.bottomRows(static_cast<Index>(targets_.size())) -= changes_of_targets(2, du);
   }
   if (states > 0) {
     out.state_rates = jacobians_.rates * out.y.topRows(nq + nv);

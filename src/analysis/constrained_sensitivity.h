@@ -118,6 +118,7 @@ class ConstrainedSensitivity {
   Eigen::MatrixXd given_velocities(const Eigen::MatrixXd& dv) const;
   Eigen::MatrixXd stopped(Eigen::MatrixXd dv) const;
   void differentiate_targets(const Eigen::MatrixXd& du);
+  Eigen::MatrixXd changes_of_targets(int order, const Eigen::MatrixXd& du) const;
   void expand_targets(const double* udot, const double* uddot);
   void update_partition();
   Eigen::MatrixXd complete_dq(const Eigen::MatrixXd& dq, const Eigen::MatrixXd& du) const;

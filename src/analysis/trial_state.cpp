@@ -156,6 +156,12 @@ std::vector<MotionLaw::Derivatives> TrialStates::targets(const TrialState& at) c
   std::vector<MotionLaw::Derivatives> out = of_.targets;
   for (std::size_t row = 0; row < out.size(); ++row) {
     const CoordinateRow& of = mechanism_.coordinate_rows[row];
+    if (of.follows_signals) {
+      for (std::size_t order = 0; order < 3; ++order) {
+        const Formula& target = of_.loads.motions[row][order];
+        if (target.is_given()) out[row][order] = target.value_among<double>(nullptr, at.u.data());
+      }
+    }
     if (of.input < 0) continue;
     const auto input = static_cast<std::size_t>(of.input);
     out[row][of.holds_position ? 0 : 1] += at.u[input] - of_.u[input];
@@ -179,7 +185,7 @@ void TrialStates::move_consistently(TrialState& at) {
 void TrialStates::evaluate(TrialState& at) {
   at.contacts.resize(static_cast<std::size_t>(locks()));
   at.slips.resize(static_cast<std::size_t>(locks()));
-  if (!of_.request.solve_for.empty()) dynamics_->set_targets(with_two_derivatives(targets(at)).data());
+  if (!unknown_.empty()) dynamics_->set_targets(with_two_derivatives(targets(at)).data());
   dynamics_->set_cut_reference(at.cut_q.data());
   if (of_.request.steady) move_consistently(at);
   hold(at);

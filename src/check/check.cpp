@@ -143,6 +143,7 @@ void find_faults(const Scene& scene, Faults& faults, const SuspectNames& suspect
   check_joints(scene, faults, partial);
   check_connection(scene, faults);
   check_elements(scene, faults, partial);
+  if (!partial) check_motions(scene, faults);
   if (!partial) check_locking(scene, faults);
   check_parameters(scene, faults, suspect_names);
   check_outputs(scene, faults, !faults.none());

@@ -30,6 +30,8 @@ void check_inertias(const Scene& scene, Faults& faults, bool partial);
 void check_joints(const Scene& scene, Faults& faults, bool partial);
 void check_connection(const Scene& scene, Faults& faults);
 void check_elements(const Scene& scene, Faults& faults, bool partial);
+// Motions that follow element states.
+void check_motions(const Scene& scene, Faults& faults);
 // Checks the fields of an element, each one and in combination.
 template <class Any>
 void check_numbers(const Element<Any>& element, const std::string& path, const Coordinate& coordinate, Faults& faults);

@@ -232,6 +232,11 @@ class JointLaws {
       add_all(reset.when);
       add_all(reset.to);
     }
+    for (const auto& motion : state_.loads.motions) {
+      for (const Formula& of : motion) {
+        if (of.is_given()) add_all(of);
+      }
+    }
     for (const MeshLosses& of : state_.loads.losses) MeshLosses::each(of, add_all);
     inputs_.resize(static_cast<std::size_t>(end) + 1);
   }

@@ -146,13 +146,16 @@ class LawKinksOf final : public LawKinks {
   }
 
  private:
-  // The rates of element states, and the conditions of their resets. Forces are not known when branches are decided on.
+  // The rates of element states, the conditions of their resets, and the accelerations of motions that follow them. Forces are not known when branches are decided on.
   template <class Visit>
   void each_of_states(Visit visit) const {
     for (const Formula& rate : state_.loads.rates) {
       if (!rate.reads_forces()) visit(rate);
     }
     for (const PlacedReset& reset : state_.loads.resets) visit(reset.when);
+    for (const auto& motion : state_.loads.motions) {
+      if (motion[2].is_given()) visit(motion[2]);
+    }
   }
 
   // What decides on each branch at the present state.

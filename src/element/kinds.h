@@ -81,6 +81,9 @@ std::optional<ElementFault> doubt_of(const Any& element);
 // Whether a constraint between joints constrains positions, not only their rates; false for constraints between bodies,
 // of which single equations may constrain positions.
 bool holds_positions(const AnyConstraint& constraint);
+// The motion that it is; null: it is another constraint.
+struct Motion;
+const Motion* find_motion(const AnyConstraint& constraint);
 
 // Whether shapes of bodies that share a joint can touch by this contact, too.
 bool includes_joined(const AnyContact& contact);

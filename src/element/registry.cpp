@@ -163,6 +163,10 @@ std::optional<ElementFault> doubt_of(const Any& element) {
       element);
 }
 
+const Motion* find_motion(const AnyConstraint& constraint) {
+  return std::get_if<Motion>(static_cast<const AnyConstraint::variant*>(&constraint));
+}
+
 bool holds_positions(const AnyConstraint& constraint) {
   return std::visit(
       [](const auto& c) {

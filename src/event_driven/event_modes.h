@@ -93,8 +93,6 @@ class EventModes final : public EventSource {
   Present present(double t, const double* y, FrictionTreatment friction);
   // What outputs show.
   JointOutputs& outputs() { return outputs_; }
-  // The modes of all forces with modes that are held.
-  const std::vector<int>& sides() const { return sides_; }
   void serialize(Archive& archive);
 
  private:

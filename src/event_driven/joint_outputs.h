@@ -20,6 +20,7 @@ class JointOutputs {
   void record(std::span<const LockForces> locks);
   // Those of the last accelerations in the held modes, which are not recorded: by force with modes.
   const std::vector<double>& present();
+  const std::vector<int>& held_sides() const { return sides_; }
   // Makes constraint forces follow the recorded forces, after another solve() at the same state.
   void apply() { forces_.holding_forces().redistribute(recorded_holding_); }
   // By force with modes.

@@ -153,21 +153,49 @@ Formula::Formula(std::string text, std::span<const FormulaVariable> variables, c
   parsed->reads = reads;
   parsed->bounds = bounds;
   if (!parsed->graph.is_constant(parsed->term)) parsed->term = bounded(parsed->graph, parsed->term, bounds);
-  parsed->clock = static_cast<std::size_t>(std::ranges::find(named, time_signal) - named.begin());
-  if (named.size() > max_signals) {
-    throw expression::SyntaxError(0, parsed->text.size(),
-                                  "found " + std::to_string(named.size()) +
+  parsed->finish();
+  parsed_ = parsed;
+  std::ranges::fill(signal_sizes_, 1.0);
+}
+
+void Formula::Parsed::finish() {
+  clock = static_cast<std::size_t>(std::ranges::find(signals, time_signal) - signals.begin());
+  if (signals.size() > max_signals) {
+    throw expression::SyntaxError(0, text.size(),
+                                  "found " + std::to_string(signals.size()) +
                                       " inputs, states and coordinates, expected at most " +
                                       std::to_string(max_signals) + " in one expression");
   }
   try {
-    const int clock = parsed->reads_clock() ? static_cast<int>(parsed->count + parsed->clock) : -1;
-    parsed->tape = expression::Tape(parsed->graph, std::vector{parsed->term}, clock);
+    tape = expression::Tape(graph, std::vector{term}, reads_clock() ? static_cast<int>(count + clock) : -1);
   } catch (const std::length_error& error) {
-    throw expression::SyntaxError(0, parsed->text.size(), error.what());
+    throw expression::SyntaxError(0, text.size(), error.what());
   }
-  parsed_ = parsed;
-  std::ranges::fill(signal_sizes_, 1.0);
+}
+
+Formula time_derivative(const Formula& of, const FormulaNames& known, const Formula::RateOf& rate_of) {
+  const auto derived = std::make_shared<Formula::Parsed>(*of.parsed_);
+  expression::Graph& graph = derived->graph;
+  FormulaParser parser(graph, {}, known, FormulaReads::signals, derived->signals);
+  expression::Term sum = graph.constant(0);
+  for (std::size_t k = 0; k < of.parsed_->signals.size(); ++k) {
+    const std::string& signal = of.parsed_->signals[k];
+    const expression::Term along = derivative(graph, of.parsed_->term, static_cast<int>(k));
+    if (graph.is_constant(along, 0)) continue;
+    expression::Term rate = graph.constant(1);
+    if (signal != time_signal) {
+      const std::optional<std::string> text = rate_of(signal);
+      if (!text) throw expression::SyntaxError(0, of.parsed_->text.size(), "'" + signal + "' has no rate");
+      rate = parser.read(*text);
+    }
+    sum = graph.add(sum, graph.multiply(along, rate));
+  }
+  derived->term = sum;
+  derived->finish();
+  Formula out;
+  out.parsed_ = derived;
+  std::ranges::fill(out.signal_sizes_, 1.0);
+  return out;
 }
 
 void Formula::renew(std::span<const FormulaVariable> variables, const FormulaNames& names) {

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cmath>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -68,6 +69,11 @@ class Formula {
   // Throws expression::SyntaxError, also for a text that is too long to be evaluated.
   Formula(std::string text, std::span<const FormulaVariable> variables, const FormulaNames& known = {},
           FormulaReads reads = FormulaReads::nothing, const FormulaBounds& bounds = {});
+
+  // The time derivative of a formula without variables. rate_of: the text of the rate of a signal; none: it has none, and
+  // expression::SyntaxError is thrown where the formula depends on it. known: what these texts may name.
+  using RateOf = std::function<std::optional<std::string>(std::string_view signal)>;
+  friend Formula time_derivative(const Formula& of, const FormulaNames& known, const RateOf& rate_of);
 
   // Reads the text again with other constants; keeps the sizes.
   void renew(std::span<const FormulaVariable> variables, const FormulaNames& names);
@@ -182,6 +188,8 @@ class Formula {
     bool reads_forces = false;
 
     bool reads_clock() const { return clock < signals.size(); }
+    // Makes the tape of the term. Throws expression::SyntaxError for one that is too long.
+    void finish();
   };
 
   const bool* held_branches() const {
@@ -203,6 +211,7 @@ class Formula {
   int first_branch_ = 0;
 };
 
+Formula time_derivative(const Formula& of, const FormulaNames& known, const Formula::RateOf& rate_of);
 // Whether it names the k-th variable.
 inline bool names_variable(const Formula& of, int k) { return of.graph().depends_on(of.term(), k); }
 // Whether there are points where a derivative or the value jumps.

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "formulation/contact_motion.h"
 
+#include <cmath>
+#include <utility>
+
 #include "event_driven/contact_modes.h"
 #include "event_driven/event_modes.h"
 #include "event_driven/mode_changes.h"
@@ -9,7 +12,7 @@
 namespace gelenk {
 
 ContactMotion::ContactMotion(const ImpulseSteps::Context& context, EventModes& modes, bool located)
-    : steps_(context), modes_(modes), located_(located ? &modes.contacts() : nullptr) {}
+    : steps_(context), dynamics_(context.dynamics), links_(context.mechanism.links.size()), modes_(modes), located_(located ? &modes.contacts() : nullptr) {}
 
 bool ContactMotion::must_be_located() const { return steps_.loads().need_events(); }
 
@@ -52,6 +55,36 @@ bool ContactMotion::take_over(const Activity& before) {
   forget_events(before);
   return true;
 }
+
+bool ContactMotion::touches() const { return located_ != nullptr && !located_->equations().closed().empty(); }
+
+// Friction of joints that depends on loads follows the forces of contacts, and these follow it: with the former as
+// loads, the latter are solved for again.
+void ContactMotion::add_to(double* vdot, const std::function<void(double* vdot)>& solve) {
+  constexpr int most_corrections = 40;
+  constexpr double enough = 1e-13, rounding = 1e-10;  // changes of forces that end it; that may be rounding
+  ContactEquations& equations = located_->equations();
+  equations.accelerate(vdot);
+  LoadDependence& loads = dynamics_.switching_forces().loads();
+  if (loads.empty()) return;
+  double change = INFINITY, before = INFINITY;
+  for (int k = 0; k < most_corrections && change > enough && !(change <= rounding && change >= before); ++k) {
+    apply_forces();
+    solve(vdot);
+    before = std::exchange(change, equations.accelerate(vdot, true));
+  }
+  withdraw_forces();
+  if (!(change <= rounding)) loads.set_undetermined();
+}
+
+void ContactMotion::apply_forces() {
+  ContactEquations& equations = located_->equations();
+  wrenches_.assign(links_, Spatial::Force{});
+  add_wrenches(equations, equations.forces(), wrenches_);
+  dynamics_.switching_forces().contact_rows().apply_forces(wrenches_.data(), nullptr);
+}
+
+void ContactMotion::withdraw_forces() { dynamics_.switching_forces().contact_rows().apply_forces(nullptr, nullptr); }
 
 std::vector<std::array<std::string, 2>> ContactMotion::event_texts(const std::vector<std::string>& bodies,
                                                                    const std::vector<std::string>& contacts) const {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -39,6 +40,13 @@ class ContactMotion final : public ImpulseEquations {
   ImpulseSteps& steps() { return steps_; }
   ContactModes* located() const { return located_; }  // null: contacts are not located
 
+  // Whether a located contact is closed.
+  bool touches() const;
+  // Adds the effect of closed contacts to vdot, the last solution; solve: finds it again, with other loads.
+  void add_to(double* vdot, const std::function<void(double* vdot)>& solve);
+  // Makes the forces of closed contacts loads of the next solutions, until they are withdrawn.
+  void apply_forces();
+  void withdraw_forces();
   // By indicator of contacts, which follow all others.
   std::vector<std::array<std::string, 2>> event_texts(const std::vector<std::string>& bodies,
                                                       const std::vector<std::string>& contacts) const;
@@ -79,9 +87,12 @@ class ContactMotion final : public ImpulseEquations {
   };
 
   ImpulseSteps steps_;
+  Dynamics& dynamics_;
+  std::size_t links_;
   EventModes& modes_;
   ContactModes* located_;
   PresentReadings readings_{*this};
+  std::vector<Spatial::Force> wrenches_;  // by link: workspace
   bool steps_used_ = false;
 };
 

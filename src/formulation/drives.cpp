@@ -9,24 +9,25 @@ namespace gelenk {
 Drives::Drives(const Mechanism& mechanism, Dynamics& dynamics, Inputs& inputs, const Loads& loads)
     : dynamics_(dynamics),
       inputs_(inputs),
-      targets_(mechanism),
+      targets_(mechanism, loads),
       rows_(mechanism.coordinate_rows.size()),
       coordinates_(mechanism.nq),
       states_(loads.states()),
       first_(mechanism.nq + mechanism.nv),
       named_(loads.named.size()),
+      targets_follow_states_(loads.motions_follow_signals()),
       signals_(states_ == 0 ? 0 : static_cast<std::size_t>(count())),
       others_(signals_) {}
 
 void Drives::go_to(double t) {
   inputs_.go_to(t);
   if (states_ > 0) std::ranges::copy(inputs_.now(), signals_.begin());
-  if (!targets_.none()) dynamics_.set_targets(targets_.at(t, inputs_));
+  if (!targets_.none()) dynamics_.set_targets(targets_.at(t, inputs_, u().data()));
 }
 
 void Drives::go_to(double t, const double* y) {
-  go_to(t);
   set_states(y + first_);
+  go_to(t);
 }
 
 const std::vector<double>& Drives::u(const Inputs& others) {
@@ -41,7 +42,8 @@ void Drives::go_to_outputs(double t, const double* y) {
   if (states_ > 0) std::ranges::copy(inputs_.now(), signals_.begin());
   set_states(y + first_);
   if (targets_.none()) return;
-  dynamics_.set_targets(is_at_end_of_step_ ? targets_.at(t, inputs_) : targets_.as_read(t, inputs_));
+  dynamics_.set_targets(is_at_end_of_step_ ? targets_.at(t, inputs_, u().data())
+                                                : targets_.as_read(t, inputs_, u().data()));
 }
 
 bool Drives::bring_signals(const double* y) {
@@ -58,7 +60,7 @@ bool Drives::bring_signals(const double* y) {
 
 void Drives::targets_at(double t, std::vector<double>& out) {
   out.clear();
-  const double* s = targets_.at(t, inputs_);
+  const double* s = targets_.at(t, inputs_, u().data());
   for (std::size_t i = 0; i < rows_; ++i) out.insert(out.end(), {s[3 * i], s[3 * i + 1]});
 }
 

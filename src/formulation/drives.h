@@ -16,7 +16,7 @@ class Drives {
  public:
   Drives(const Mechanism& mechanism, Dynamics& dynamics, Inputs& inputs, const Loads& loads);
 
-  // Evaluates the inputs and the time-dependent targets at t [s].
+  // Evaluates the inputs and the targets at t [s], under the element states set last.
   void go_to(double t);
   // The same, and sets the element states to those in y = (q, v, states).
   void go_to(double t, const double* y);
@@ -51,7 +51,11 @@ class Drives {
   bool bring_signals(const double* y);
 
   // Target of a coordinate row and its derivatives at t, the present time of the run (Targets::derivatives).
-  MotionLaw::Derivatives target(int row, double t) const { return targets_.derivatives(row, t, inputs_); }
+  MotionLaw::Derivatives target(int row, double t) const {
+    return targets_.derivatives(row, t, inputs_, u().data());
+  }
+  // Whether targets depend on element states.
+  bool targets_follow_states() const { return targets_follow_states_; }
   // See EventSource.
   bool has_breaks() const { return targets_.has_breaks(); }
   double next_break(double t) const { return targets_.next_break(t); }
@@ -66,6 +70,7 @@ class Drives {
   std::size_t rows_;
   int coordinates_, states_, first_;      // nq; number of element states, and the index of the first one in y
   std::size_t named_;                     // number of quantities of the motion that expressions name
+  bool targets_follow_states_;
   std::vector<double> signals_, others_;  // empty if there are no element states
   bool is_at_end_of_step_ = false;
 };

@@ -49,7 +49,8 @@ Formulation::Formulation(const FormulationContext& context)
                 locates_contacts(context)),
       row_domain_(mechanism_, dynamics_),
       revolutions_(mechanism_, dynamics_),
-      dv_(mechanism_.nv) {}
+      dv_(mechanism_.nv),
+      rates_of_forces_(dynamics_, drives_, modes_, contacts_, mechanism_.nv) {}
 
 RunCounts Formulation::mode_counts() {
   RunCounts out{modes_.locks().counts()};
@@ -142,35 +143,8 @@ bool Formulation::accelerate(double t, const double* y, double* vdot) {
   projector().refactorize();
   dynamics_.set_velocity(y + mechanism_.nq);
   solve(t, vdot);
-  if (contacts_.located() != nullptr) add_contacts(t, vdot);
+  add_contacts(t, vdot);
   return true;
-}
-
-// The effect of closed contacts on the vdot of the last solve(). Friction of joints that depends on loads follows the
-// forces of contacts, and these follow it: with the former as loads, the latter are solved for again.
-void Formulation::add_contacts(double t, double* vdot) {
-  constexpr int most_corrections = 40;
-  constexpr double enough = 1e-13, rounding = 1e-10;  // changes of forces that end it; that may be rounding
-  ContactEquations& contact_equations = contacts_.located()->equations();
-  contact_equations.accelerate(vdot);
-  LoadDependence& loads = dynamics_.switching_forces().loads();
-  if (loads.empty() || contact_equations.closed().empty()) return;
-  double change = INFINITY, before = INFINITY;
-  for (int k = 0; k < most_corrections && change > enough && !(change <= rounding && change >= before); ++k) {
-    apply_contact_forces();
-    solve(t, vdot);
-    before = std::exchange(change, contact_equations.accelerate(vdot, true));
-  }
-  dynamics_.switching_forces().contact_rows().apply_forces(nullptr, nullptr);
-  if (!(change <= rounding)) loads.set_undetermined();
-}
-
-// As loads of the next solutions.
-void Formulation::apply_contact_forces() {
-  ContactEquations& contact_equations = contacts_.located()->equations();
-  wrenches_.assign(mechanism_.links.size(), Spatial::Force{});
-  add_wrenches(contact_equations, contact_equations.forces(), wrenches_);
-  dynamics_.switching_forces().contact_rows().apply_forces(wrenches_.data(), nullptr);
 }
 
 void Formulation::solve(double /*t*/, double* vdot) { dynamics_.solve(drives_.u().data(), vdot); }
@@ -188,7 +162,11 @@ bool Formulation::jacobian(double t, const double* y, double* J) {
   out.block(0, nq, nq, mechanism_.nv) = jacobians_.qdot_v;
   out.topRightCorner(nq, drives_.states()).setZero();
   jacobians_.put_rates(drives_.first_state(), out.bottomRows(drives_.states()));
-  if (has_rates_of_forces() && !differentiate_rates_of_forces(t, y, out.bottomRows(drives_.states()))) return false;
+  // Motions that follow states make all accelerations depend on these.
+  const int first_row = drives_.targets_follow_states() ? 0 : drives_.motion_size();
+  if ((rates_of_forces_.any() || first_row == 0) &&
+      !differentiate_by_differences(t, y, first_row, out.bottomRows(size() - first_row)))
+    return false;
   return out.allFinite();
 }
 
@@ -199,23 +177,11 @@ bool Formulation::jacobian_is_outdated() {
 // The present state is y. Newton's methods, which use it, need no exact derivatives, but those of slow sliding, which
 // are stiff.
 bool Formulation::jacobian_by_differences(double t, const double* y, Eigen::Map<Eigen::MatrixXd>& out) {
-  constexpr double relative_step = 1e-7;
-  std::vector<double> at(y, y + size());
-  std::vector<double> rates(at.size());
   ContactEquations& contact_equations = contacts_.located()->equations();
   contact_equations.begin_differences(size(), ydot_.data() + mechanism_.nq, modes_.since_step_began(t));
-  takes_differences_ = true;
-  bool is_finite = true;
-  for (std::size_t k = 0; k < at.size() && is_finite; ++k) {
-    at[k] += relative_step * std::max(1.0, std::abs(y[k]));
-    is_finite = rhs(t, at.data(), rates.data());
-    for (std::size_t i = 0; i < at.size(); ++i)
-      out(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) = (rates[i] - ydot_[i]) / (at[k] - y[k]);
-    contact_equations.record_difference(static_cast<int>(k), at[k] - y[k]);
-    at[k] = y[k];
-  }
-  is_finite = rhs(t, y, rates.data()) && is_finite;
-  takes_differences_ = false;
+  const bool is_finite = differentiate_by_differences(t, y, 0, out, [&](Eigen::Index k, double step) {
+    contact_equations.record_difference(static_cast<int>(k), step);
+  });
   contact_equations.end_differences(out.middleRows(mechanism_.nq, mechanism_.nv));
   return is_finite && out.allFinite();
 }
@@ -265,46 +231,25 @@ void Formulation::add_other_rates(double t, const double* y, double* ydot, bool 
   if (drives_.states() == 0) return;
   double* const rates = ydot + drives_.motion_size();
   dynamics_.readings().state_rates(drives_.u().data(), rates);
-  if (has_rates_of_forces()) add_rates_of_forces(t, y, has_solution ? ydot + mechanism_.nq : nullptr, rates);
+  add_rates_of_forces(t, y, has_solution ? ydot + mechanism_.nq : nullptr, rates);
 }
 
-// Contact forces act as loads, so that reactions show them.
 void Formulation::add_rates_of_forces(double t, const double* y, const double* vdot, double* rates) {
-  const bool touches = contacts_.located() != nullptr && !contacts_.located()->equations().closed().empty();
-  vdot_.resize(static_cast<std::size_t>(mechanism_.nv));
+  if (!rates_of_forces_.any()) return;
   if (vdot == nullptr) {
     dynamics_.factorize();
     projector().factors_changed();
-    dynamics_.solve(drives_.u().data(), vdot_.data());
-  } else if (touches) {
-    apply_contact_forces();
-    solve(t, vdot_.data());
-  } else {
-    std::copy_n(vdot, mechanism_.nv, vdot_.begin());
+    dynamics_.solve(drives_.u().data(), dv_.data());
+    vdot = dv_.data();
   }
-  dynamics_.readings().set_root_poses();
-  dynamics_.set_acceleration(vdot_.data());
-  rates_of_forces_->read(y, vdot_.data(), drives_.u().data(), modes_.outputs().present().data(), modes_.sides().data(),
-                         rates);
-  if (touches) dynamics_.switching_forces().contact_rows().apply_forces(nullptr, nullptr);
+  rates_of_forces_.add(y, vdot, [&](double* again) { solve(t, again); }, rates);
 }
 
-bool Formulation::differentiate_rates_of_forces(double t, const double* y, Eigen::Ref<Eigen::MatrixXd> out) {
-  constexpr double relative_step = 1e-7;
+bool Formulation::differentiate_by_differences(double t, const double* y, int first_row,
+                                               Eigen::Ref<Eigen::MatrixXd> out, const DifferenceTaken& taken) {
   const Raised beside(takes_differences_);
-  std::vector<double> at(y, y + size());
-  std::vector<double> here(at.size()), there(at.size());
-  bool is_finite = Formulation::rhs(t, y, here.data());
-  for (std::size_t k = 0; k < at.size() && is_finite; ++k) {
-    at[k] += relative_step * std::max(1.0, std::abs(y[k]));
-    is_finite = Formulation::rhs(t, at.data(), there.data());
-    for (Eigen::Index i = 0; i < out.rows(); ++i) {
-      const auto row = static_cast<std::size_t>(drives_.motion_size() + i);
-      out(i, static_cast<Eigen::Index>(k)) = (there[row] - here[row]) / (at[k] - y[k]);
-    }
-    at[k] = y[k];
-  }
-  return Formulation::rhs(t, y, here.data()) && is_finite;
+  return gelenk::differentiate([&](const double* at, double* rates) { return Formulation::rhs(t, at, rates); }, y,
+                               first_row, out, taken);
 }
 
 bool Formulation::bring_inputs(double t, const double* y) {
@@ -319,7 +264,7 @@ void Formulation::solve_at(double t, const double* y, double* vdot) {
   projector().factors_changed();
   dynamics_.set_velocity(y + mechanism_.nq);
   solve(t, vdot);
-  if (contacts_.located() != nullptr) add_contacts(t, vdot);
+  add_contacts(t, vdot);
 }
 
 void Formulation::output_accelerations(double t, const double* y, double* vdot) {

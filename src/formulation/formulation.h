@@ -22,6 +22,7 @@
 #include "event_driven/run_counts.h"
 #include "formulation/constraint_projector.h"
 #include "formulation/contact_motion.h"
+#include "formulation/differences.h"
 #include "formulation/drives.h"
 #include "formulation/equations.h"
 #include "formulation/rates_of_forces.h"
@@ -72,8 +73,6 @@ class Formulation : public Equations, private ModeEquations {
   RunCounts mode_counts();
   ContactMotion& contacts() { return contacts_; }
 
-  // Element states have rates that name forces. rates: must outlive this.
-  void set_rates_of_forces(RatesOfForces& rates) { rates_of_forces_ = &rates; }
   // Limits the number of solutions of the equations of motion from now on; LONG_MAX: unlimited.
   void set_evaluation_budget(long evaluations);
   // Starts or restarts the run at (t, y). cut_q: the angles of the cut joints are unwrapped to the nearest values.
@@ -95,27 +94,21 @@ class Formulation : public Equations, private ModeEquations {
   virtual void serialize(Archive& archive);
 
   Drives& drives() { return drives_; }
+  RatesOfForces& rates_of_forces() { return rates_of_forces_; }
   // Full turns of the cut joints at the last accepted state.
   const RevolutionCounter& revolutions() const { return revolutions_; }
 
  protected:
   // Evaluates f at y with the present inputs. Returns false as rhs() does.
   bool evaluate(double t, const double* y, double* ydot);
-  // Whether accelerate() factorizes the constraint Jacobian, which detects singular configurations.
-  virtual bool factorizes_constraints() const { return true; }
-  // vdot (nv) at (t, y); `dynamics` is at its position, without velocities. Returns false as rhs() does.
-  virtual bool accelerate(double t, const double* y, double* vdot);
   // vdot at the present state of `dynamics`, with the present factors.
   virtual void solve(double t, double* vdot);
-  // Whether accelerate() leaves the factors and the multipliers of its solution in `dynamics`.
-  virtual bool leaves_solution() const { return true; }
   // Adds the rates of element states that name forces to `rates`, by state; `dynamics` is at y. vdot: the accelerations
   // there, of which `dynamics` has the solution; null: they are found.
   void add_rates_of_forces(double t, const double* y, const double* vdot, double* rates);
-  bool has_rates_of_forces() const { return rates_of_forces_ != nullptr; }
-  // The derivatives of the rates of all element states with respect to y, by differences, into the last rows of `out`.
-  // Newton's methods, which use them, need no exact ones.
-  bool differentiate_rates_of_forces(double t, const double* y, Eigen::Ref<Eigen::MatrixXd> out);
+  // Derivatives of f by differences, where those of jacobians_ do not suffice: its last rows, from the first row on.
+  bool differentiate_by_differences(double t, const double* y, int first_row, Eigen::Ref<Eigen::MatrixXd> out,
+                                    const DifferenceTaken& taken = {});
   // Rows of vdot of df/dy into `out` (size() x size()), at the state of the last accelerate(), which gave vdot; uses
   // jacobians_.
   virtual void differentiate(const double* vdot, Eigen::Map<Eigen::MatrixXd>& out);
@@ -131,6 +124,12 @@ class Formulation : public Equations, private ModeEquations {
   Jacobians jacobians_;
 
  private:
+  // Whether accelerate() factorizes the constraint Jacobian, which detects singular configurations, and whether it
+  // leaves the factors and the multipliers of its solution in `dynamics`.
+  virtual bool factorizes_constraints() const { return true; }
+  virtual bool leaves_solution() const { return true; }
+  // vdot (nv) at (t, y); `dynamics` is at its position, without velocities. Returns false as rhs() does.
+  virtual bool accelerate(double t, const double* y, double* vdot);
   bool jacobian_is_outdated() final;
   void displace(double* q, const double* dv) const final { dynamics_.displace(q, dv); }
   std::string describe_dead_center();
@@ -144,8 +143,10 @@ class Formulation : public Equations, private ModeEquations {
   void accelerations_at(double t, const double* y, double* vdot) final;
   void rates_at(double t, const double* y, double* ydot) final;
   void add_other_rates(double t, const double* y, double* ydot, bool has_solution);
-  void apply_contact_forces();
-  void add_contacts(double t, double* vdot);
+  // The effect of closed contacts on the vdot of the last solve().
+  void add_contacts(double t, double* vdot) {
+    if (contacts_.touches()) contacts_.add_to(vdot, [&](double* again) { solve(t, again); });
+  }
   void output_touched_accelerations(double t, const double* y, double* vdot);
   bool jacobian_by_differences(double t, const double* y, Eigen::Map<Eigen::MatrixXd>& out);
   void solve_at(double t, const double* y, double* vdot);
@@ -164,10 +165,8 @@ class Formulation : public Equations, private ModeEquations {
   bool takes_differences_ = false;
   bool reads_outputs_ = false;  // targets are as outputs show them
   std::vector<double> dv_, ydot_;
-  RowMatrix by_states_, no_rows_;         // workspace
-  std::vector<Spatial::Force> wrenches_;  // of contacts, by link
-  RatesOfForces* rates_of_forces_ = nullptr;  // null: there are none
-  std::vector<double> vdot_;                  // for these: workspace
+  RowMatrix by_states_, no_rows_;  // workspace
+  RatesOfForces rates_of_forces_;
 };
 
 struct FormulationKind {

@@ -129,7 +129,7 @@ class Independent final : public Formulation {
   }
 
   bool project(double t, double* y) override {
-    drives_.go_to(t);
+    drives_.go_to(t, y);
     return partition_.close_position(y) && partition_.close_velocity(y + mechanism_.nq);
   }
 

@@ -328,7 +328,7 @@ bool Projection::close(double* y) {
 }
 
 bool Projection::project(double t, double* y) {
-  drives_.go_to(t);
+  drives_.go_to(t, y);
   if (impulses()->are_used()) {
     rows_.discard_factors();  // those of the middle of the step
     rows_.factors_changed();

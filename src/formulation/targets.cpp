@@ -51,18 +51,29 @@ double Targets::inside_stretch(double t) const {
   return t;
 }
 
-const double* Targets::at(double t, const Inputs& inputs) {
+MotionLaw::Derivatives Targets::of_signals(int row, const double* u) const {
+  MotionLaw::Derivatives out{};
+  const std::array<Formula, 3>& motion = motions_[static_cast<std::size_t>(row)];
+  for (std::size_t order = 0; order < motion.size(); ++order) {
+    if (motion[order].is_given()) out[order] = motion[order].value_among<double>(nullptr, u);
+  }
+  return out;
+}
+
+const double* Targets::at(double t, const Inputs& inputs, const double* u) {
   const double inside = inside_stretch(t);
   return fill([&](int i) {
+    if (rows_[i].follows_signals) return of_signals(i, u);
     return of_row(rows_[i], inside, [&](int order) { return inputs.derivative_at(rows_[i].input, order, t); });
   });
 }
 
-const double* Targets::as_read(double t, const Inputs& inputs) {
-  return fill([&](int i) { return derivatives(i, t, inputs); });
+const double* Targets::as_read(double t, const Inputs& inputs, const double* u) {
+  return fill([&](int i) { return derivatives(i, t, inputs, u); });
 }
 
-MotionLaw::Derivatives Targets::derivatives(int row, double t, const Inputs& inputs) const {
+MotionLaw::Derivatives Targets::derivatives(int row, double t, const Inputs& inputs, const double* u) const {
+  if (rows_[row].follows_signals) return of_signals(row, u);
   return of_row(rows_[row], t, [&](int order) {
     return order == 0 ? inputs.value(rows_[row].input) : inputs.rate(rows_[row].input, order);
   });

@@ -70,15 +70,16 @@ bool WithMultipliers::equations_of_motion(double t, const double* x, const doubl
   if (drives_.states() == 0) return true;
   double* const rates = r.data() + drives_.motion_size();
   dynamics_.readings().state_rates(drives_.u().data(), rates);
-  if (has_rates_of_forces()) add_rates_of_forces(t, x, nullptr, rates);
+  add_rates_of_forces(t, x, nullptr, rates);
   for (int k = 0; k < drives_.states(); ++k) rates[k] = xdot[drives_.motion_size() + k] - rates[k];
   return true;
 }
 
 bool WithMultipliers::motion_jacobian(double t, const double* x, const double* xdot, Matrix& F_x, Matrix& F_xdot) {
   count_jacobian();
-  Eigen::MatrixXd rates_by_state(drives_.states(), size());
-  if (has_rates_of_forces() && !differentiate_rates_of_forces(t, x, rates_by_state)) return false;
+  Eigen::MatrixXd by_differences(drives_.states(), size());
+  const bool name_forces = rates_of_forces().any();
+  if (name_forces && !differentiate_by_differences(t, x, drives_.motion_size(), by_differences)) return false;
   if (!assemble(t, x)) return false;
   dynamics_.differentiate(drives_.u().data(), drives_.count(), xdot + mechanism_.nq, jacobians_, x + size());
   F_x.setZero();
@@ -92,7 +93,7 @@ bool WithMultipliers::motion_jacobian(double t, const double* x, const double* x
         jacobians_.r_u.middleCols(drives_.first_state(), drives_.states());
     auto rates = F_x.middleRows(drives_.motion_size(), drives_.states());
     jacobians_.put_rates(drives_.first_state(), rates);
-    if (has_rates_of_forces()) rates.leftCols(size()) = rates_by_state;
+    if (name_forces) rates.leftCols(size()) = by_differences;
     rates = -rates;
   }
   F_xdot.setZero();

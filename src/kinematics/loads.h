@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <memory>
 #include <vector>
 
@@ -50,6 +51,8 @@ struct Loads {
   std::vector<Formula> values;             // of the named expressions, as outputs
   std::vector<NamedQuantity> named;        // after those
   std::vector<MeshLosses> losses;          // by coordinate row
+  // By coordinate row: s, s', s'' of one that follows signals; otherwise not given.
+  std::vector<std::array<Formula, 3>> motions;
   std::shared_ptr<HeldBranches> branches;  // of its expressions
   bool only_along_tree = false;            // no force acts on links or along cuts
   // J: the part of gravity's potential energy that the kernels omit, between the origins of the world and the root
@@ -57,7 +60,10 @@ struct Loads {
   double potential_offset = 0;
 
   // Whether steps with impulses cannot advance its states.
-  bool need_events() const { return !resets.empty() || rates_read_forces(); }
+  bool need_events() const { return !resets.empty() || rates_read_forces() || motions_follow_signals(); }
+  bool motions_follow_signals() const {
+    return std::ranges::any_of(motions, [](const auto& of) { return of[2].is_given(); });
+  }
   bool rates_read_forces() const {
     return std::ranges::any_of(rates, [](const Formula& rate) { return rate.reads_forces(); });
   }

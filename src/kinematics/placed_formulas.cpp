@@ -24,6 +24,10 @@ void each_placed_formula(const Loads& loads, const std::function<void(const Form
   for (int k = 0; k < loads.states(); ++k)
     visit(loads.rates[static_cast<std::size_t>(k)], BranchPlace{BranchPlace::Of::state, k});
   for (const PlacedReset& reset : loads.resets) visit(reset.when, BranchPlace{BranchPlace::Of::reset, reset.state});
+  for (int k = 0; k < static_cast<int>(loads.motions.size()); ++k) {
+    if (const Formula& acceleration = loads.motions[static_cast<std::size_t>(k)][2]; acceleration.is_given())
+      visit(acceleration, BranchPlace{BranchPlace::Of::motion, k});
+  }
   for (int k = 0; k < static_cast<int>(loads.losses.size()); ++k)
     MeshLosses::each(loads.losses[static_cast<std::size_t>(k)],
                      [&](const Formula& formula) { visit(formula, BranchPlace{BranchPlace::Of::mesh, k}); });

@@ -13,7 +13,7 @@ struct Loads;
 // By branch of all expressions: the joint, the component or the force of the scene, the element state or the coordinate
 // row among those of the island.
 struct BranchPlace {
-  enum class Of { joint, friction, component, force, gravity, state, reset, mesh } of = Of::joint;
+  enum class Of { joint, friction, component, force, gravity, state, reset, mesh, motion } of = Of::joint;
   int index = 0;
   bool is_knot = false;  // of a table, where nothing jumps
 };

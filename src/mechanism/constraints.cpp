@@ -69,6 +69,7 @@ struct CoordinateRowBuilder {
     if constexpr (requires { element.constant(); }) row.constant = element.constant();
     if constexpr (requires { element.law(); }) row.law = element.law();
     if constexpr (requires { element.holds_position(); }) row.holds_position = element.holds_position();
+    if constexpr (requires { element.follows_signals(); }) row.follows_signals = element.follows_signals();
     if constexpr (requires { element.follows_input(); }) {
       if (element.follows_input()) row.input = input;
     }

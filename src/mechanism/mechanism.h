@@ -72,13 +72,14 @@ struct CoordinateRow {
   std::optional<MotionLaw> law;  // s; none: s is constant or an input
   double constant = 0;
   int input = -1;  // index in the scene: s, or its rate if positions are not held
+  bool follows_signals = false;  // s is an expression of signals (kinematics/loads.h)
   // Of the coordinates factor q and their rates, in place of the sum; the first one is that which shows the force.
   std::shared_ptr<const RelationLaw> relation;
   int lossy_term = -1;  // along whose coordinate the losses of a mesh are friction; -1: it has none
 
   bool has_losses() const { return lossy_term >= 0; }
   // Whether the constraint is rheonomic.
-  bool moves() const { return law || input >= 0; }
+  bool moves() const { return law || input >= 0 || follows_signals; }
 };
 
 // A shape fixed in a link.

@@ -68,6 +68,7 @@ std::string owner_of_branch(const Scene& scene, const Mechanism& mechanism, cons
     case BranchPlace::Of::force:
       return scene.forces[i].name;
     case BranchPlace::Of::mesh:
+    case BranchPlace::Of::motion:
       return scene.constraints[static_cast<std::size_t>(mechanism.coordinate_rows[i].constraint)].name;
     case BranchPlace::Of::state:
       return scene.states[static_cast<std::size_t>(mechanism.states[i])].name + ".rate";

@@ -14,6 +14,7 @@
 #include "joint/kinds.h"
 #include "preparation/signal_binder.h"
 #include "scene/formulas.h"
+#include "scene/motions.h"
 #include "scene/signals.h"
 
 namespace gelenk {
@@ -31,6 +32,7 @@ void clear(Loads& loads) {
   loads.values.clear();
   loads.named.clear();
   loads.losses.clear();
+  loads.motions.clear();
   loads.potential_offset = 0;
 }
 
@@ -240,12 +242,24 @@ struct LoadCollector {
     }
   }
 
+  // Only the acceleration may have kinks.
+  MotionOfSignals bound_motion(const Constraint& constraint, int island) {
+    MotionOfSignals of = motion_of_signals(scene, *find_motion_of_signals(constraint), formula_names(scene));
+    for (Formula& formula : of) {
+      if (!formula.is_given()) continue;
+      &formula == &of.back() ? bind(formula, island) : bind_signals(formula, island);
+    }
+    return of;
+  }
+
   // Registers the inputs of coordinate constraints, and binds the expressions of their losses.
   void coordinate_rows() {
     for (std::size_t i = 0; i < reduced.islands.size(); ++i) {
       for (const CoordinateRow& row : reduced.islands[i].coordinate_rows) {
         if (row.input >= 0) out[i].inputs.push_back(row.input);
         const Constraint& constraint = scene.constraints[static_cast<std::size_t>(row.constraint)];
+        std::array<Formula, 3>& motion = out[i].motions.emplace_back();
+        if (row.follows_signals) motion = bound_motion(constraint, static_cast<int>(i));
         MeshLosses& added = out[i].losses.emplace_back(losses_of(*constraint.is));
         MeshLosses::each(added, [&](Formula& formula) { bind(formula, static_cast<int>(i)); });
       }

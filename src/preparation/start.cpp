@@ -13,6 +13,7 @@
 #include "mechanism/mechanism.h"
 #include "scene/component_parts.h"
 #include "scene/scene.h"
+#include "scene/formulas.h"
 #include "util/text.h"
 
 namespace gelenk {
@@ -155,6 +156,15 @@ std::vector<double> velocities_of(const ReducedScene& reduced, int joint, const 
   }
   std::vector<double> out(place.v_sign.size());
   for (std::size_t k = 0; k < out.size(); ++k) out[k] = place.v_sign[k] * of_joint[k];
+  return out;
+}
+
+std::vector<double> states_at_start(const Scene& scene, const Mechanism& mechanism) {
+  std::vector<double> out;
+  for (const int number : mechanism.states) {
+    const ElementState& state = scene.states[static_cast<std::size_t>(number)];
+    out.push_back(state.start / size_of(state, scene.units));
+  }
   return out;
 }
 

@@ -30,6 +30,9 @@ std::vector<double> coordinates_of(const Scene& scene, const ReducedScene& reduc
 std::vector<double> velocities_of(const ReducedScene& reduced, int joint, const std::vector<double>& v,
                                   const Dynamics& dynamics);
 
+// The start values of the element states of an island, in natural units.
+std::vector<double> states_at_start(const Scene& scene, const Mechanism& mechanism);
+
 // Throws SceneError if a prescribed motion of the island has no finite value, speed or acceleration at `time`, as
 // log(t) at 0.
 void check_prescribed_motions(const Scene& scene, const Mechanism& mechanism, double time);

@@ -7,6 +7,7 @@
 
 #include "scene/component_parts.h"
 #include "scene/element_numbers.h"
+#include "scene/motions.h"
 
 namespace gelenk {
 namespace {
@@ -211,6 +212,14 @@ const ElementState* first_with_resets(const Scene& scene) {
 const ElementState* first_with_rate_of_forces(const Scene& scene) {
   const auto found = std::ranges::find_if(scene.states, [](const ElementState& of) { return of.rate.reads_forces(); });
   return found == scene.states.end() ? nullptr : &*found;
+}
+
+bool reads_time(const Scene& scene) {
+  const auto follows_time = [](const Constraint& of) {
+    const Motion* const motion = find_motion_of_signals(of);
+    return motion != nullptr && names_variable(motion->law_of_signals(), 0);
+  };
+  return !readers_of(scene, time_signal).empty() || std::ranges::any_of(scene.constraints, follows_time);
 }
 
 double size_of(const ElementState& state, const UnitSystem& units) {

@@ -62,7 +62,7 @@ const ElementState* first_with_rate_of_forces(const Scene& scene);
 // The elements of which expressions name this signal, in the order of the file; forces along a joint as this joint.
 std::vector<ElementPlace> readers_of(const Scene& scene, std::string_view signal);
 // Whether an expression names the time, other than that of a prescribed motion.
-inline bool reads_time(const Scene& scene) { return !readers_of(scene, time_signal).empty(); }
+bool reads_time(const Scene& scene);
 // The joints and sensors of which expressions name coordinates, rates or outputs.
 std::unordered_set<std::string> named_of_motion(const Scene& scene);
 // SI value of the natural unit of an element state.

@@ -52,6 +52,7 @@ std::string expected_of(const Field& field, const Coordinate& coordinate) {
     }
     if (field.reads != FormulaReads::nothing)
       names.insert(names.end(), {"t", "inputs", "states", "coordinates of joints"});
+    if (names.size() > 1 && names.front() == "t") names.erase(names.begin());
     if (field.reads == FormulaReads::forces) names.emplace_back("forces");
     return "an expression of " + text::list(names) + in_unit;
   }

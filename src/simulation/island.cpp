@@ -53,27 +53,6 @@ Island::Island(const Scene& scene, PreparedIsland prepared, Loads loads, Inputs&
   make_reading();
 }
 
-void Island::read_forces(const Outputs& of, int index) {
-  if (!loads_.rates_read_forces()) return;
-  forces_read_ = &of;
-  index_ = index;
-  equations_->set_rates_of_forces(*this);
-}
-
-void Island::read(const double* y, const double* vdot, const double* u, const double* forces, const int* modes,
-                  double* rates) {
-  StateReadings& readings = dynamics_->readings();
-  const Reading reading{.dynamics = readings,
-                        .q = y,
-                        .v = y + mechanism().nq,
-                        .vdot = vdot,
-                        .cut_q = equations_->revolutions().coordinates().data(),
-                        .signals = readings.all_signals(u),
-                        .forces = forces,
-                        .modes = modes};
-  forces_read_->rates_of_forces(index_, loads_.rates, reading, rates);
-}
-
 void Island::start_integrator(double tolerance) {
   if (y_.empty()) return;
   IntegratorOptions options;
@@ -332,7 +311,7 @@ void Island::realize(Stage stage) {
   dynamics_->readings().set_root_poses();
   if (stage == Stage::acceleration) {
     dynamics_->set_acceleration(vdot_.data());
-    if (forces_read_ != nullptr) forces_read_->rates_of_forces(index_, loads_.rates, *reading_, rates_.data());
+    if (force_reader_) force_reader_->read(*reading_, rates_.data());
   }
   realized_ = stage;
 }
@@ -342,7 +321,7 @@ void Island::realize_named() {
   const double* const u = equations_->drives().u().data();
   if (!rates_.empty()) dynamics_->readings().state_rates(u, rates_.data());
   if (!values_.empty()) dynamics_->readings().expression_values(u, values_.data());
-  if (values_.empty() && forces_read_ == nullptr) return;
+  if (values_.empty() && !force_reader_) return;
   reading_->signals = dynamics_->readings().all_signals(u);
 }
 

@@ -16,17 +16,22 @@
 #include "outputs/outputs.h"
 #include "preparation/preparation.h"
 #include "simulation/replay.h"
+#include "simulation/state_force_reader.h"
 
 namespace gelenk {
 
 // Not movable: its parts refer to each other.
-class Island : private RatesOfForces {
+class Island {
  public:
   // u: all inputs of the scene, evaluated at the time of each evaluation. time: start time [s].
   Island(const Scene& scene, PreparedIsland prepared, Loads loads, Inputs& u, double time);
 
   // Gives rates of element states the forces that they name. of: must outlive it; index: of this island.
-  void read_forces(const Outputs& of, int index);
+  void read_forces(const Outputs& of, int index) {
+    if (!loads_.rates_read_forces()) return;
+    force_reader_.emplace(of, index, mechanism(), loads_, dynamics_->readings());
+    equations_->rates_of_forces().read_by(*force_reader_);
+  }
   // Creates the integrator. tolerance: relative.
   void start_integrator(double tolerance);
   // Advances to `end` [s], or to the end of the first integrator step after which max_evaluations is exceeded; returns
@@ -117,8 +122,6 @@ class Island : private RatesOfForces {
   void keep_start();
   void evaluate_outputs();
   void realize_named();
-  void read(const double* y, const double* vdot, const double* u, const double* forces, const int* modes,
-            double* rates) override;
   void forget_outputs() {
     realized_ = Stage::position;
     evaluated_ = false;
@@ -142,8 +145,7 @@ class Island : private RatesOfForces {
   std::vector<double> y_, vdot_;
   std::vector<double> rates_, values_;  // of the element states and the named expressions, if they have been realized
   std::optional<Reading> reading_;
-  const Outputs* forces_read_ = nullptr;  // by rates of element states; null: none
-  int index_ = 0;
+  std::optional<StateForceReader> force_reader_;  // none: no rate of an element state names forces
   bool follows_ = false;  // whether an input prescribes a coordinate
   // Prescribed motions up to which the state was advanced (Drives::targets_at).
   std::vector<double> followed_, drives_;

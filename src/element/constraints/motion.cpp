@@ -11,7 +11,7 @@ namespace gelenk {
 
 std::optional<ElementFault> Motion::fault(const Coordinate&) const {
   if (table) return fault(*table);
-  if (!law_of_time.is_given()) return {};
+  if (!law_of_time.is_given() || follows_signals()) return {};
   if (has_kinks(law_of_time)) {
     return {{"law", text::quoted(law_of_time.text()) + ", which has kinks (abs, sign, min, max, clip, smoothstep, if)",
              "a smooth expression: at a kink of a prescribed motion, the acceleration or the speed would jump"}};

@@ -25,7 +25,7 @@ struct Motion {
   std::optional<TimeTable> table;
   double speed = std::numeric_limits<double>::quiet_NaN();  // constant speed; NaN if not given
   Choice input;
-  Formula law_of_time;
+  Formula law_of_time, speed_law;
 
   static std::span<const Field> fields() {
     static constexpr Field all[] = {
@@ -51,17 +51,29 @@ struct Motion {
                                .words = sources}),
         field<&Motion::law_of_time>({.name = "law",
                                      .unit = "{q}",
-                                     .text = "smooth expression of the time t",
+                                     .text = "smooth expression of the time t, and of states",
                                      .settable = false,
                                      .alternative = 5,
-                                     .variables = time})};
+                                     .variables = time,
+                                     .reads = FormulaReads::signals}),
+        field<&Motion::speed_law>({.name = "speed_law",
+                                   .unit = "{v}",
+                                   .text = "the same for the speed, with any start value of the coordinate",
+                                   .settable = false,
+                                   .alternative = 6,
+                                   .variables = time,
+                                   .reads = FormulaReads::signals})};
     return all;
   }
 
   bool follows_input() const { return input.index != Choice::none; }
+  // The coordinate or the speed is an expression of signals, of which the rates of states are known (scene/motions.h).
+  bool follows_signals() const { return gives_speed_by_law() || !law_of_time.signal_names().empty(); }
+  const Formula& law_of_signals() const { return gives_speed_by_law() ? speed_law : law_of_time; }
+  bool gives_speed_by_law() const { return speed_law.is_given(); }
   bool gives_speed() const { return std::isfinite(speed); }
   // Otherwise only the speed is prescribed, and the start value is free.
-  bool holds_position() const { return input.index != 1 && !gives_speed(); }
+  bool holds_position() const { return input.index != 1 && !gives_speed() && !gives_speed_by_law(); }
 
   std::optional<ElementFault> fault(const Coordinate&) const;
   std::optional<ElementFault> doubt() const;
@@ -83,7 +95,7 @@ struct Motion {
     return 1;
   }
   std::optional<MotionLaw> law() const {
-    if (follows_input()) return {};
+    if (follows_input() || follows_signals()) return {};
     if (gives_speed()) return MotionLaw({0, speed}, {}, {});
     return MotionLaw(polynomial, sine, table, law_of_time);
   }

@@ -119,8 +119,8 @@ def test_what_does_not_move_measures_constants() -> None:
 @pytest.mark.parametrize(
     ("where", "message"),
     [
-        ({"S": {"effort": "loss"}}, "effort.*'S.friction.f'.*named only by `expressions`"),
-        ({"S": {"effort": "S.a"}}, "effort.*'S.a'.*named only by `expressions`"),
+        ({"S": {"effort": "loss"}}, "effort.*'S.friction.f'.*named only by rates of states"),
+        ({"S": {"effort": "S.a"}}, "effort.*'S.a'.*named only by rates of states"),
     ],
 )
 def test_laws_cannot_wait_for_forces(where: dict[str, Any], message: str) -> None:
