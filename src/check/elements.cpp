@@ -5,6 +5,7 @@
 
 #include "check/check.h"
 #include "check/fields.h"
+#include "element/locking.h"
 #include "joint/kinds.h"
 #include "scene/element_numbers.h"
 #include "scene/formulas.h"
@@ -186,12 +187,10 @@ void check_contact_methods(const Scene& scene, Faults& faults) {
   }
 }
 
-// Element states that steps with impulses cannot advance: resets are located events, which these do not have, and of
-// forces they know means over a step.
-void check_states(const Scene& scene, Faults& faults) {
-  const auto refuse = [&](const std::string& path, const std::string& what, const std::string& why_no_equilibrium) {
-    if (scene.solver.start == "equilibrium")
-      faults.add("solver.start", "'equilibrium' with " + path, "as_given: " + why_no_equilibrium);
+// What steps with impulses cannot do: resets of states are located events, which these do not have, and of forces they
+// know means over a step.
+void check_what_needs_events(const Scene& scene, Faults& faults) {
+  const auto refuse = [&](const std::string& path, const std::string& what) {
     if (!steps_with_impulses(scene)) return;
     std::string found = scene.solver.integrator == "moreau-jean" ? what + " with the integrator moreau-jean" : "";
     for (const Contact& contact : scene.contacts) {
@@ -203,10 +202,24 @@ void check_states(const Scene& scene, Faults& faults) {
     if (!found.empty()) faults.add(path, found, "an integrator and contacts that locate events");
   };
   if (const ElementState* const state = first_with_resets(scene))
-    refuse("states." + text::printable(state->name) + ".resets", "resets", "where states jump, there may be no equilibrium");
+    refuse("states." + text::printable(state->name) + ".resets", "resets");
   if (const ElementState* const state = first_with_rate_of_forces(scene))
-    refuse("states." + text::printable(state->name), "a rate that names forces",
-           "no equilibrium is searched for where rates name forces");
+    refuse("states." + text::printable(state->name), "a rate that names forces");
+  for (const Constraint& of : scene.constraints) {
+    if (losses_of(*of.is).depend_on_load())
+      refuse("constraints." + text::printable(of.name), "an efficiency over the load");
+  }
+}
+
+void check_equilibria_of_states(const Scene& scene, Faults& faults) {
+  if (scene.solver.start != "equilibrium") return;
+  const auto refuse = [&](const std::string& what, const std::string& expected) {
+    faults.add("solver.start", "'equilibrium' with states." + what, "as_given: " + expected);
+  };
+  if (const ElementState* const state = first_with_resets(scene))
+    refuse(text::printable(state->name) + ".resets", "where states jump, there may be no equilibrium");
+  if (const ElementState* const state = first_with_rate_of_forces(scene))
+    refuse(text::printable(state->name), "no equilibrium is searched for where rates name forces");
 }
 
 // Dependent coordinates cannot be solved for if a constraint acts on velocities only; and only `projection` keeps
@@ -253,7 +266,8 @@ void check_elements(const Scene& scene, Faults& faults, bool partial) {
   });
   check_formulation(scene, faults);
   check_contact_methods(scene, faults);
-  check_states(scene, faults);
+  check_what_needs_events(scene, faults);
+  check_equilibria_of_states(scene, faults);
 }
 
 }  // namespace gelenk

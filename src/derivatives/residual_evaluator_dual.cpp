@@ -123,7 +123,7 @@ class ResidualEvaluatorOf final : public WithReadings<A, ResidualEvaluator<typen
               force.with_inputs(u, [&](const T* own) { return force.element.load_factor(side, speed, own); });
           std::array<T, 2> of_mesh{T(0), T(0)};
           if (load.of == FrictionLoad::Of::mesh)
-            of_mesh = this->loads_.losses[static_cast<std::size_t>(load.row)].at(speed, u);
+            of_mesh = this->loads_.losses[static_cast<std::size_t>(load.row)].at(speed, size_of_load(transmitted), u);
           const T factor = load.friction_per_size(side, transmitted[0] < T(0) ? -1 : 1, of_mesh, of_bearing);
           const T friction = T(-side) * factor * size_of_load(transmitted);
           this->loaded_friction_[static_cast<std::size_t>(index)] += friction;

@@ -118,7 +118,7 @@ class JointLaws {
       if (!row.has_losses()) continue;
       const int v = row.terms[static_cast<std::size_t>(row.lossy_term)].v;
       MeshLosses::each(state_.loads.losses[r], [&](const Formula& formula) {
-        if (formula.branches() > 0) visit(formula, v);
+        if (formula.branches() > 0 && !MeshLosses::names_load(formula)) visit(formula, v);
       });
     }
   }

@@ -86,13 +86,14 @@ class LawKinksOf final : public LawKinks {
       force.element.decide(at, speed, signals.data(), arguments_.data() + formula.first_branch());
     });
     laws_.each_branching_loss([&](const Formula& formula, int v) {
-      Dual speed(std::abs(state_.v[static_cast<std::size_t>(v)]));
+      std::array<Dual, 2> motion{Dual(std::abs(state_.v[static_cast<std::size_t>(v)])), Dual(0)};
+      Dual& speed = motion[0];
       const double sign = state_.v[static_cast<std::size_t>(v)] < 0 ? -1 : 1;
       if (vdot != nullptr) speed.derivatives()[At::along_motion] = sign * vdot[v];
       speed.derivatives()[vdot == nullptr ? At::velocity : At::position + 1] = 1;  // whether its rate is unknown
       std::array<Dual, Formula::max_signals> signals;
       formula.take_signals(all, rates, At::of_signals, signals.data());
-      formula.decide(&speed, signals.data(), arguments_.data() + formula.first_branch());
+      formula.decide(motion.data(), signals.data(), arguments_.data() + formula.first_branch());
     });
     for (int i = 0; i < count_; ++i) {
       const Dual& of = arguments_[static_cast<std::size_t>(i)];
@@ -131,8 +132,8 @@ class LawKinksOf final : public LawKinks {
     if (count_ > 0) decide();
     const double* const all = signals();
     std::string out;
-    each_placed_formula(state_.loads, [&](const Formula& formula, const BranchPlace&) {
-      if (formula.reads_forces()) return;
+    each_placed_formula(state_.loads, [&](const Formula& formula, const BranchPlace& place) {
+      if (!holds_branches(formula, place)) return;
       const Formula::Clock clock = formula.clock();
       const double t = clock.signal < 0 ? 0 : all[clock.signal] * clock.second;
       if (out.empty()) out = formula.tape().missing_value(values_.data() + formula.first_branch(), t);
@@ -175,10 +176,10 @@ class LawKinksOf final : public LawKinks {
       force.element.decide(force.sign * q[force.q], force.sign * v[force.v], signals.data(), out);
     });
     laws_.each_branching_loss([&](const Formula& formula, int v) {
-      const double speed = std::abs(state_.v[static_cast<std::size_t>(v)]);
+      const double motion[] = {std::abs(state_.v[static_cast<std::size_t>(v)]), 0};
       std::array<double, Formula::max_signals> signals;
       formula.take_signals(all, signals.data());
-      formula.decide(&speed, signals.data(), values_.data() + formula.first_branch());
+      formula.decide(motion, signals.data(), values_.data() + formula.first_branch());
     });
   }
 

@@ -16,6 +16,7 @@
 #include "dynamics/switching_forces.h"
 #include "kinematics/friction_loads.h"
 #include "linear/dense_factor.h"
+#include "math/dual.h"
 
 namespace gelenk {
 
@@ -30,7 +31,10 @@ class LoadedFriction final : public LoadDependence {
   struct Load {
     FrictionLoad is;
     double factor = 0;               // friction per size in the present motion, if it is a bearing's [m, 1]
-    std::array<double, 2> losses{};  // the same of a mesh
+    std::array<double, 2> losses{};  // the same of a mesh, at its present force
+    std::array<double, 2> slopes{};  // and the rate of its friction per size
+    bool has_curved_losses = false;  // these differ: it depends on the force itself
+    double speed = 0;                // at which it slips
     std::array<double, 3> force{};
     std::array<double, 3> solved{};  // that of the last solve()
     bool has_sign = false;           // it is along a line
@@ -50,6 +54,8 @@ class LoadedFriction final : public LoadDependence {
       loads_.push_back({load});
       const bool is_planar_guide = A::planar && load.of == FrictionLoad::Of::guide;
       loads_.back().has_sign = load.of == FrictionLoad::Of::mesh || is_planar_guide;
+      loads_.back().has_curved_losses = load.of == FrictionLoad::Of::mesh &&
+                                        loads.losses[static_cast<std::size_t>(load.row)].depend_on_load();
     }
     for (const Load& load : loads_) {
       if (std::ranges::find(owners_, load.is.force) == owners_.end()) owners_.push_back(load.is.force);
@@ -84,7 +90,8 @@ class LoadedFriction final : public LoadDependence {
     for (Load& load : loads_) {
       if (load.is.force != force) continue;
       load.factor = factor;
-      load.losses = losses(load, speed);
+      load.speed = speed;
+      load.losses = load.slopes = losses(load, speed);
       any = true;
     }
     return any;
@@ -188,7 +195,8 @@ class LoadedFriction final : public LoadDependence {
     set_matrix();
     for (std::size_t j = 0; j < slipping_.size(); ++j) {
       double sum = 0;
-      each_load(j, [&](std::size_t l, double factor) { sum += factor * along(l, transmitted(loads_[l], lambda)); });
+      each_load(j, &Load::slopes,
+                [&](std::size_t l, double factor) { sum += factor * along(l, transmitted(loads_[l], lambda)); });
       rest_[j] = -slipping_[j].direction * sum;
     }
     solve_matrix();
@@ -237,7 +245,20 @@ class LoadedFriction final : public LoadDependence {
   }
   std::array<double, 2> losses(const Load& load, double speed) const {
     if (load.is.of != FrictionLoad::Of::mesh) return {};
-    return of_scene_.losses[static_cast<std::size_t>(load.is.row)].at(speed, signals_);
+    return of_scene_.losses[static_cast<std::size_t>(load.is.row)].at(speed, load.size(), signals_);
+  }
+  // Of meshes whose losses depend on their force, at the present one.
+  void update_losses() {
+    for (Load& load : loads_) {
+      if (!load.has_curved_losses) continue;
+      Dual size(load.size());
+      size.derivatives()[0] = 1;
+      const auto at = of_scene_.losses[static_cast<std::size_t>(load.is.row)].at(Dual(load.speed), size, signals_);
+      for (std::size_t k = 0; k < at.size(); ++k) {
+        load.losses[k] = at[k].value();
+        load.slopes[k] = at[k].value() + at[k].derivatives()[0] * size.value();
+      }
+    }
   }
   std::array<double, 3> transmitted(const Load& load, const std::vector<double>& lambda) const {
     return transmitted(load, lambda.data());
@@ -248,13 +269,13 @@ class LoadedFriction final : public LoadDependence {
   std::array<double, 3>& K(std::size_t load, std::size_t slipping) { return K_[load * owners_.size() + slipping]; }
   double& torque_of(std::size_t j) { return torque_[static_cast<std::size_t>(slipping_[j].force)]; }
 
-  // Calls visit(load, friction per size) for the loads of the friction of what slips.
+  // Calls visit(load, friction per size) for the loads of the friction of what slips. of_mesh: that of meshes.
   template <class Visit>
-  void each_load(std::size_t j, Visit visit) const {
+  void each_load(std::size_t j, std::array<double, 2> Load::*of_mesh, Visit visit) const {
     for (std::size_t l = 0; l < loads_.size(); ++l) {
       const Load& load = loads_[l];
       if (load.is.force != slipping_[j].force) continue;
-      visit(l, load.is.friction_per_size(slipping_[j].direction, load.sign(), load.losses, load.factor));
+      visit(l, load.is.friction_per_size(slipping_[j].direction, load.sign(), load.*of_mesh, load.factor));
     }
   }
   // The rate of the size of a load for a change of its force.
@@ -279,7 +300,7 @@ class LoadedFriction final : public LoadDependence {
     for (Eigen::Index j = 0; j < n; ++j) {
       for (Eigen::Index i = 0; i < n; ++i) {
         double sum = 0;
-        each_load(static_cast<std::size_t>(j),
+        each_load(static_cast<std::size_t>(j), &Load::slopes,
                   [&](std::size_t l, double factor) { sum += factor * along(l, K(l, static_cast<std::size_t>(i))); });
         of(j, i) = (i == j ? 1 : 0) + slipping_[static_cast<std::size_t>(j)].direction * sum;
       }
@@ -298,12 +319,13 @@ class LoadedFriction final : public LoadDependence {
     const std::size_t n = slipping_.size();
     if (n == 0) return;
     for (int k = 0; k < most_iterations; ++k) {
+      update_losses();
       double left = 0;
       double size = 0;
       bool is_finite = true;
       for (std::size_t j = 0; j < n; ++j) {
         double sum = 0;
-        each_load(j, [&](std::size_t l, double factor) { sum += factor * loads_[l].size(); });
+        each_load(j, &Load::losses, [&](std::size_t l, double factor) { sum += factor * loads_[l].size(); });
         rest_[j] = -(torque_of(j) + slipping_[j].direction * sum);
         is_finite = is_finite && std::isfinite(rest_[j]);
         left = std::max(left, std::abs(rest_[j]));
@@ -329,7 +351,7 @@ class LoadedFriction final : public LoadDependence {
     // a solution for which it holds.
     const auto owner = [](const Load& load) { return load.is.force; };
     const auto own = std::ranges::find(loads_, undetermined_, owner);
-    if (n == 1 && own->is.of == FrictionLoad::Of::mesh && std::ranges::count(loads_, undetermined_, owner) == 1)
+    if (n == 1 && own->is.of == FrictionLoad::Of::mesh && !own->has_curved_losses && std::ranges::count(loads_, undetermined_, owner) == 1)
       seized_ = undetermined_;
   }
   static void add_to(double* to, const std::vector<double>& what, double factor) {

@@ -109,11 +109,7 @@ class Formulation : public Equations, private ModeEquations {
   // Derivatives of f by differences, where those of jacobians_ do not suffice: its last rows, from the first row on.
   bool differentiate_by_differences(double t, const double* y, int first_row, Eigen::Ref<Eigen::MatrixXd> out,
                                     const DifferenceTaken& taken = {});
-  // Rows of vdot of df/dy into `out` (size() x size()), at the state of the last accelerate(), which gave vdot; uses
-  // jacobians_.
-  virtual void differentiate(const double* vdot, Eigen::Map<Eigen::MatrixXd>& out);
-  // These rows of `out` <- derivatives of vdot if J vdot = gamma is satisfied exactly, from jacobians_ and the last
-  // factors.
+  // Rows of vdot of df/dy if J vdot = gamma is satisfied exactly, from jacobians_ and the last factors.
   void acceleration_jacobian(Eigen::Map<Eigen::MatrixXd>& out);
   void count_jacobian() { ++jacobian_count_; }
   virtual ConstraintProjector& projector() { return projector_; }
@@ -130,6 +126,8 @@ class Formulation : public Equations, private ModeEquations {
   virtual bool leaves_solution() const { return true; }
   // vdot (nv) at (t, y); `dynamics` is at its position, without velocities. Returns false as rhs() does.
   virtual bool accelerate(double t, const double* y, double* vdot);
+  // Rows of vdot of df/dy into `out` (size() x size()), at the state of the last accelerate(); uses jacobians_.
+  virtual void differentiate(const double* vdot, Eigen::Map<Eigen::MatrixXd>& out);
   bool jacobian_is_outdated() final;
   void displace(double* q, const double* dv) const final { dynamics_.displace(q, dv); }
   std::string describe_dead_center();

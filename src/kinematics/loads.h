@@ -59,8 +59,11 @@ struct Loads {
   // and, in planar mechanisms, along the normal.
   double potential_offset = 0;
 
-  // Whether steps with impulses cannot advance its states.
-  bool need_events() const { return !resets.empty() || rates_read_forces() || motions_follow_signals(); }
+  // Whether steps with impulses cannot be made.
+  bool need_events() const {
+    return !resets.empty() || rates_read_forces() || motions_follow_signals() ||
+           std::ranges::any_of(losses, &MeshLosses::depend_on_load);
+  }
   bool motions_follow_signals() const {
     return std::ranges::any_of(motions, [](const auto& of) { return of[2].is_given(); });
   }

@@ -33,10 +33,14 @@ void each_placed_formula(const Loads& loads, const std::function<void(const Form
                      [&](const Formula& formula) { visit(formula, BranchPlace{BranchPlace::Of::mesh, k}); });
 }
 
+bool holds_branches(const Formula& formula, const BranchPlace& place) {
+  return !formula.reads_forces() && !(place.of == BranchPlace::Of::mesh && MeshLosses::names_load(formula));
+}
+
 std::vector<BranchPlace> branch_places(const Loads& loads) {
   std::vector<BranchPlace> out;
   each_placed_formula(loads, [&](const Formula& formula, BranchPlace place) {
-    if (formula.reads_forces()) return;  // its branches are not held
+    if (!holds_branches(formula, place)) return;
     const auto first = static_cast<std::size_t>(formula.first_branch());
     const auto count = static_cast<std::size_t>(formula.branches());
     out.resize(std::max(out.size(), first + count));

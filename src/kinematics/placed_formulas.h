@@ -18,6 +18,8 @@ struct BranchPlace {
   bool is_knot = false;  // of a table, where nothing jumps
 };
 std::vector<BranchPlace> branch_places(const Loads& loads);
+// Whether the branches of an expression there are held in steps: not those that forces decide on.
+bool holds_branches(const Formula& formula, const BranchPlace& place);
 
 void each_placed_formula(const Loads& loads, const std::function<void(const Formula&, const BranchPlace&)>& visit);
 

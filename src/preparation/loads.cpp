@@ -261,7 +261,10 @@ struct LoadCollector {
         std::array<Formula, 3>& motion = out[i].motions.emplace_back();
         if (row.follows_signals) motion = bound_motion(constraint, static_cast<int>(i));
         MeshLosses& added = out[i].losses.emplace_back(losses_of(*constraint.is));
-        MeshLosses::each(added, [&](Formula& formula) { bind(formula, static_cast<int>(i)); });
+        MeshLosses::each(added, [&](Formula& formula) {
+          MeshLosses::names_load(formula) ? bind_signals(formula, static_cast<int>(i))
+                                          : bind(formula, static_cast<int>(i));
+        });
       }
     }
   }

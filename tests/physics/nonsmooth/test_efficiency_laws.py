@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from mechanisms import body, frame, joint, scene
 from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
 
 import gelenk
 
@@ -192,3 +193,68 @@ def test_steps_may_pass_a_kink_towards_0(integrator: str) -> None:
     middle = solve_ivp(rate, (0, 1.1), [0, 5.0], method="DOP853", rtol=1e-12, atol=1e-12).y[:, -1]
     end = solve_ivp(rate, (1.1, 2.0), middle, method="DOP853", rtol=1e-12, atol=1e-12).y[:, -1]
     assert result["motor.phi"][-1] == pytest.approx(end[0], abs=2e-8)
+
+
+def test_a_drag_is_an_efficiency_over_the_load() -> None:
+    """tau/(tau + 2) takes a torque of 2 N m from what arrives, whatever that is: the same as Coulomb friction."""
+    options: dict[str, Any] = {"stop": 2.0, "step": 0.1, "tolerance": 1e-9}
+    by_load = gelenk.simulate(
+        hoist(4.0, "9 + 3*sin(3*t)", -20.0, {"efficiency": "(tau + 1e-9)/(tau + 2)"}), **options
+    )
+    drag = hoist(4.0, "9 + 3*sin(3*t)", -20.0, {})
+    drag["joints"]["motor"]["friction"] = {"coulomb": 2.0}
+    expected = gelenk.simulate(drag, **options)
+    for name in ("motor.phi", "motor.w", "motor.friction.tau"):
+        np.testing.assert_allclose(by_load[name], expected[name], atol=1e-7)
+
+
+@pytest.mark.parametrize("integrator", [*EVENT_DRIVEN, "rk4"])
+@pytest.mark.parametrize(("w", "torque", "weight"), [(4.0, "9 + 6*sin(3*t)", -20.0), (-30.0, "-2", 40.0)])
+@pytest.mark.parametrize("form", ["formula", "table"])
+def test_the_load_decides_on_the_efficiency(
+    w: float, torque: str, weight: float, integrator: str, form: str
+) -> None:
+    """Of the torque T on the mesh eta(w, T) arrives; T by a root of its own at each instant. Or a bilinear map."""
+    maps = {
+        "formula": lambda w, T: (0.9 - 0.4 * np.exp(-w / 8)) * (0.5 + 0.5 * T / (T + 3)),
+        "table": lambda w, T: 0.4 + 0.01 * min(w, 40.0) + 0.01 * min(T, 10.0),
+    }
+    tables = {"eta": {"x": [0, 40], "y": [0, 10], "values": [[0.4, 0.5], [0.8, 0.9]], "interpolation": "linear"}}
+    law = {"formula": "(0.9 - 0.4*exp(-w/8))*(0.5 + 0.5*tau/(tau + 3))", "table": "table(eta, w, tau)"}[form]
+    eta = maps[form]
+
+    def balance(T: float, drive: float, speed: float) -> float:
+        """Of the torque T that arrives: what is left of both equations of motion."""
+        sign = np.sign(speed)
+        acceleration = (drive - sign * T / eta(abs(speed), T)) / MOTOR
+        return float(LOAD * acceleration / RATIO - weight - RATIO * sign * T)
+
+    def rate(t: float, y: Any) -> list[float]:
+        drive = eval(torque, {"sin": np.sin, "t": t})
+        T = brentq(balance, 1e-9, 1e3, args=(drive, y[1]), xtol=1e-14, rtol=1e-14)
+        return [y[1], (drive - np.sign(y[1]) * T / eta(abs(y[1]), T)) / MOTOR]
+
+    exact = solve_ivp(rate, (0, 1), [0, w], method="DOP853", rtol=1e-11, atol=1e-11).y[:, -1]
+    of = hoist(w, torque, weight, {"efficiency": law}, **({"tables": tables} if form == "table" else {}))
+    result = gelenk.simulate(of, stop=1.0, step=0.1, tolerance=1e-9, integrator=integrator)
+    np.testing.assert_allclose([result["motor.phi"][-1], result["motor.w"][-1]], exact, atol=2e-7)
+
+
+def test_linear_models_know_the_slope_of_losses_over_the_load() -> None:
+    """Against differences of the acceleration: the friction is 2 N m per load of T -> T + ..., not in proportion."""
+    of = hoist(4.0, "u", -20.0, {"efficiency": "0.4 + 0.5*tau/(tau + 5)"}, inputs={"u": {"start": 9.0}})
+    with pytest.warns(gelenk.OperatingPointWarning):
+        model = gelenk.linearize(of, friction="present", outputs=["motor.a"])
+    plant = gelenk.Simulation(of)
+    values = []
+    for u in (9 - 1e-4, 9 + 1e-4):
+        plant.initialize(0.0, 1e-9)
+        plant.set_input("u", u)
+        values.append(plant.output("motor.a"))
+    assert model.D[0, 0] == pytest.approx((values[1] - values[0]) / 2e-4, rel=1e-7)
+    assert model.D[0, 0] != pytest.approx(values[1] / 9, rel=0.1)
+
+
+def test_steps_with_impulses_do_not_know_them() -> None:
+    with pytest.raises(gelenk.SceneError, match="mesh: found an efficiency over the load with the integrator"):
+        gelenk.load(hoist(4.0, "9", -20.0, {"efficiency": "tau/(tau + 1)"}, solver={"integrator": "moreau-jean"}))
