@@ -128,6 +128,7 @@ struct Checker {
   template <class Any>
   void run(const std::vector<Element<Any>>& elements) {
     for (const Element<Any>& element : elements) {
+      if (!element.component.empty()) continue;  // checked with its component
       const std::string path = std::string(section.name) + "." + text::printable(element.name);
       ports(element, kind_of(*element.is), path);
       if (kind_of(*element.is).reads_gravity && scene.gravity_field)
@@ -203,7 +204,8 @@ void check_states(const Scene& scene, Faults& faults) {
     if (!found.empty()) faults.add(path, found, "an integrator and contacts that locate events");
   };
   if (const ElementState* const state = first_with_resets(scene))
-    refuse("states." + text::printable(state->name) + ".resets", "resets", "where states jump, there may be no equilibrium");
+    refuse("states." + text::printable(state->name) + ".resets", "resets",
+           "where states jump, there may be no equilibrium");
   if (const ElementState* const state = first_with_rate_of_forces(scene))
     refuse("states." + text::printable(state->name), "a rate that names forces",
            "no equilibrium is searched for where rates name forces");
