@@ -129,6 +129,7 @@ struct Checker {
   template <class Any>
   void run(const std::vector<Element<Any>>& elements) {
     for (const Element<Any>& element : elements) {
+      if (!element.component.empty()) continue;  // checked with its component
       const std::string path = std::string(section.name) + "." + text::printable(element.name);
       ports(element, kind_of(*element.is), path);
       if (kind_of(*element.is).reads_gravity && scene.gravity_field)

@@ -6,6 +6,8 @@
 #include <deque>
 #include <map>
 #include <optional>
+#include <set>
+#include <string>
 #include <vector>
 
 #include "check/check.h"
@@ -44,14 +46,21 @@ std::string impossible(const Eigen::Vector3d& moments, double tolerance, const A
   return {};
 }
 
-// Returns the axis of the body's frame about which the only nonzero moment is given, or -1.
-int single_moment_axis(const Eigen::Matrix3d& I) {
-  for (int axis = 0; axis < 3; ++axis) {
-    Eigen::Matrix3d rest = I;
-    rest(axis, axis) = 0;
-    if (I(axis, axis) > 0 && rest.isZero(0)) return axis;
+// Returns the axis of a tensor J n n^T in the body's frame, or nothing if it has another form.
+std::optional<Eigen::Vector3d> single_moment_axis(const Eigen::Matrix3d& I) {
+  const double largest = I.cwiseAbs().maxCoeff();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(I / largest);  // in increasing order
+  const Eigen::Vector3d& moments = solver.eigenvalues();
+  if (moments.head<2>().cwiseAbs().maxCoeff() > moment_tolerance * moments[2]) return {};
+  return solver.eigenvectors().col(2);
+}
+
+std::string axis_text(const Eigen::Vector3d& axis) {
+  for (int i = 0; i < 3; ++i) {
+    if (std::abs(axis[i]) > 1 - moment_tolerance) return std::string(1, "xyz"[i]) + " axis";
   }
-  return -1;
+  const Eigen::Vector3d n = axis.sum() < 0 ? Eigen::Vector3d(-axis) : axis;  // either direction is meant
+  return "axis [" + text::rounded(n.x()) + ", " + text::rounded(n.y()) + ", " + text::rounded(n.z()) + "]";
 }
 
 enum class Rotation { none, about_z, general };
@@ -81,7 +90,8 @@ bool has_its_axes(const Joint& joint) {
   return kind != nullptr && joint.axes.size() == static_cast<std::size_t>(kind->axes);
 }
 
-// Tests whether the joints on some path from a body to the ground permit rotations about parallels of one axis only.
+// Tests whether a body rotates about one axis only in its carrier, which may move in any way. What the carrier does
+// about other axes then involves no inertia of the body: it is a rotor of which one moment is given.
 class AxisSearch {
  public:
   explicit AxisSearch(const Scene& scene) {
@@ -92,7 +102,7 @@ class AxisSearch {
   }
 
   bool operator()(const std::string& body, const Eigen::Vector3d& axis) const {
-    std::map<std::string, Eigen::Vector3d> axes = {{body, axis}};  // by body reached, in the body's frame
+    std::map<std::string, Eigen::Vector3d> axes = {{body, axis}};  // of what does not rotate in it, in its own frame
     std::deque<std::string> open = {body};
     while (!open.empty()) {
       const std::string at = open.front();
@@ -101,11 +111,15 @@ class AxisSearch {
       if (joints == joints_of_.end()) continue;
       for (const Joint* joint : joints->second) {
         const std::string& other = joint->parent.body == at ? joint->child.body : joint->parent.body;
-        if (axes.contains(other)) continue;
-        const std::optional<Eigen::Vector3d> across = axis_across(*joint, at, axes.at(at));
-        if (!across) continue;
+        if (axes.contains(other) || !has_its_axes(*joint)) continue;
+        const Across across = across_joint(*joint, at, axes.at(at));
+        if (across.rotation == Rotation::general) continue;
+        if (across.rotation == Rotation::about_z) {
+          if (reaches_ground(other, axes)) return true;
+          continue;
+        }
         if (other == ground) return true;
-        axes.emplace(other, *across);
+        axes.emplace(other, across.axis);
         open.push_back(other);
       }
     }
@@ -113,21 +127,39 @@ class AxisSearch {
   }
 
  private:
-  // Returns the axis in the body on the other side of the joint; nothing if the joint permits rotations about others.
-  static std::optional<Eigen::Vector3d> axis_across(const Joint& joint, const std::string& from,
-                                                    const Eigen::Vector3d& axis) {
-    if (!has_its_axes(joint)) return {};
+  struct Across {
+    Rotation rotation;     // about_z: about the axis
+    Eigen::Vector3d axis;  // in the body on the other side
+  };
+
+  static Across across_joint(const Joint& joint, const std::string& from, const Eigen::Vector3d& axis) {
     const bool from_parent = joint.parent.body == from;
     const AnyJoint& kind = *joint.is;
     const Eigen::Matrix3d R_UC = canonical_rotation(kind, joint.axes);
     const Eigen::Matrix3d& here = (from_parent ? joint.parent : joint.child).X_BF.R;
     const Eigen::Matrix3d& there = (from_parent ? joint.child : joint.parent).X_BF.R;
     const Eigen::Vector3d along = (here * R_UC).transpose() * axis;  // the same in F and M
-    const Rotation rotation = rotation_of(kind);
-    if (rotation == Rotation::general ||
-        (rotation == Rotation::about_z && along.head<2>().norm() > parallel_sine_limit))
-      return {};
-    return there * R_UC * along;
+    Rotation rotation = rotation_of(kind);
+    if (rotation == Rotation::about_z && along.head<2>().norm() > parallel_sine_limit) rotation = Rotation::general;
+    return {rotation, there * R_UC * along};
+  }
+
+  // Whether a body is held without the help of those that belong to the rotor: it carries them, not they it.
+  bool reaches_ground(const std::string& body, const std::map<std::string, Eigen::Vector3d>& rotor) const {
+    std::set<std::string> reached = {body};
+    std::deque<std::string> open = {body};
+    while (!open.empty()) {
+      const std::string at = open.front();
+      open.pop_front();
+      if (at == ground) return true;
+      const auto joints = joints_of_.find(at);
+      if (joints == joints_of_.end()) continue;
+      for (const Joint* joint : joints->second) {
+        const std::string& other = joint->parent.body == at ? joint->child.body : joint->parent.body;
+        if (!rotor.contains(other) && reached.insert(other).second) open.push_back(other);
+      }
+    }
+    return false;
   }
 
   std::map<std::string, std::vector<const Joint*>> joints_of_;
@@ -190,10 +222,10 @@ void check_inertias(const Scene& scene, Faults& faults, bool partial) {
     if (on_ground.contains(body.name)) continue;  // its inertia has no effect
     std::string fault = impossible_inertia(body.mass, body.com, I);
     if (fault.empty()) continue;
-    if (const int axis = single_moment_axis(I); axis >= 0) {
+    if (const std::optional<Eigen::Vector3d> axis = single_moment_axis(I)) {
       if (!rotates_only_about) rotates_only_about.emplace(scene);
-      if (partial || (*rotates_only_about)(body.name, Eigen::Vector3d::Unit(axis))) continue;
-      fault += std::string(", and the joints permit rotations about other axes than its ") + "xyz"[axis] + " axis";
+      if (partial || (*rotates_only_about)(body.name, *axis)) continue;
+      fault += ", and no joint lets the body rotate about its " + axis_text(*axis) + " only";
     }
     faults.add(path, fault);
   }

@@ -133,7 +133,9 @@ bool is_taken(const std::string& name) {
 void check_own_names(const Scene& scene, Faults& faults) {
   std::map<std::string, std::string> seen;
   const auto add_elements = [&](const std::string& section, const auto& elements) {
-    for (const auto& element : elements) seen.try_emplace(element.name, section + "." + text::printable(element.name));
+    for (const auto& element : elements) {
+      if (!is_part(element)) seen.try_emplace(element.name, section + "." + text::printable(element.name));
+    }
   };
   add_elements("bodies", scene.bodies);
   add_elements("joints", scene.joints);
@@ -199,7 +201,8 @@ void check_names(const Scene& scene, Faults& faults) {
   claim_parts(scene.expressions);
   each_section(scene, [&](const Section& section, const auto& elements) {
     for (const auto& element : elements) {
-      claims.claim(std::string(section.name) + "." + element.name, element.name, suffixes(scene, element));
+      const std::string_view owner = is_part(element) ? components_section.name : section.name;
+      claims.claim(std::string(owner) + "." + element.name, element.name, suffixes(scene, element));
     }
   });
 }

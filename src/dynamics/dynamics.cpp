@@ -33,11 +33,11 @@ std::vector<int> all_links(const Mechanism& mechanism) {
   return out;
 }
 
-// k: of a velocity without inertia.
-[[noreturn]] void throw_singular(const Mechanism& mechanism, int k) {
+// The name of the link that moves with velocity k.
+std::string link_moved_by(const Mechanism& mechanism, int k) {
   const auto moves = [k](const Link& link) { return k >= link.iv && k < link.iv + link.nv && link.parent >= 0; };
   const auto link = std::ranges::find_if(mechanism.links, moves);
-  throw SingularMass(link == mechanism.links.end() ? "?" : link->name);
+  return link == mechanism.links.end() ? "?" : link->name;
 }
 
 class AllOfDynamics : public Dynamics, public StateReadings {};
@@ -61,7 +61,7 @@ class DynamicsOf final : public WithKinematics<A, AllOfDynamics> {
         compute_all_outputs_(compute_all_outputs),
         all_links_(all_links(mechanism)),
         loaded_links_(links_with_loads(mechanism, loads)),
-        M_(model_, ws_, loads.added_inertia, [this](int k) { throw_singular(mechanism_, k); }),
+        M_(model_, ws_, loads.added_inertia, [this](int k) { throw SingularMass(link_moved_by(mechanism_, k)); }),
         Y_(M_, ws_.J, model_.nv),
         modes_({model_, loads_, ws_, q_, v_, cut_reference_}, M_, Y_),
         kinks_({model_, loads_, ws_, q_, v_, cut_reference_}, modes_.laws(), mechanism, *this,
@@ -106,10 +106,11 @@ class DynamicsOf final : public WithKinematics<A, AllOfDynamics> {
     factors_.set(stages_);
   }
 
-  bool mass_is_definite() override {
+  std::string link_without_inertia() override {
     factors_.drop();
     added_inertia_ = loads_.added_inertia;
-    return M_.is_definite();
+    const int k = M_.velocity_without_inertia();
+    return k < 0 ? std::string{} : link_moved_by(mechanism_, k);
   }
 
   void set_velocity(const double* v) override {

@@ -10,6 +10,7 @@
 
 #include <memory>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "derivatives/jacobians.h"
@@ -47,8 +48,9 @@ class Dynamics : public Kinematics {
   // --- after set_position and set_velocity, to be called in this order; each uses the results of the earlier ones ---
   // Computes and factorizes M and J at the position. Throws SingularMass.
   virtual void factorize() = 0;
-  // Whether M alone is positive definite at that position, beyond rounding. Allocates; invalidates the factors.
-  virtual bool mass_is_definite() = 0;
+  // The name of a link that moves without inertia at that position, beyond rounding, where constraint equations do not
+  // help: M alone is not positive definite. Empty: none. Allocates; invalidates the factors.
+  virtual std::string link_without_inertia() = 0;
   // Solves for vdot under the inputs u; coordinates that friction locks (switching_forces.h) have no acceleration, here
   // and in the linear solutions below. A mechanism at rest asks again and again under the same conditions: the last
   // solution is then returned. extrapolated: the vdot that replaces the constraint equations in the directions

@@ -76,27 +76,29 @@ class MassFactor {
   void add_right_side(const double* gamma, double* f, int columns = 1) const {
     if (augmented_) augmented_->add_right_side(gamma, f, columns);
   }
-  // Whether M alone is positive definite beyond rounding. Invalidates the factors.
-  bool is_definite() {
+  // Returns -1, or a velocity at which M alone has no inertia beyond rounding. Invalidates the factors.
+  int velocity_without_inertia() {
     sparse_is_current_ = is_postponed_ = false;
     const int n = model_.nv;
-    std::vector<double> pivots(n);        // of the factorization, by velocity
-    std::vector<double> pivot_errors(n);  // upper bounds of their rounding errors
+    if (n == 0) return -1;
+    std::vector<double> pivots(n);                        // of the factorization, by velocity
+    std::vector<double> pivot_errors = turned_moments();  // upper bounds of their rounding errors
+    for (double& error : pivot_errors) error *= pivot_rounding;
     if (articulated_) {
-      if (articulated_->factorize(added_inertia_) >= 0) return false;
+      if (const int k = articulated_->factorize(added_inertia_); k >= 0) return k;
       for (int k = 0; k < n; ++k) pivots[k] = articulated_->pivot(k);
     } else {
       compute(*sparse_);
       const auto diagonal = [this](int k) { return sparse_->row(k)[sparse_->depth(k)]; };
-      for (int k = 0; k < n; ++k) pivot_errors[k] = pivot_rounding * diagonal(k);
-      if (sparse_->factorize() >= 0) return false;
+      for (int k = 0; k < n; ++k) pivot_errors[k] = std::max(pivot_errors[k], pivot_rounding * diagonal(k));
+      if (const int k = sparse_->factorize(); k >= 0) return k;
       for (int k = 0; k < n; ++k) pivots[k] = diagonal(k) * diagonal(k);
     }
     const double negligible = AugmentedMass::inertia_threshold * std::ranges::max(pivots);
-    for (int k = 0; k < n; ++k) {
-      if (pivots[k] <= std::max(pivot_errors[k], negligible)) return false;
+    for (int k = n - 1; k >= 0; --k) {  // in the order of the factorization: later pivots contain errors of this one
+      if (pivots[k] <= std::max(pivot_errors[k], negligible)) return k;
     }
-    return true;
+    return -1;
   }
   void solve_transposed(double* x) const {  // x <- L^-T x: whitens a generalized force
     ensure();
@@ -157,6 +159,22 @@ class MassFactor {
 
   void ensure() const {
     if (is_postponed_) factorize();
+  }
+  // By velocity, the sum of the moments about their own centers of mass of all links that it turns. Rounding leaves
+  // some of it in the moment about its axis where all of them are about other axes, as those of rotors are.
+  std::vector<double> turned_moments() const {
+    std::vector<double> out(model_.nv);
+    if constexpr (requires(const typename A::Inertia& G) { G.I.trace(); }) {
+      std::vector<double> carried(model_.links.size());
+      for (std::size_t i = model_.links.size() - 1; i > 0; --i) {
+        const auto& link = model_.links[i];
+        carried[i] += link.G.I.trace();
+        if (link.G.m > 0) carried[i] -= 2 * link.G.h.squaredNorm() / link.G.m;
+        carried[link.parent] += carried[i];
+        for (int k = link.iv; k < link.iv + link.nv; ++k) out[k] = carried[i] * ws_.S[k].w.squaredNorm();
+      }
+    }
+    return out;
   }
   // Returns -1, or the velocity at which M has no inertia.
   int find_factors() const {

@@ -202,6 +202,9 @@ double added_inertia(const Any& element) {
 double inertia_of(const AnyMotor& motor) { return added_inertia(motor); }
 double inertia_of(const AnyComponent& component) { return added_inertia(component); }
 
+Stored<AnySensor> sensor_of_length() { return AnySensor(Distance()); }
+Stored<AnyForce> force_along_line() { return AnyForce(LineForce()); }
+
 ComponentEquations equations_of(const AnyComponent& component) {
   ComponentEquations out;
   std::visit([&](const auto& c) { c.describe(out); }, component);

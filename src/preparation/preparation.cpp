@@ -144,8 +144,11 @@ struct Preparer {
       island.start = assemble(geometry, *make_moving_dynamics(geometry, i), guesses.tree, guesses.cuts);
       include_rows_in_mass(i);
     }
-    if (mechanism.mass_needs_rows || mechanism.rows == 0 || !mass_may_need_rows) return;
-    if (!lacks_inertia(mechanism) || dynamics[i]->mass_is_definite()) return;
+    if (mechanism.mass_needs_rows || !lacks_inertia(mechanism)) return;
+    if (mechanism.rows > 0 && !mass_may_need_rows) return;
+    const std::string massless = dynamics[i]->link_without_inertia();
+    if (massless.empty()) return;
+    if (mechanism.rows == 0) throw SingularMass(massless);
     include_rows_in_mass(i);  // the inertia is only round-off
   }
 

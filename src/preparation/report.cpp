@@ -148,6 +148,12 @@ std::string owner_of_row(const Scene& scene, const Mechanism& mechanism, int row
   return "constraints." + scene.constraints[of.constraint].name;
 }
 
+// "forces.rope", or "components.strut" of a force that is part of a component.
+std::string path_of_force(const Scene& scene, int force) {
+  const Force& of = scene.forces[static_cast<std::size_t>(force)];
+  return (of.component.empty() ? "forces." : "components.") + of.name;
+}
+
 }  // namespace
 
 std::vector<int> joints_of_loop(const Mechanism& mechanism, int cut) {
@@ -342,7 +348,7 @@ std::string describe_equal_assemblies(const Scene& scene, const std::string& coo
 }
 
 std::string describe_collapsed_spring(const Scene& scene, int force) {
-  return prefix(scene) + "forces." + scene.forces[force].name +
+  return prefix(scene) + path_of_force(scene, force) +
          ": its ends coincide at the start, so that the direction of its force is undefined";
 }
 
@@ -350,7 +356,7 @@ std::string describe_undetermined(const Scene& scene, const NotDifferentiablePoi
                                   const std::vector<std::string>& states) {
   const std::string when = "t = " + text::rounded(t) + " s: ";
   if (fault.reason() == NotDifferentiablePoint::What::spring) {
-    return when + "the ends of forces." + scene.forces[fault.force()].name +
+    return when + "the ends of " + path_of_force(scene, fault.force()) +
            " coincide, so that the direction of its force is undefined: derivatives do not exist there";
   }
   if (fault.reason() == NotDifferentiablePoint::What::rows) {

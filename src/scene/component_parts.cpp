@@ -2,12 +2,15 @@
 #include "scene/component_parts.h"
 
 #include <map>
+#include <memory>
+#include <unordered_set>
 #include <utility>
 
 #include "element/components/component.h"
 #include "expression/error.h"
 #include "expression/tokens.h"
 #include "scene/element_numbers.h"
+#include "scene/formulas.h"
 #include "util/text.h"
 
 namespace gelenk {
@@ -39,6 +42,10 @@ class Parts {
     for (const ComponentEquations::Quantity& input : equations_.inputs) add_name(input.name);
     for (const ComponentEquations::State& state : equations_.states) add_name(state.name);
     for (const ComponentEquations::Value& value : equations_.values) add_name(value.name);
+    if (is_line()) {
+      for (const auto& [own, output] : {std::pair{"length", length_output}, std::pair{"rate", rate_output}})
+        meanings_[own] = named(output);
+    }
     if (component.joints.empty()) return;
     const std::string joint = component.joints.front() + ".";
     for (const auto& [own, name] : {std::pair{"position", coordinate_.name}, std::pair{"speed", coordinate_.speed}}) {
@@ -52,6 +59,11 @@ class Parts {
     for (const ComponentEquations::State& state : equations_.states) names.signals.push_back(named(state.name));
     for (const ComponentEquations::Value& value : equations_.values)
       names.expressions.push_back({named(value.name), text_of(value)});
+    if (!is_line()) return;
+    const auto coordinates = names.coordinates ? std::make_shared<std::unordered_set<std::string>>(*names.coordinates)
+                                               : std::make_shared<std::unordered_set<std::string>>();
+    add_sensor_names(component_.name, kind_of(*sensor_of_length()), *coordinates);
+    names.coordinates = coordinates;
   }
 
   void add_to(Scene& scene, const FormulaNames& names) const {
@@ -70,6 +82,12 @@ class Parts {
       NamedExpression& added = scene.expressions.emplace_back(filled<NamedExpression>(value));
       added.value = read(NamedExpression::fields().front(), text_of(value));
     }
+    if (is_line()) {
+      scene.sensors.push_back({between_points(), sensor_of_length(), component_.name});
+      Force& force = scene.forces.emplace_back(Force{between_points(), force_along_line(), component_.name});
+      const Field& tension = kind_of(*force.is).fields.front();
+      formulas_of(tension, data_of(*force.is)).front() = read(tension, renamed(equations_.tension, meanings_));
+    }
     if (equations_.effort.empty()) return;
     JointEffort& effort = scene.efforts.emplace_back();
     effort.component = component_.name;
@@ -78,6 +96,10 @@ class Parts {
   }
 
  private:
+  bool is_line() const { return !equations_.tension.empty(); }
+  ElementPlace between_points() const {
+    return {.name = component_.name, .frames = component_.frames, .joints = {}, .coordinate = {}};
+  }
   std::string filled(std::string_view text) const { return filled_in(text, component_, coordinate_); }
   std::string named(std::string_view own) const { return component_.name + "." + filled(own); }
   void add_name(std::string_view own) { meanings_[filled(own)] = named(own); }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What components (element/components/component.h) add to a scene: inputs, states and named expressions, with the name
-// of the component before a dot, and efforts along joints. All but the efforts are entries of the scene as those of the
+// of the component before a dot, and efforts along joints; of those between two points a sensor of their distance and a
+// force along their line, with the name of the component. All but the efforts are entries of the scene as those of the
 // file are.
 #pragma once
 

@@ -87,6 +87,7 @@ struct Joint {
 template <class Any>
 struct Element : ElementPlace {
   Stored<Any> is;
+  std::string component{};  // of which it is a part (component_parts.h); empty: none
 };
 using Motor = Element<AnyMotor>;
 using Force = Element<AnyForce>;

@@ -287,7 +287,9 @@ std::string write_scene_json(const Scene& scene) {
   out["joints"] = section(scene.joints, joint);
   each_section(scene, [&](const Section& of, const auto& elements) {
     Json& entries = out[std::string(of.name)] = Json::object();
-    for (const auto& e : elements) entries[e.name] = element(e, kind_of(*e.is), data_of(*e.is), of);
+    for (const auto& e : elements) {
+      if (e.component.empty()) entries[e.name] = element(e, kind_of(*e.is), data_of(*e.is), of);
+    }
   });
   for (const ElementState& state : scene.states) {
     if (state.component.empty()) continue;

@@ -28,4 +28,9 @@ void ComponentEquations::act(Texts value) {
   effort = "{effort}";
 }
 
+void ComponentEquations::pull(Texts value) {
+  this->value({"f", "N", "force that pulls the points together"}, value);
+  tension = "f";
+}
+
 }  // namespace gelenk

@@ -3,13 +3,13 @@
 // as texts, from which scene/component_parts.h makes states, named expressions and inputs of the scene, and a force
 // along a joint. Besides what elements share (element/element.h) it has
 //
-//   ports         none, or a joint with one coordinate
+//   ports         none, a joint with one coordinate, or two points
 //   describe(of)  enters its equations in ComponentEquations
 //   inertia()     what it adds to that of its joint's coordinate [kg m2, kg]; optional
 //
 // Texts are expressions in SI units. They name the fields, signals, states and values of the component, and `position`
-// and `speed` of its joint. Which equations there are may depend on which optional fields are given, not on numbers,
-// since these are parameters.
+// and `speed` of its joint, or the distance `length` of its points and its `rate`. Which equations there are may depend
+// on which optional fields are given, not on numbers, since these are parameters.
 #pragma once
 
 #include <cmath>
@@ -20,6 +20,7 @@
 
 #include "element/gearing.h"
 #include "element/joint_forces/coordinate_force.h"
+#include "element/kinds.h"
 
 namespace gelenk {
 
@@ -40,7 +41,8 @@ struct ComponentEquations {
   std::vector<Quantity> inputs;
   std::vector<State> states;
   std::vector<Value> values;
-  std::string_view effort;  // along the joint; empty: none
+  std::string_view effort;   // along the joint; empty: none
+  std::string_view tension;  // between the points; empty: none
 
   // Several texts one after the other.
   using Texts = std::initializer_list<std::string_view>;
@@ -50,9 +52,17 @@ struct ComponentEquations {
   void value(const Quantity& quantity, Texts value);
   // The effort on the joint, also an output.
   void act(Texts value);
+  // The force that pulls the points together, also an output.
+  void pull(Texts value);
 };
 // As one text.
 std::string joined(ComponentEquations::Texts texts);
+
+// Of what a component between two points consists beside its equations: a sensor of their distance, and a force between
+// them, of which the only field is the expression of its tension.
+Stored<AnySensor> sensor_of_length();
+Stored<AnyForce> force_along_line();
+inline constexpr std::string_view length_output = "d", rate_output = "v";  // of the sensor
 
 inline bool is_given(double optional) { return std::isfinite(optional); }
 

@@ -8,6 +8,7 @@
 #include "element/components/engine.h"
 #include "element/components/first_order.h"
 #include "element/components/hydraulic_chamber.h"
+#include "element/components/line_maxwell.h"
 #include "element/components/maxwell.h"
 #include "element/components/pneumatic_chamber.h"
 #include "element/components/position_servo.h"
@@ -22,7 +23,7 @@ namespace gelenk {
 
 struct AnyComponent
     : std::variant<DcMotor, SynchronousMotor, Engine, SpeedServo, PositionServo, SeriesElasticDrive, Maxwell,
-                   PneumaticChamber, HydraulicChamber, FirstOrder, SecondOrder, RateLimiter, ThermalMass> {
+                   LineMaxwell, PneumaticChamber, HydraulicChamber, FirstOrder, SecondOrder, RateLimiter, ThermalMass> {
   using variant::variant;
 };
 

@@ -9,6 +9,9 @@ from mechanisms import body, frame, joint, scene
 
 Fields = dict[str, Any]
 
+# Between two points of which one moves around the axle.
+LINE: Fields = {"from": frame("ground", (1.2, 0.4, 0.1)), "to": frame("rotor", (0.5, 0, 0))}
+
 # One of each kind, and the same by hand: states, expressions, and the effort on the joint.
 # Names that a scene cannot use have a final underscore there.
 KINDS: dict[str, Fields] = {
@@ -73,6 +76,7 @@ KINDS: dict[str, Fields] = {
         "gear_ratio": 5.0,
     },
     "maxwell": {"joint": "axle", "stiffness": 4.0, "damping": 0.5},
+    "line_maxwell": {**LINE, "stiffness": 4.0, "damping": 0.5},
     "pneumatic_chamber": {
         "joint": "axle",
         "flow": "1e-4*u",
@@ -116,6 +120,7 @@ KINDS: dict[str, Fields] = {
         "start": {"temperature": 290.0},
     },
 }
+OF_LINES = {"line_maxwell"}
 OF_SLIDES = {"pneumatic_chamber", "hydraulic_chamber"}
 START = 1.5  # of the input u
 Hand = tuple[dict[str, Any], dict[str, str], str]  # states, expressions, effort
@@ -174,6 +179,11 @@ HAND: dict[str, Hand] = {
         {"elongation": {"rate": "axle.w - 8*elongation"}},
         {"loss": "32*elongation^2"},
         "-4*elongation",
+    ),
+    "line_maxwell": (
+        {"elongation": {"rate": "gap.v - 8*elongation"}},
+        {"loss": "32*elongation^2", "pull": "4*elongation"},
+        "",
     ),
     "pneumatic_chamber": (
         {
@@ -245,6 +255,9 @@ def by_hand(kind: str) -> dict[str, Any]:
     source = plant(kind, states=states, expressions=expressions)
     if effort:
         source["joints"]["axle"]["law"] = {"effort": effort}
+    if kind in OF_LINES:
+        source["sensors"] = {"gap": {"type": "distance", **LINE}}
+        source["forces"] = {"along": {"type": "line_force", **LINE, "tension": "pull"}}
     if "rotor_inertia" in KINDS[kind] and kind != "series_elastic_drive":
         drive = {name: KINDS[kind][name] for name in ("gear_ratio", "rotor_inertia")}
         source["motors"] = {"rotor_of_the_motor": {"joint": "axle", **drive}}
