@@ -9,6 +9,7 @@
 #include "joint/kinds.h"
 #include "scene/element_numbers.h"
 #include "scene/formulas.h"
+#include "scene/motions.h"
 #include "scene/shapes.h"
 #include "shape/features.h"
 #include "shape/rounded.h"
@@ -193,14 +194,15 @@ void check_contact_methods(const Scene& scene, Faults& faults) {
 void check_what_needs_events(const Scene& scene, Faults& faults) {
   const auto refuse = [&](const std::string& path, const std::string& what) {
     if (!steps_with_impulses(scene)) return;
-    std::string found = scene.solver.integrator == "moreau-jean" ? what + " with the integrator moreau-jean" : "";
-    for (const Contact& contact : scene.contacts) {
-      if (!found.empty()) break;
-      if (const std::string pair = pair_without_tips(scene, contact); !pair.empty())
-        found = what + " with contacts." + text::printable(contact.name) + ", which is between " + pair +
-                " and is not located";
+    std::string found = what;
+    if (scene.solver.integrator == "moreau-jean") {
+      found += " with the integrator moreau-jean";
+    } else if (const std::string reason = reason_for_time_steps(scene); !reason.empty()) {
+      found += " with contacts that are solved in time steps: " + reason;
+    } else {
+      return;
     }
-    if (!found.empty()) faults.add(path, found, "an integrator and contacts that locate events");
+    faults.add(path, found, "an integrator and contacts that locate events");
   };
   if (const ElementState* const state = first_with_resets(scene))
     refuse("states." + text::printable(state->name) + ".resets", "resets");
@@ -209,6 +211,8 @@ void check_what_needs_events(const Scene& scene, Faults& faults) {
   for (const Constraint& of : scene.constraints) {
     if (losses_of(*of.is).depend_on_load())
       refuse("constraints." + text::printable(of.name), "an efficiency over the load");
+    if (find_motion_of_signals(of) != nullptr)
+      refuse("constraints." + text::printable(of.name), "a motion that follows states");
   }
 }
 

@@ -21,7 +21,10 @@ std::string fault_of(const Scene& scene, const Formula& formula, int order) {
     if (std::ranges::find(scene.inputs, name, &SceneInput::name) != scene.inputs.end())
       return "the input " + text::quoted(name) + what + ", which would jump with it";
   }
-  return formula.branches() > 0 ? "a kink" + what + ", where the speed or the acceleration would have to jump" : "";
+  if (formula.branches() > 0) return "a kink" + what + ", where the speed or the acceleration would have to jump";
+  if (order == 0 && !formula.tape().is_steady())
+    return "a table" + what + " whose slope jumps (linear, or with the extrapolation hold)";
+  return {};
 }
 
 // The same of what it follows.
@@ -73,10 +76,7 @@ void check_motions(const Scene& scene, Faults& faults) {
     const std::string& formulation = scene.solver.formulation;
     if (formulation == "index3" || formulation == "stabilized-index2")
       faults.add("solver.formulation", text::quoted(formulation) + " with " + path + ", which follows states",
-                 "the formulation projection");
-    if (scene.solver.integrator == "moreau-jean")
-      faults.add(path, "a motion that follows states with the integrator moreau-jean",
-                 "an integrator that locates events");
+                 "another formulation, such as projection");
   }
 }
 

@@ -72,6 +72,7 @@ class LawKinksOf final : public LawKinks {
       std::array<Dual, Formula::max_signals> signals;
       formula.take_signals(all, rates, At::of_signals, signals.data());
       formula.decide<Dual>(nullptr, signals.data(), arguments_.data() + formula.first_branch());
+      leave_to_forces(formula, arguments_.data());
     });
     laws_.each_branching([&](const auto& force, int cut, const double* q, const double* v) {
       Dual at(force.sign * q[force.q]);
@@ -147,15 +148,21 @@ class LawKinksOf final : public LawKinks {
   }
 
  private:
-  // The rates of element states, the conditions of their resets, and the accelerations of motions that follow them. Forces are not known when branches are decided on.
+  // The rates of element states, the conditions of their resets, and the accelerations of motions that follow them.
   template <class Visit>
   void each_of_states(Visit visit) const {
-    for (const Formula& rate : state_.loads.rates) {
-      if (!rate.reads_forces()) visit(rate);
-    }
+    for (const Formula& rate : state_.loads.rates) visit(rate);
     for (const PlacedReset& reset : state_.loads.resets) visit(reset.when);
     for (const auto& motion : state_.loads.motions) {
       if (motion[2].is_given()) visit(motion[2]);
+    }
+  }
+
+  // Forces are not known here: the branches on which they decide never change.
+  template <class T>
+  static void leave_to_forces(const Formula& formula, T* arguments) {
+    for (int k = 0; k < formula.branches(); ++k) {
+      if (is_decided_by_forces(formula, k)) arguments[formula.first_branch() + k] = T(1);
     }
   }
 
@@ -165,8 +172,9 @@ class LawKinksOf final : public LawKinks {
     if (between_bodies_) kernels::force_branches(state_.loads, all, nullptr, state_.ws, values_.data());
     each_of_states([&](const Formula& formula) {
       std::array<double, Formula::max_signals> signals;
-      formula.take_signals(all, signals.data());
+      take_known_signals(formula, all, signals.data());
       formula.decide<double>(nullptr, signals.data(), values_.data() + formula.first_branch());
+      leave_to_forces(formula, values_.data());
     });
     laws_.each_branching([&](const auto& force, int, const double* q, const double* v) {
       std::array<double, Formula::max_signals> signals;

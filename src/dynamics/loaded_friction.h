@@ -54,8 +54,8 @@ class LoadedFriction final : public LoadDependence {
       loads_.push_back({load});
       const bool is_planar_guide = A::planar && load.of == FrictionLoad::Of::guide;
       loads_.back().has_sign = load.of == FrictionLoad::Of::mesh || is_planar_guide;
-      loads_.back().has_curved_losses = load.of == FrictionLoad::Of::mesh &&
-                                        loads.losses[static_cast<std::size_t>(load.row)].depend_on_load();
+      loads_.back().has_curved_losses =
+          load.of == FrictionLoad::Of::mesh && loads.losses[static_cast<std::size_t>(load.row)].depend_on_load();
     }
     for (const Load& load : loads_) {
       if (std::ranges::find(owners_, load.is.force) == owners_.end()) owners_.push_back(load.is.force);
@@ -271,7 +271,7 @@ class LoadedFriction final : public LoadDependence {
 
   // Calls visit(load, friction per size) for the loads of the friction of what slips. of_mesh: that of meshes.
   template <class Visit>
-  void each_load(std::size_t j, std::array<double, 2> Load::*of_mesh, Visit visit) const {
+  void each_load(std::size_t j, std::array<double, 2> Load::* of_mesh, Visit visit) const {
     for (std::size_t l = 0; l < loads_.size(); ++l) {
       const Load& load = loads_[l];
       if (load.is.force != slipping_[j].force) continue;
@@ -351,7 +351,8 @@ class LoadedFriction final : public LoadDependence {
     // a solution for which it holds.
     const auto owner = [](const Load& load) { return load.is.force; };
     const auto own = std::ranges::find(loads_, undetermined_, owner);
-    if (n == 1 && own->is.of == FrictionLoad::Of::mesh && !own->has_curved_losses && std::ranges::count(loads_, undetermined_, owner) == 1)
+    if (n == 1 && own->is.of == FrictionLoad::Of::mesh && !own->has_curved_losses &&
+        std::ranges::count(loads_, undetermined_, owner) == 1)
       seized_ = undetermined_;
   }
   static void add_to(double* to, const std::vector<double>& what, double factor) {

@@ -67,8 +67,8 @@ bool ModeChanges::recall(double t, double* y) {
   if (const int candidate = contacts_.overlapping(); candidate >= 0) {
     const std::string event = log_.report({t, first_indicator_ + ContactModes::per_candidate * candidate, true}).text;
     refusal_ = event.substr(0, event.rfind(": ")) +
-               ": shapes overlap, but where they came into contact was not found: use the integrator auto, or a "
-               "smaller tolerance";
+               ": shapes overlap, but where they came into contact was not found: use a smaller tolerance or "
+               "communication step, or the integrator auto, which can change to time steps where no state needs events";
   }
   const bool jumped = jumped_;
   const bool by_joints = joints_.find_events_at_start(t, y);

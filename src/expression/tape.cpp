@@ -84,7 +84,10 @@ Tape::Tape(const Graph& graph, const std::vector<Term>& terms, int clock) {
     for (std::size_t k = 0; k < node.of.size(); ++k) {
       if (node.of[k] >= 0) made.of[k] = slot[static_cast<std::size_t>(node.of[k])];
     }
-    if (node.operation == Operation::choose) made.index = choices_++;
+    if (node.operation == Operation::choose) {
+      made.index = choices_++;
+      deciding_.push_back(node.of[0]);
+    }
     if (node.operation == Operation::lookup) {
       made.index = static_cast<int>(lookups_.size());
       add_lookup(graph, node, clock);
@@ -105,6 +108,7 @@ void Tape::add_lookup(const Graph& graph, const Node& node, int clock) {
     if (!line) {
       made.choices[k] = choices_;
       choices_ += static_cast<int>(table->axis(k).knots().size());
+      deciding_.resize(static_cast<std::size_t>(choices_), node.of[k]);
     } else if (line->first != 0) {
       breaks_.push_back({table, k, line->first, line->second});
     }

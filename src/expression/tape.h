@@ -26,6 +26,8 @@ class Tape {
   int operations() const { return static_cast<int>(instructions_.size()); }
   // What has two branches: each choice, and each knot of a table.
   int choices() const { return choices_; }
+  // What the i-th choice depends on, a term of the graph.
+  Term deciding(int i) const { return deciding_[static_cast<std::size_t>(i)]; }
   // Whether the i-th choice is a knot of a table.
   bool is_knot(int i) const;
   // The next time after t at which a table of the time has a knot; infinite: none.
@@ -81,6 +83,7 @@ class Tape {
   std::vector<Lookup> lookups_;
   std::vector<Break> breaks_;
   std::vector<short> outputs_;
+  std::vector<Term> deciding_;  // by choice
   int choices_ = 0;
   int slots_ = 0;
 };

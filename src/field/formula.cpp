@@ -37,7 +37,7 @@ class FormulaParser {
                 FormulaReads reads, std::vector<std::string>& named)
       : graph_(graph), variables_(variables), known_(known), reads_(reads), named_(named) {}
 
-  bool reads_forces() const { return reads_forces_; }
+  const std::vector<std::string>& forces() const { return forces_; }
 
   expression::Term read(std::string_view text) { return read(text, variables_); }
 
@@ -63,7 +63,7 @@ class FormulaParser {
     if (expression != known_.expressions.end()) return inserted(*expression);
     const bool is_force = reads_ == FormulaReads::forces && is_of(known_.forces, name);
     if (!is_force && !is_signal(name)) return std::nullopt;
-    reads_forces_ = reads_forces_ || is_force;
+    if (is_force && std::ranges::find(forces_, name) == forces_.end()) forces_.emplace_back(name);
     const auto signal = std::ranges::find(named_, name);
     const auto k = static_cast<std::size_t>(signal - named_.begin());
     if (signal == named_.end()) named_.emplace_back(name);
@@ -95,10 +95,10 @@ class FormulaParser {
     std::ranges::sort(of_owner);
     const std::string near = text::nearest(name, of_owner);
     return "expected one of " + text::list(of_owner) + (near.empty() ? "" : "; did you mean '" + near + "'?") +
-           (reads_ == FormulaReads::forces
-                ? ""
-                : " (accelerations and forces can be named only by rates of states, and by `expressions` that nothing but these "
-                  "and outputs reads)");
+           (reads_ == FormulaReads::forces ? ""
+                                           : " (accelerations and forces can be named only by rates of states, and by "
+                                             "`expressions` that nothing but these "
+                                             "and outputs reads)");
   }
 
   // Of a named expression, which knows no variables of elements. A mistake in it is that of its own section. Each is
@@ -120,7 +120,7 @@ class FormulaParser {
   std::span<const FormulaVariable> variables_;
   const FormulaNames& known_;
   FormulaReads reads_;
-  bool reads_forces_ = false;
+  std::vector<std::string> forces_;
   std::vector<std::string>& named_;
   int depth_ = 0;
   std::unordered_map<std::string_view, expression::Term> inserted_;  // by name
@@ -149,7 +149,8 @@ Formula::Formula(std::string text, std::span<const FormulaVariable> variables, c
   std::vector<std::string>& named = parsed->signals;
   FormulaParser parser(parsed->graph, variables, known, reads, named);
   parsed->term = parser.read(parsed->text);
-  parsed->reads_forces = parser.reads_forces();
+  parsed->forces = parser.forces();
+  parsed->reads_forces = !parsed->forces.empty();
   parsed->reads = reads;
   parsed->bounds = bounds;
   if (!parsed->graph.is_constant(parsed->term)) parsed->term = bounded(parsed->graph, parsed->term, bounds);
@@ -170,6 +171,20 @@ void Formula::Parsed::finish() {
     tape = expression::Tape(graph, std::vector{term}, reads_clock() ? static_cast<int>(count + clock) : -1);
   } catch (const std::length_error& error) {
     throw expression::SyntaxError(0, text.size(), error.what());
+  }
+  if (!reads_forces) return;
+  for (int i = 0; i < tape.choices(); ++i) {
+    by_forces.push_back(std::ranges::any_of(forces, [&](const std::string& force) {
+      const auto signal = std::ranges::find(signals, force) - signals.begin();
+      return graph.depends_on(tape.deciding(i), static_cast<int>(count + static_cast<std::size_t>(signal)));
+    }));
+  }
+  if (std::ranges::find(by_forces, true) == by_forces.end()) by_forces.clear();
+  if (by_forces.size() > most_by_forces) {
+    throw expression::SyntaxError(0, text.size(),
+                                  "found " + std::to_string(by_forces.size()) +
+                                      " kinks and points of tables, expected at most " +
+                                      std::to_string(most_by_forces) + " where forces decide on some");
   }
 }
 

@@ -70,10 +70,14 @@ class Formula {
   Formula(std::string text, std::span<const FormulaVariable> variables, const FormulaNames& known = {},
           FormulaReads reads = FormulaReads::nothing, const FormulaBounds& bounds = {});
 
-  // The time derivative of a formula without variables. rate_of: the text of the rate of a signal; none: it has none, and
-  // expression::SyntaxError is thrown where the formula depends on it. known: what these texts may name.
+  // The time derivative of a formula without variables. rate_of: the text of the rate of a signal; none: it has none,
+  // and expression::SyntaxError is thrown where the formula depends on it. known: what these texts may name.
   using RateOf = std::function<std::optional<std::string>(std::string_view signal)>;
   friend Formula time_derivative(const Formula& of, const FormulaNames& known, const RateOf& rate_of);
+  // Whether forces decide on its k-th branch: it is never held.
+  friend bool is_decided_by_forces(const Formula& of, int k) {
+    return !of.parsed_->by_forces.empty() && of.parsed_->by_forces[static_cast<std::size_t>(k)];
+  }
 
   // Reads the text again with other constants; keeps the sizes.
   void renew(std::span<const FormulaVariable> variables, const FormulaNames& names);
@@ -127,6 +131,7 @@ class Formula {
     load(variables, signals, at);
     T out;
     const bool* held = held_branches();
+    if (held != nullptr && !parsed_->by_forces.empty()) return held_without_forces(at, held);
     parsed_->tape.evaluate(at, &out, held);
     // Beyond its kink a branch may be undefined, such as that of max(0, -s)^1.5; the step ends at the kink anyway.
     if (held != nullptr && !std::isfinite(value_of(out))) parsed_->tape.evaluate(at, &out);
@@ -151,8 +156,12 @@ class Formula {
   };
   void take_signals(const double* all, const double* rates, const SignalDirections& along, Dual* named) const {
     for (std::size_t k = 0; k < parsed_->signals.size(); ++k) {
+      const double rate = k == parsed_->clock ? 1 : rates == nullptr || signals_[k] < 0 ? NAN : rates[signals_[k]];
+      if (signals_[k] < 0) {  // a force
+        named[k] = Dual(0);
+        continue;
+      }
       named[k] = Dual(all[signals_[k]]);
-      const double rate = k == parsed_->clock ? 1 : rates == nullptr ? NAN : rates[signals_[k]];
       if (std::isnan(rate)) {
         named[k].derivatives()[along.unknown] = 1;
         continue;
@@ -174,6 +183,8 @@ class Formula {
   }
 
  private:
+  static constexpr std::size_t most_by_forces = 64;  // branches of an expression in which forces decide on some
+
   // What a text says, immutable and shared by copies, which allocate nothing.
   struct Parsed {
     std::string text;
@@ -186,6 +197,8 @@ class Formula {
     FormulaReads reads = FormulaReads::nothing;
     FormulaBounds bounds{};
     bool reads_forces = false;
+    std::vector<std::string> forces;  // that it names
+    std::vector<bool> by_forces;      // by branch: whether they decide on it; empty: on none
 
     bool reads_clock() const { return clock < signals.size(); }
     // Makes the tape of the term. Throws expression::SyntaxError for one that is too long.
@@ -194,6 +207,18 @@ class Formula {
 
   const bool* held_branches() const {
     return branches_ == nullptr || branches_->first == nullptr ? nullptr : branches_->first + first_branch_;
+  }
+  // The value on the held branches and, where forces decide, on those of the present ones.
+  template <class T>
+  [[gnu::noinline]] T held_without_forces(const T* at, const bool* held) const {
+    std::array<T, most_by_forces> arguments;
+    T out;
+    parsed_->tape.evaluate(at, &out, nullptr, arguments.data(), held);
+    std::array<bool, most_by_forces> branches;
+    for (std::size_t k = 0; k < parsed_->by_forces.size(); ++k)
+      branches[k] = parsed_->by_forces[k] ? value_of(arguments[k]) > 0 : held[k];
+    parsed_->tape.evaluate(at, &out, branches.data());
+    return out * T(1 / size_);
   }
   template <class T>
   void load(const T* variables, const T* signals, T* at) const {
@@ -212,6 +237,12 @@ class Formula {
 };
 
 Formula time_derivative(const Formula& of, const FormulaNames& known, const Formula::RateOf& rate_of);
+bool is_decided_by_forces(const Formula& of, int k);
+// The signals that it names, from all; 0 for forces, which are not among these.
+template <class T>
+void take_known_signals(const Formula& of, const T* all, T* named) {
+  for (const int signal : of.signals()) *named++ = signal < 0 ? T(0) : all[signal];
+}
 // Whether it names the k-th variable.
 inline bool names_variable(const Formula& of, int k) { return of.graph().depends_on(of.term(), k); }
 // Whether there are points where a derivative or the value jumps.

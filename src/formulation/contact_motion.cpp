@@ -12,7 +12,11 @@
 namespace gelenk {
 
 ContactMotion::ContactMotion(const ImpulseSteps::Context& context, EventModes& modes, bool located)
-    : steps_(context), dynamics_(context.dynamics), links_(context.mechanism.links.size()), modes_(modes), located_(located ? &modes.contacts() : nullptr) {}
+    : steps_(context),
+      dynamics_(context.dynamics),
+      links_(context.mechanism.links.size()),
+      modes_(modes),
+      located_(located ? &modes.contacts() : nullptr) {}
 
 bool ContactMotion::must_be_located() const { return steps_.loads().need_events(); }
 

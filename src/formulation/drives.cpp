@@ -43,7 +43,7 @@ void Drives::go_to_outputs(double t, const double* y) {
   set_states(y + first_);
   if (targets_.none()) return;
   dynamics_.set_targets(is_at_end_of_step_ ? targets_.at(t, inputs_, u().data())
-                                                : targets_.as_read(t, inputs_, u().data()));
+                                           : targets_.as_read(t, inputs_, u().data()));
 }
 
 bool Drives::bring_signals(const double* y) {

@@ -51,9 +51,7 @@ class Drives {
   bool bring_signals(const double* y);
 
   // Target of a coordinate row and its derivatives at t, the present time of the run (Targets::derivatives).
-  MotionLaw::Derivatives target(int row, double t) const {
-    return targets_.derivatives(row, t, inputs_, u().data());
-  }
+  MotionLaw::Derivatives target(int row, double t) const { return targets_.derivatives(row, t, inputs_, u().data()); }
   // Whether targets depend on element states.
   bool targets_follow_states() const { return targets_follow_states_; }
   // See EventSource.
@@ -68,8 +66,8 @@ class Drives {
   Inputs& inputs_;
   Targets targets_;
   std::size_t rows_;
-  int coordinates_, states_, first_;      // nq; number of element states, and the index of the first one in y
-  std::size_t named_;                     // number of quantities of the motion that expressions name
+  int coordinates_, states_, first_;  // nq; number of element states, and the index of the first one in y
+  std::size_t named_;                 // number of quantities of the motion that expressions name
   bool targets_follow_states_;
   std::vector<double> signals_, others_;  // empty if there are no element states
   bool is_at_end_of_step_ = false;

@@ -16,7 +16,8 @@ class ForceReader {
   virtual ~ForceReader() = default;
 
   // Writes these rates to `rates`, by element state, and leaves the others. The dynamics are at y = (q, v, element
-  // states), after set_acceleration(vdot) and set_root_poses(). u: the signals; forces, modes: of all forces with modes.
+  // states), after set_acceleration(vdot) and set_root_poses(). u: the signals; forces, modes: of all forces with
+  // modes.
   virtual void read(const double* y, const double* vdot, const double* u, const double* forces, const int* modes,
                     double* rates) = 0;
 };

@@ -46,11 +46,11 @@ struct Loads {
   // All signals: the inputs of the scene and its clock, the element states of the island, and what its expressions name
   // of the motion, which the kernels add.
   int first_state = 0;
-  std::vector<Formula> rates;              // of the element states
-  std::vector<PlacedReset> resets;         // of the element states
-  std::vector<Formula> values;             // of the named expressions, as outputs
-  std::vector<NamedQuantity> named;        // after those
-  std::vector<MeshLosses> losses;          // by coordinate row
+  std::vector<Formula> rates;        // of the element states
+  std::vector<PlacedReset> resets;   // of the element states
+  std::vector<Formula> values;       // of the named expressions, as outputs
+  std::vector<NamedQuantity> named;  // after those
+  std::vector<MeshLosses> losses;    // by coordinate row
   // By coordinate row: s, s', s'' of one that follows signals; otherwise not given.
   std::vector<std::array<Formula, 3>> motions;
   std::shared_ptr<HeldBranches> branches;  // of its expressions

@@ -34,7 +34,7 @@ void each_placed_formula(const Loads& loads, const std::function<void(const Form
 }
 
 bool holds_branches(const Formula& formula, const BranchPlace& place) {
-  return !formula.reads_forces() && !(place.of == BranchPlace::Of::mesh && MeshLosses::names_load(formula));
+  return !(place.of == BranchPlace::Of::mesh && MeshLosses::names_load(formula));
 }
 
 std::vector<BranchPlace> branch_places(const Loads& loads) {

@@ -71,7 +71,7 @@ struct CoordinateRow {
   bool holds_position = true;    // otherwise nonholonomic: only the rates
   std::optional<MotionLaw> law;  // s; none: s is constant or an input
   double constant = 0;
-  int input = -1;  // index in the scene: s, or its rate if positions are not held
+  int input = -1;                // index in the scene: s, or its rate if positions are not held
   bool follows_signals = false;  // s is an expression of signals (kinematics/loads.h)
   // Of the coordinates factor q and their rates, in place of the sum; the first one is that which shows the force.
   std::shared_ptr<const RelationLaw> relation;

@@ -65,8 +65,8 @@ class Outputs {
   // Returns the value of an output in the unit system of the scene. reading: data of the output's island.
   template <class T>
   T value(int output, const ReadingOf<T>& reading) const;
-  // The rates of the element states of an island that name forces or accelerations, into `out`, by state; the others are
-  // left as they are. rates: its formulas; reading: after set_acceleration and set_root_poses.
+  // The rates of the element states of an island that name forces or accelerations, into `out`, by state; the others
+  // are left as they are. rates: its formulas; reading: after set_acceleration and set_root_poses.
   template <class T>
   void rates_of_forces(int island, const std::vector<Formula>& rates, const ReadingOf<T>& reading, T* out) const;
   // Returns the value of an output that does not belong to an island.

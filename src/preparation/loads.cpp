@@ -225,10 +225,7 @@ struct LoadCollector {
       }
     }
     for (std::size_t i = 0; i < out.size(); ++i) {
-      for (Formula& rate : out[i].rates) {
-        // Kinks of what is known with the accelerations only are no events.
-        rate.reads_forces() ? bind_signals(rate, static_cast<int>(i)) : bind(rate, static_cast<int>(i));
-      }
+      for (Formula& rate : out[i].rates) bind(rate, static_cast<int>(i));
       for (PlacedReset& reset : out[i].resets) {
         bind(reset.when, static_cast<int>(i));
         bind_signals(reset.to, static_cast<int>(i));  // its kinks are no events

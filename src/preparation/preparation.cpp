@@ -112,17 +112,11 @@ struct Preparer {
     }
   }
 
-  // Those that motions follow.
-  std::vector<double> signals_at_start(const Mechanism& mechanism) const {
-    std::vector<double> out(inputs.now());
-    for (const double state : states_at_start(scene, mechanism)) out.push_back(state);
-    return out;
-  }
-
   // Creates dynamics with time-dependent constraint equations evaluated at the start.
   std::unique_ptr<Dynamics> make_moving_dynamics(const Mechanism& mechanism, int island) const {
     auto of = make_dynamics(mechanism, loads[island]);
-    of->set_targets(Targets(mechanism, loads[island]).at(time, inputs, signals_at_start(mechanism).data()));
+    of->set_targets(
+        Targets(mechanism, loads[island]).at(time, inputs, signals_at_start(scene, mechanism, inputs).data()));
     return of;
   }
 
@@ -260,7 +254,8 @@ struct Preparer {
     Mechanism free_mechanism = without_drives(mechanism);
     if (mechanism.mass_needs_rows) give_inertia(free_mechanism);  // the drive may hold a part without inertia
     const auto free = make_dynamics(free_mechanism, loads[i]);
-    free->set_targets(Targets(free_mechanism, loads[i]).at(time, inputs, signals_at_start(mechanism).data()));
+    free->set_targets(
+        Targets(free_mechanism, loads[i]).at(time, inputs, signals_at_start(scene, mechanism, inputs).data()));
     island.mobility = analyze_driven_mobility(mechanism, *dynamics[i], free_mechanism, *free, island.start.q,
                                               initial_direction(island, *dynamics[i]));
   }

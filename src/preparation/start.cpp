@@ -12,8 +12,8 @@
 #include "kinematics/coordinate_rows.h"
 #include "mechanism/mechanism.h"
 #include "scene/component_parts.h"
-#include "scene/scene.h"
 #include "scene/formulas.h"
+#include "scene/scene.h"
 #include "util/text.h"
 
 namespace gelenk {
@@ -165,6 +165,12 @@ std::vector<double> states_at_start(const Scene& scene, const Mechanism& mechani
     const ElementState& state = scene.states[static_cast<std::size_t>(number)];
     out.push_back(state.start / size_of(state, scene.units));
   }
+  return out;
+}
+
+std::vector<double> signals_at_start(const Scene& scene, const Mechanism& mechanism, const Inputs& inputs) {
+  std::vector<double> out(inputs.now());
+  for (const double state : states_at_start(scene, mechanism)) out.push_back(state);
   return out;
 }
 

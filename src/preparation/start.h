@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "assembly/assembly.h"
+#include "formulation/inputs.h"
 #include "mechanism/mechanism.h"
 #include "scene/scene.h"
 
@@ -32,6 +33,9 @@ std::vector<double> velocities_of(const ReducedScene& reduced, int joint, const 
 
 // The start values of the element states of an island, in natural units.
 std::vector<double> states_at_start(const Scene& scene, const Mechanism& mechanism);
+
+// These, after the signals that inputs are: those that motions may follow.
+std::vector<double> signals_at_start(const Scene& scene, const Mechanism& mechanism, const Inputs& inputs);
 
 // Throws SceneError if a prescribed motion of the island has no finite value, speed or acceleration at `time`, as
 // log(t) at 0.

@@ -38,8 +38,8 @@ struct SensorOutput {
 };
 std::optional<SensorOutput> find_sensor_output(const Scene& scene, std::string_view name);
 
-// The outputs that expressions of outputs and rates of states may name besides: forces and accelerations. Those of contacts between shapes
-// and of the whole mechanism are not among them.
+// The outputs that expressions of outputs and rates of states may name besides: forces and accelerations. Those of
+// contacts between shapes and of the whole mechanism are not among them.
 std::vector<Signal> force_signals(const Scene& scene);
 std::shared_ptr<const std::unordered_set<std::string>> force_names(const Scene& scene);
 

@@ -73,8 +73,7 @@ std::vector<AssemblyPart> list_assemblies(const Scene& scene, const std::vector<
     const Search search{.max_starts = most_starts, .seed = seed, .links = links_of(scene, reduced, i, bodies)};
     if (!bodies.empty() && search.links.empty()) continue;
     const auto dynamics = make_dynamics(mechanism, loads[i]);
-    std::vector<double> signals(no_inputs.now());
-    for (const double state : states_at_start(natural, mechanism)) signals.push_back(state);
+    const std::vector<double> signals = signals_at_start(natural, mechanism, no_inputs);
     dynamics->set_targets(Targets(mechanism, loads[i]).at(0, no_inputs, signals.data()));
     const StartGuesses guesses = start_guesses(natural, reduced, i);
     try {

@@ -307,22 +307,20 @@ void Island::realize(Stage stage) {
     dynamics_->set_position(y_.data());
     dynamics_->set_velocity(y_.data() + mechanism().nq);
   }
-  realize_named();
   dynamics_->readings().set_root_poses();
-  if (stage == Stage::acceleration) {
-    dynamics_->set_acceleration(vdot_.data());
-    if (force_reader_) force_reader_->read(*reading_, rates_.data());
-  }
-  realized_ = stage;
+  if (stage == Stage::acceleration) dynamics_->set_acceleration(vdot_.data());
+  realize_named(stage);
 }
 
-// Under the inputs, with the position and the velocities, that have been set last.
-void Island::realize_named() {
+// Under the inputs, with all quantities up to this stage, that have been set last.
+void Island::realize_named(Stage stage) {
+  realized_ = stage;
   const double* const u = equations_->drives().u().data();
   if (!rates_.empty()) dynamics_->readings().state_rates(u, rates_.data());
   if (!values_.empty()) dynamics_->readings().expression_values(u, values_.data());
   if (values_.empty() && !force_reader_) return;
   reading_->signals = dynamics_->readings().all_signals(u);
+  if (force_reader_ && stage == Stage::acceleration) force_reader_->read(*reading_, rates_.data());
 }
 
 // Again when the integrator has decided whether steps are made with impulses.

@@ -121,7 +121,7 @@ class Island {
   void reserve(std::size_t words);
   void keep_start();
   void evaluate_outputs();
-  void realize_named();
+  void realize_named(Stage stage);
   void forget_outputs() {
     realized_ = Stage::position;
     evaluated_ = false;
@@ -146,7 +146,7 @@ class Island {
   std::vector<double> rates_, values_;  // of the element states and the named expressions, if they have been realized
   std::optional<Reading> reading_;
   std::optional<StateForceReader> force_reader_;  // none: no rate of an element state names forces
-  bool follows_ = false;  // whether an input prescribes a coordinate
+  bool follows_ = false;                          // whether an input prescribes a coordinate
   // Prescribed motions up to which the state was advanced (Drives::targets_at).
   std::vector<double> followed_, drives_;
   Stage realized_ = Stage::position;  // of dynamics_, for the present state and inputs

@@ -179,8 +179,7 @@ void Placement::realize_in_present_modes(Island& of) {
   modes.outputs().record();
   of.dynamics_->readings().set_root_poses();
   of.dynamics_->set_acceleration(of.vdot_.data());
-  of.realize_named();
-  of.realized_ = Stage::acceleration;
+  of.realize_named(Stage::acceleration);
 }
 
 void Placement::start_from(const Simulation& other, std::span<const double> x) {

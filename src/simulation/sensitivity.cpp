@@ -292,7 +292,8 @@ Eigen::MatrixX2d Sensitivity::in_time(const std::vector<double>& udot, const std
   for (int i = 0; i < static_cast<int>(islands_.size()); ++i) {
     ConstrainedSensitivity& at = set_point(i);
     if (islands_[i]->loads().rates_read_forces())
-      at.set_rates_of_forces([this, i](CarriedState<Series>& here) { return ReadIsland<Series>(*this, i, here).rates; });
+      at.set_rates_of_forces(
+          [this, i](CarriedState<Series>& here) { return ReadIsland<Series>(*this, i, here).rates; });
     CarriedState<Series>& path = at.time_derivatives(udot.data(), uddot.data());
     read(i, path, [&](int k, const Series& value) {
       out(k, 0) += value[1];

@@ -41,10 +41,10 @@ struct Gear {
         field<&Gear::offset>({.name = "offset", .unit = "rad", .text = "angle of `joint` when `with` is at 0"}),
         field<&Gear::efficiency>(
             MeshLosses::efficiency_info("part of the power that leaves the mesh if `joint` drives `with`, 1 if not "
-                                        "given; may be an expression of the speed w")),
+                                        "given; may be an expression of the speed w and the torque tau")),
         field<&Gear::backdriving>(
             MeshLosses::backdriving_info("part of the power that leaves the mesh if `with` drives `joint`; 0 or less: "
-                                         "it cannot; may be an expression of the speed w"))};
+                                         "it cannot; may be an expression of the speed w and the torque tau"))};
     return all;
   }
   static constexpr SignalGroup outputs[] = {{"tau", 0, "N.m", "torque of the gear on joint {joint}"}};

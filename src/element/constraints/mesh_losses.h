@@ -51,7 +51,8 @@ struct MeshLosses {
     const bool is_lossless = !efficiency.is_given() || constant_value(efficiency) == 1.0;
     return !is_lossless || backdriving.is_given();
   }
-  // Whether an expression names the torque. Its branches are not held: where they change is not known before the torque.
+  // Whether an expression names the torque. Its branches are not held: where they change is not known before the
+  // torque.
   static bool names_load(const Formula& formula) { return formula.is_given() && names_variable(formula, 1); }
   bool depend_on_load() const { return names_load(efficiency) || names_load(backdriving); }
   // The friction per force that the mesh exerts on the joint, if that joint drives, and if it is driven. speed: of the
@@ -80,7 +81,6 @@ struct MeshLosses {
   }
 
  public:
-
   std::optional<ElementFault> fault() const {
     const std::optional<double> driving = efficiency.is_given() ? constant_value(efficiency) : 1;
     if (driving && !(*driving > 0 && *driving <= 1))

@@ -35,10 +35,10 @@ struct Rack {
         field<&Rack::offset>({.name = "offset", .unit = "m", .text = "position of the rack when the pinion is at 0"}),
         field<&Rack::efficiency>(
             MeshLosses::efficiency_info("part of the power that leaves the mesh if `pinion` drives `rack`, 1 if not "
-                                        "given; may be an expression of the speed w")),
+                                        "given; may be an expression of the speed w and the torque tau")),
         field<&Rack::backdriving>(
             MeshLosses::backdriving_info("part of the power that leaves the mesh if `rack` drives `pinion`; 0 or less: "
-                                         "it cannot; may be an expression of the speed w"))};
+                                         "it cannot; may be an expression of the speed w and the torque tau"))};
     return all;
   }
   static constexpr SignalGroup outputs[] = {{"f", 0, "N", "force of the pinion on joint {joint}"}};

@@ -196,7 +196,7 @@ def test_steps_may_pass_a_kink_towards_0(integrator: str) -> None:
 
 
 def test_a_drag_is_an_efficiency_over_the_load() -> None:
-    """tau/(tau + 2) takes a torque of 2 N m from what arrives, whatever that is: the same as Coulomb friction."""
+    """tau/(tau + 2) takes 2 N m from what arrives, whatever that is: the same as Coulomb friction."""
     options: dict[str, Any] = {"stop": 2.0, "step": 0.1, "tolerance": 1e-9}
     by_load = gelenk.simulate(
         hoist(4.0, "9 + 3*sin(3*t)", -20.0, {"efficiency": "(tau + 1e-9)/(tau + 2)"}), **options
@@ -214,12 +214,14 @@ def test_a_drag_is_an_efficiency_over_the_load() -> None:
 def test_the_load_decides_on_the_efficiency(
     w: float, torque: str, weight: float, integrator: str, form: str
 ) -> None:
-    """Of the torque T on the mesh eta(w, T) arrives; T by a root of its own at each instant. Or a bilinear map."""
+    """Of the torque T on the mesh eta(w, T) arrives, T by a root at each instant. Or a bilinear map."""
     maps = {
         "formula": lambda w, T: (0.9 - 0.4 * np.exp(-w / 8)) * (0.5 + 0.5 * T / (T + 3)),
         "table": lambda w, T: 0.4 + 0.01 * min(w, 40.0) + 0.01 * min(T, 10.0),
     }
-    tables = {"eta": {"x": [0, 40], "y": [0, 10], "values": [[0.4, 0.5], [0.8, 0.9]], "interpolation": "linear"}}
+    tables = {
+        "eta": {"x": [0, 40], "y": [0, 10], "values": [[0.4, 0.5], [0.8, 0.9]], "interpolation": "linear"}
+    }
     law = {"formula": "(0.9 - 0.4*exp(-w/8))*(0.5 + 0.5*tau/(tau + 3))", "table": "table(eta, w, tau)"}[form]
     eta = maps[form]
 
@@ -241,7 +243,7 @@ def test_the_load_decides_on_the_efficiency(
 
 
 def test_linear_models_know_the_slope_of_losses_over_the_load() -> None:
-    """Against differences of the acceleration: the friction is 2 N m per load of T -> T + ..., not in proportion."""
+    """Against differences of the acceleration; the friction is not in proportion to the load."""
     of = hoist(4.0, "u", -20.0, {"efficiency": "0.4 + 0.5*tau/(tau + 5)"}, inputs={"u": {"start": 9.0}})
     with pytest.warns(gelenk.OperatingPointWarning):
         model = gelenk.linearize(of, friction="present", outputs=["motor.a"])
@@ -256,5 +258,9 @@ def test_linear_models_know_the_slope_of_losses_over_the_load() -> None:
 
 
 def test_steps_with_impulses_do_not_know_them() -> None:
-    with pytest.raises(gelenk.SceneError, match="mesh: found an efficiency over the load with the integrator"):
-        gelenk.load(hoist(4.0, "9", -20.0, {"efficiency": "tau/(tau + 1)"}, solver={"integrator": "moreau-jean"}))
+    with pytest.raises(
+        gelenk.SceneError, match="mesh: found an efficiency over the load with the integrator"
+    ):
+        gelenk.load(
+            hoist(4.0, "9", -20.0, {"efficiency": "tau/(tau + 1)"}, solver={"integrator": "moreau-jean"})
+        )

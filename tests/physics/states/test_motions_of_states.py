@@ -31,6 +31,10 @@ def arm(**sections: Any) -> dict[str, Any]:
     ) | sections  # fmt: skip
 
 
+def driven(law: str, key: str = "law") -> dict[str, Any]:
+    return {"constraints": {"M": {"type": "motion", "joint": "A", key: law}}}
+
+
 def step_response(t: Any) -> Any:
     fast, decay = OMEGA * np.sqrt(1 - DAMPING**2), -DAMPING * OMEGA
     return 1 - np.exp(decay * t) * (np.cos(fast * t) - decay / fast * np.sin(fast * t))
@@ -44,7 +48,7 @@ def torque(result: Any) -> Any:
 @pytest.mark.parametrize("integrator", [*ADAPTIVE, "rk4"])
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-9])
 def test_step_of_the_set_point(integrator: str, tolerance: float) -> None:
-    """The filter's step response (closed form), and the torque that Newton's equation needs at each instant."""
+    """The filter's step response (closed form), and the torque of Newton's equation at each instant."""
     of = arm(solver={"integrator": integrator})
     result = gelenk.simulate(of, stop=2.0, step=0.01, tolerance=tolerance)
     bound = 1e-9 if integrator == "rk4" else 10 * tolerance
@@ -56,7 +60,8 @@ def test_step_of_the_set_point(integrator: str, tolerance: float) -> None:
 
 
 @pytest.mark.parametrize(
-    "formulation", ["projection", "baumgarte", "udwadia-kalaba", "penalty", "augmented-lagrangian", "independent"]
+    "formulation",
+    ["projection", "baumgarte", "udwadia-kalaba", "penalty", "augmented-lagrangian", "independent"],
 )
 @pytest.mark.parametrize("integrator", ["erk", "dirk"])
 def test_formulations_agree(formulation: str, integrator: str) -> None:
@@ -98,7 +103,7 @@ def test_speed_of_a_first_order_filter(integrator: str) -> None:
 
 @pytest.mark.parametrize("integrator", [*ADAPTIVE, "rk4"])
 def test_limited_acceleration_is_located(integrator: str) -> None:
-    """A bang-bang motion: 2 rad/s2 for 1 s, then -2 rad/s2: a triangle of the speed, to 2 rad. Jumps are events."""
+    """A bang-bang motion: 2 rad/s2, then -2 rad/s2: a triangle of the speed. Jumps are events."""
     of = arm(
         inputs={}, states={"ref": "turn", "turn": "if(t < 1.05, 2, if(t < 2.1, -2, 0))"},
         solver={"integrator": integrator},
@@ -128,11 +133,12 @@ def test_linear_model() -> None:
     """The coordinate is no state: those of the filter are, and the torque by hand."""
     model = gelenk.linearize(arm(), outputs=["A.phi", "A.w", "M.tau"])
     assert list(model.state_labels) == ["ref", "turn"]
-    np.testing.assert_allclose(model.A, [[0, 1], [-(OMEGA**2), -2 * DAMPING * OMEGA]], rtol=1e-13)
-    np.testing.assert_allclose(model.B, [[0], [OMEGA**2]], rtol=1e-13)
+    np.testing.assert_allclose(model.A, np.array([[0, 1], [-(OMEGA**2), -2 * DAMPING * OMEGA]]), rtol=1e-13)
+    np.testing.assert_allclose(model.B, np.array([[0], [OMEGA**2]]), rtol=1e-13)
     of_rate = 0.3 - INERTIA * 2 * DAMPING * OMEGA
-    np.testing.assert_allclose(model.C, [[1, 0], [0, 1], [-INERTIA * OMEGA**2, of_rate]], rtol=1e-12)
-    np.testing.assert_allclose(model.D, [[0], [0], [INERTIA * OMEGA**2]], rtol=1e-12)
+    C = np.array([[1, 0], [0, 1], [-INERTIA * OMEGA**2, of_rate]])
+    np.testing.assert_allclose(model.C, C, rtol=1e-12)
+    np.testing.assert_allclose(model.D, np.array([[0], [0], [INERTIA * OMEGA**2]]), rtol=1e-12)
 
 
 def test_equilibrium() -> None:
@@ -184,7 +190,11 @@ def test_time_and_states_together(tmp_path: Path) -> None:
     expected = gelenk.simulate(of)
     gelenk.export_fmu(of, tmp_path / "arm.fmu")
     found = fmpy.simulate_fmu(
-        str(tmp_path / "arm.fmu"), stop_time=1.0, step_size=0.05, output_interval=0.05, output=["A.phi", "M.tau"]
+        str(tmp_path / "arm.fmu"),
+        stop_time=1.0,
+        step_size=0.05,
+        output_interval=0.05,
+        output=["A.phi", "M.tau"],
     )
     for name in ("A.phi", "M.tau"):
         np.testing.assert_allclose(found[name], expected[name], atol=1e-7)
@@ -195,16 +205,26 @@ def test_time_and_states_together(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("sections", "message"),
     [
-        ({"constraints": {"M": {"type": "motion", "joint": "A", "law": "u"}}}, "M.law: found the input 'u' in its value"),
+        (driven("u"), "M.law: found the input 'u' in its value"),
         ({"states": {"ref": "u - ref"}}, "M.law: found the input 'u' in its speed.*second_order"),
-        ({"constraints": {"M": {"type": "motion", "joint": "A", "law": "abs(ref)"}}}, "a kink in its value"),
-        ({"constraints": {"M": {"type": "motion", "joint": "A", "law": "A.w*ref"}}}, "'A.w', which moves with"),
+        (driven("abs(ref)"), "a kink in its value"),
+        (driven("A.w*ref"), "'A.w', which moves with"),
         ({"states": {"ref": "turn", "turn": "A.w"}}, "'A.w', which moves with"),
         ({"states": {"ref": "turn", "turn": "M.tau - turn"}}, "'turn', whose rate names forces"),
-        ({"states": FILTER | {"turn": {"rate": "u", "resets": [{"when": "ref > 1", "to": "0"}]}}}, "jumps at its resets"),
-        ({"solver": {"formulation": "index3", "integrator": "ida"}}, "'index3' with constraints.M, which follows"),
+        (
+            {"states": FILTER | {"turn": {"rate": "u", "resets": [{"when": "ref > 1", "to": "0"}]}}},
+            "jumps at its resets",
+        ),
+        (
+            {
+                "tables": {"T": {"x": [0, 1, 2], "values": [0, 1, 1], "interpolation": "linear"}},
+                "constraints": {"M": {"type": "motion", "joint": "A", "law": "ref + table(T, t)"}},
+            },
+            "a table in its value whose slope jumps",
+        ),
+        ({"solver": {"formulation": "index3", "integrator": "ida"}}, "'index3' with constraints.M, which"),
         ({"solver": {"integrator": "moreau-jean"}}, "constraints.M: found a motion that follows states with"),
-        ({"constraints": {"M": {"type": "motion", "joint": "A", "speed_law": "u"}}}, "the input 'u' in its speed"),
+        (driven("u", "speed_law"), "the input 'u' in its speed"),
     ],
 )  # fmt: skip
 def test_what_cannot_be_followed_is_said(sections: dict[str, Any], message: str) -> None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Rates of states that name forces and accelerations: heat of losses, impulses, control by what is measured."""
+"""Rates of states that name forces and accelerations: heat of losses, impulses, control by sensors."""
 
 from __future__ import annotations
 
@@ -83,7 +83,7 @@ def test_loops_in_all_formulations(formulation: str, integrator: str, accuracy: 
 
 
 def test_control_by_acceleration_has_its_poles() -> None:
-    """m s'' = z - k s - d s', z' = K (r - s''): characteristic polynomial m x^3 + (d + K) x^2 + k x."""
+    """M s'' = z - k s - d s', z' = K (r - s''): characteristic polynomial m x^3 + (d + K) x^2 + k x."""
     m, k, d, K = 2.0, 3.0, 0.4, 1.5
     guide = joint("prismatic", frame("ground"), frame("mass"), axis=[1, 0, 0], stiffness=k, damping=d)
     of = scene(
@@ -119,7 +119,7 @@ def test_force_control_against_a_spring() -> None:
 
 @pytest.mark.parametrize("integrator", ADAPTIVE)
 def test_what_friction_holds_is_measured(integrator: str) -> None:
-    """The integral of a force that holds a growing load, until it cannot: 1 - cos to t = 2, Coulomb's 3 N after."""
+    """The integral of a force that holds a growing load, 1.5 t up to t = 2, and 3 N after."""
     guide = joint(
         "prismatic", frame("ground"), frame("mass"), axis=[1, 0, 0], friction={"coulomb": 3.0, "static": 3.0}
     )
@@ -129,12 +129,14 @@ def test_what_friction_holds_is_measured(integrator: str) -> None:
     )  # fmt: skip
     result = gelenk.simulate(of, stop=4.0, step=0.25, tolerance=1e-9)
     t = result["time"]
-    np.testing.assert_allclose(result["impulse"], np.where(t < 2, 0.75 * t**2, 3 + 3 * (t - 2)), rtol=1e-8, atol=1e-9)
+    np.testing.assert_allclose(
+        result["impulse"], np.where(t < 2, 0.75 * t**2, 3 + 3 * (t - 2)), rtol=1e-8, atol=1e-9
+    )
 
 
 @pytest.mark.parametrize("integrator", ["auto", "erk", "dirk", "ida"])
 def test_contacts_act_on_what_is_measured(integrator: str) -> None:
-    """A ball on an arm of 0.3 m falls onto the floor: the moment in the guide, and the impulse of accelerations."""
+    """A ball on an arm of 0.3 m falls onto the floor: the moment in the guide, and the acceleration's sum."""
     guide = joint("prismatic", frame("ground"), frame("ram"), axis=[0, 0, 1], start={"s": 0.5, "fixed": True})
     ram = body(2.0) | {"shapes": {"tip": {"sphere": 0.1, "position": [0.3, 0, 0], "surface": "rubber"}}}
     of = scene(
@@ -152,6 +154,37 @@ def test_contacts_act_on_what_is_measured(integrator: str) -> None:
     np.testing.assert_allclose(result["gained"], -g * np.minimum(t, landed), atol=1e-8)
     expected = 2 * g * 0.3 * np.maximum(t - landed, 0)
     np.testing.assert_allclose(result["moment"], expected, atol=1e-7)
+
+
+@pytest.mark.parametrize("integrator", [*ADAPTIVE, "rk4"])
+@pytest.mark.parametrize(
+    ("rate", "exact"),
+    [
+        ("if(t > 3.03 and t < 3.04, S.a, 0)", 0.02),
+        ("clip(S.s, 0, 4)*S.a", 2 * 2**3 / 3 + 8 * 2.0),
+        ("if(S.s > 4, S.a, 0)*max(t, 3)", 2 * (3 + (16 - 9) / 2)),
+    ],
+)
+def test_kinks_that_forces_do_not_decide_on_are_events(rate: str, exact: float, integrator: str) -> None:
+    """2 m/s2 for 4 s in one step: a pulse of 10 ms, and kinks, of the time and the coordinate."""
+    guide = joint("prismatic", frame("ground"), frame("mass"), axis=[1, 0, 0], law={"effort": "4"})
+    of = scene({"mass": body(2.0)}, {"S": guide}, gravity=[0, 0, 0], states={"gained": rate})
+    of["solver"] = {"integrator": integrator, "step": 0.1}
+    result = gelenk.simulate(of, stop=4.0, step=4.0, tolerance=1e-8)
+    # s = t^2; the clip: up to 2 s the integral of 2 t^2, then of 8.
+    np.testing.assert_allclose(result["gained"][-1], exact, atol=1e-6)
+
+
+def test_points_of_tables_of_forces_keep_the_tolerance() -> None:
+    """Force and coordinate decide on one expression: a table of the former, a kink of the latter."""
+    of = slide(
+        states={"sum": "table(T, S.a)*if(S.s > 0, 1, 2)"}, expressions={},
+        tables={"T": {"x": [-4, 0, 4], "values": [8, 0, 4], "interpolation": "linear"}},
+    )  # fmt: skip
+    of["joints"]["S"].pop("friction")
+    result = gelenk.simulate(of, stop=2 * np.pi, step=np.pi, tolerance=1e-8)
+    # a = -3 sin(t): for s > 0 the table is 2 * 3 sin(t), for s < 0 it is 3 |sin(t)|, and counts twice.
+    np.testing.assert_allclose(result["sum"], [0, 12, 24], atol=1e-5)
 
 
 @pytest.mark.parametrize("integrator", ADAPTIVE)
@@ -188,6 +221,26 @@ def test_linear_model_is_that_by_hand() -> None:
     np.testing.assert_allclose(a.A, b.A, rtol=1e-12, atol=1e-14)
 
 
+def test_gradients_beside_friction() -> None:
+    """By a constant, an input and a mass, while friction opposes the motion: k u (v - 3), a = -1/2."""
+    guide = joint(
+        "prismatic", frame("ground"), frame("mass"), axis=[1, 0, 0], start={"v": 3.0, "fixed": True},
+        friction={"coulomb": 1.0},
+    )  # fmt: skip
+    of = scene(
+        {"mass": body(2.0)}, {"S": guide}, gravity=[0, 0, 0], constants={"k": 1.0},
+        inputs={"u": {"start": 1.0}},
+        parameters=["k", "mass.mass"], states={"gained": "k*u*S.a", "heat": "-k*S.friction.f*S.v"},
+        experiment={"stop": 0.5, "step": 0.1, "tolerance": 1e-9},
+    )  # fmt: skip
+    run = gelenk.sensitivity(of, ["k", "u", "mass.mass"], outputs=["gained", "heat"])
+    t = run.time
+    np.testing.assert_allclose(run.derivative("gained", "k"), -t / 2, atol=1e-8)
+    np.testing.assert_allclose(run.derivative("gained", "u"), -t / 2, atol=1e-8)
+    np.testing.assert_allclose(run.derivative("gained", "mass.mass"), t / 4, atol=1e-8)
+    np.testing.assert_allclose(run.derivative("heat", "k"), 3 * t - t**2 / 4, atol=1e-8)
+
+
 def test_gradients_of_heat() -> None:
     """d(heat)/d(parameter) against differences."""
     of = slide(parameters=["mass.mass"])
@@ -199,7 +252,9 @@ def test_gradients_of_heat() -> None:
     exact = gelenk.sensitivity(of, ["mass.mass", "S.v_start"], outputs=["heat"])
     for name, value in {"mass.mass": 2.0, "S.v_start": 3.0}.items():
         runs = [gelenk.simulate(of, parameters={name: value + h})["heat"] for h in (-1e-3, 1e-3)]
-        np.testing.assert_allclose(exact.derivative("heat", name), (runs[1] - runs[0]) / 2e-3, rtol=1e-5, atol=1e-8)
+        np.testing.assert_allclose(
+            exact.derivative("heat", name), (runs[1] - runs[0]) / 2e-3, rtol=1e-5, atol=1e-8
+        )
 
 
 @pytest.mark.parametrize("integrator", ["auto", "dirk", "ida", "rk4"])
@@ -244,7 +299,10 @@ def test_fmu_runs_as_the_scene(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("sections", "message"),
     [
-        ({"solver": {"integrator": "moreau-jean"}}, "states.heat: found a rate that names forces with the integrator"),
+        (
+            {"solver": {"integrator": "moreau-jean"}},
+            "states.heat: found a rate that names forces with the integrator",
+        ),
         ({"solver": {"start": "equilibrium"}}, "no equilibrium is searched for where rates name forces"),
         ({"states": {"x": {"rate": "1", "resets": [{"when": "S.a > 1", "to": "0"}]}}}, "'S.a'"),
         ({"states": {"x": "S.b"}}, "states.x: .*'S.b'"),
@@ -259,6 +317,29 @@ def test_what_cannot_be_is_said(sections: dict[str, Any], message: str) -> None:
         gelenk.load(slide(**sections))
 
 
+@pytest.mark.parametrize("what", ["rate", "motion"])
+def test_piles_that_need_time_steps_are_refused(what: str) -> None:
+    """More pairs of features than are located: no crash, and no steps in which such rates mean nothing."""
+    shape = {"box": [0.1, 0.1, 0.1], "surface": "steel"}
+    bodies = {f"b{i}": body(1.0, inertia=(0.004, 0.004, 0.004)) | {"shapes": {"s": shape}} for i in range(4)}
+    joints = {f"K{i}": joint("planar", frame("ground"), frame(f"b{i}"), axis=[0, 1, 0]) for i in range(4)}
+    of = scene(
+        bodies, joints, gravity=[0, 0, -9.81],
+        ground={"shapes": {"floor": {"plane": [0, 0, 1], "surface": "steel"}}},
+        contacts={"touch": {"between": ["steel", "steel"], "friction": 0.4}}, states={"p": "K0.a_x"},
+    )  # fmt: skip
+    for i in range(4):
+        of["joints"][f"K{i}"]["start"] = {"s_y": -0.051 - 0.11 * i}
+    if what == "motion":
+        of["bodies"]["plate"] = body(1.0, inertia=(0, 0, 0.1))
+        of["joints"]["P"] = joint("revolute", frame("ground"), frame("plate"), axis=[0, 0, 1])
+        of |= {"states": {"p": "-p"}, "constraints": {"M": {"type": "motion", "joint": "P", "law": "p"}}}
+    with pytest.raises(
+        gelenk.SceneError, match="contacts that are solved in time steps: more than 1500 pairs"
+    ):
+        gelenk.load(of)
+
+
 def test_no_equilibrium_is_searched_for() -> None:
-    with pytest.raises(gelenk.GelenkError, match="states.heat: its rate names forces"):
+    with pytest.raises(gelenk.GelenkError, match=r"states\.heat: its rate names forces"):
         gelenk.equilibrium(slide())
