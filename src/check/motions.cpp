@@ -23,7 +23,7 @@ std::string fault_of(const Scene& scene, const Formula& formula, int order) {
   }
   if (formula.branches() > 0) return "a kink" + what + ", where the speed or the acceleration would have to jump";
   if (order == 0 && !formula.tape().is_steady())
-    return "a table" + what + " whose slope jumps (linear, or with the extrapolation hold)";
+    return "a table" + what + " whose derivative jumps (linear, or with the extrapolation hold)";
   return {};
 }
 

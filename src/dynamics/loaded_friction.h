@@ -30,11 +30,11 @@ class LoadedFriction final : public LoadDependence {
   };
   struct Load {
     FrictionLoad is;
-    double factor = 0;               // friction per size in the present motion, if it is a bearing's [m, 1]
-    std::array<double, 2> losses{};  // the same of a mesh, at its present force
-    std::array<double, 2> slopes{};  // and the rate of its friction per size
-    bool has_curved_losses = false;  // these differ: it depends on the force itself
-    double speed = 0;                // at which it slips
+    double factor = 0;                    // friction per size in the present motion, if it is a bearing's [m, 1]
+    std::array<double, 2> losses{};       // the same of a mesh, at its present force
+    std::array<double, 2> derivatives{};  // and the rate of its friction per size
+    bool has_curved_losses = false;       // these differ: it depends on the force itself
+    double speed = 0;                     // at which it slips
     std::array<double, 3> force{};
     std::array<double, 3> solved{};  // that of the last solve()
     bool has_sign = false;           // it is along a line
@@ -91,7 +91,7 @@ class LoadedFriction final : public LoadDependence {
       if (load.is.force != force) continue;
       load.factor = factor;
       load.speed = speed;
-      load.losses = load.slopes = losses(load, speed);
+      load.losses = load.derivatives = losses(load, speed);
       any = true;
     }
     return any;
@@ -195,7 +195,7 @@ class LoadedFriction final : public LoadDependence {
     set_matrix();
     for (std::size_t j = 0; j < slipping_.size(); ++j) {
       double sum = 0;
-      each_load(j, &Load::slopes,
+      each_load(j, &Load::derivatives,
                 [&](std::size_t l, double factor) { sum += factor * along(l, transmitted(loads_[l], lambda)); });
       rest_[j] = -slipping_[j].direction * sum;
     }
@@ -256,7 +256,7 @@ class LoadedFriction final : public LoadDependence {
       const auto at = of_scene_.losses[static_cast<std::size_t>(load.is.row)].at(Dual(load.speed), size, signals_);
       for (std::size_t k = 0; k < at.size(); ++k) {
         load.losses[k] = at[k].value();
-        load.slopes[k] = at[k].value() + at[k].derivatives()[0] * size.value();
+        load.derivatives[k] = at[k].value() + at[k].derivatives()[0] * size.value();
       }
     }
   }
@@ -300,7 +300,7 @@ class LoadedFriction final : public LoadDependence {
     for (Eigen::Index j = 0; j < n; ++j) {
       for (Eigen::Index i = 0; i < n; ++i) {
         double sum = 0;
-        each_load(static_cast<std::size_t>(j), &Load::slopes,
+        each_load(static_cast<std::size_t>(j), &Load::derivatives,
                   [&](std::size_t l, double factor) { sum += factor * along(l, K(l, static_cast<std::size_t>(i))); });
         of(j, i) = (i == j ? 1 : 0) + slipping_[static_cast<std::size_t>(j)].direction * sum;
       }

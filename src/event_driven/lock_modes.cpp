@@ -202,6 +202,8 @@ bool LockModes::is_doubtful(double t, const double* y, bool jumped) {
   if (!doubtful && jumped && any_at_rest_) {
     find_holding_forces(t, y);
     doubtful = exceed(holding_);
+    // What other constraints determine needs no force to be at rest: whether it begins to move, they say.
+    for (int i = 0; i < count() && !doubtful; ++i) doubtful = rests(i) && std::isinf(forces_.slack(i));
   }
   return doubtful;
 }

@@ -2,6 +2,7 @@
 // Why a step fails: what is known of the equations at a state.
 #include <cmath>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "formulation/formulation.h"
@@ -12,6 +13,10 @@ namespace {
 // Ratio of smallest to largest pivot of the constraint Jacobian below which a dead center is reported as the cause of a
 // failed step.
 constexpr double dead_center_pivot_ratio = 0.1;
+
+constexpr std::string_view held_back =
+    "friction holds at rest what a prescribed motion may move: one that sets out with neither a speed nor an "
+    "acceleration, such as t^3, is not followed against friction of the same joints";
 
 // An element state on its way to infinity: its size, in its nominal size, and its rate of growth [1/s].
 constexpr double lost_state = 1e4;
@@ -35,6 +40,7 @@ std::string Formulation::obstacle(const double* y) {
   if (reason.empty()) reason = describe_dead_center();
   if (reason.empty()) reason = dynamics_.kinks().missing_value();
   if (reason.empty()) reason = contacts_.steps().failure();
+  if (reason.empty() && mechanism_.driven() && modes_.locks().any_at_rest()) reason = held_back;
   return reason.empty() ? describe_lost_state(y) : reason;
 }
 

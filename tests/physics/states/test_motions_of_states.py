@@ -116,6 +116,30 @@ def test_limited_acceleration_is_located(integrator: str) -> None:
     np.testing.assert_allclose(result["M.tau"], torque(result), atol=1e-9)
 
 
+@pytest.mark.parametrize("integrator", [*ADAPTIVE, "rk4"])
+def test_friction_of_the_driven_joint(integrator: str) -> None:
+    """At rest until the set-point jumps; friction opposes the motion from then on, and the motion is the filter's."""
+    of = arm(solver={"integrator": integrator})
+    of["joints"]["A"]["friction"] = {"coulomb": 1.0}
+    result = gelenk.simulate(
+        of, inputs={"u": lambda t: 0.0 if t < 0.495 else 1.0}, stop=1.5, step=0.01, tolerance=1e-9
+    )
+    t = result["time"]
+    moving = t > 0.505
+    expected = np.where(t > 0.5, step_response(np.maximum(t - 0.5, 0)), 0)
+    np.testing.assert_allclose(result["A.phi"], expected, atol=1e-8)
+    np.testing.assert_allclose(result["A.friction.tau"][moving], -np.sign(result["A.w"][moving]), atol=1e-9)
+    with_friction = torque(result)[moving] - result["A.friction.tau"][moving]
+    np.testing.assert_allclose(result["M.tau"][moving], with_friction, atol=1e-8)
+
+
+def test_motions_that_friction_holds_back_are_named() -> None:
+    of = arm(states={}, inputs={}, constraints={"M": {"type": "motion", "joint": "A", "law": "t^3"}})
+    of["joints"]["A"]["friction"] = {"coulomb": 1.0}
+    with pytest.raises(gelenk.StepError, match="friction holds at rest what a prescribed motion may move"):
+        gelenk.simulate(of, stop=0.1, step=0.01)
+
+
 def test_components_and_inputs_that_jump() -> None:
     """Of a second_order component; the torque jumps with the input, position and speed do not."""
     of = arm(
@@ -220,7 +244,7 @@ def test_time_and_states_together(tmp_path: Path) -> None:
                 "tables": {"T": {"x": [0, 1, 2], "values": [0, 1, 1], "interpolation": "linear"}},
                 "constraints": {"M": {"type": "motion", "joint": "A", "law": "ref + table(T, t)"}},
             },
-            "a table in its value whose slope jumps",
+            "a table in its value whose derivative jumps",
         ),
         ({"solver": {"formulation": "index3", "integrator": "ida"}}, "'index3' with constraints.M, which"),
         ({"solver": {"integrator": "moreau-jean"}}, "constraints.M: found a motion that follows states with"),
