@@ -120,8 +120,7 @@ class Formulation : public Equations, private ModeEquations {
   Jacobians jacobians_;
 
  private:
-  // Whether accelerate() factorizes the constraint Jacobian, which detects singular configurations, and whether it
-  // leaves the factors and the multipliers of its solution in `dynamics`.
+  // Whether accelerate() factorizes the constraint Jacobian, and whether it leaves its solution in `dynamics`.
   virtual bool factorizes_constraints() const { return true; }
   virtual bool leaves_solution() const { return true; }
   // vdot (nv) at (t, y); `dynamics` is at its position, without velocities. Returns false as rhs() does.

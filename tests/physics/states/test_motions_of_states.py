@@ -118,7 +118,7 @@ def test_limited_acceleration_is_located(integrator: str) -> None:
 
 @pytest.mark.parametrize("integrator", [*ADAPTIVE, "rk4"])
 def test_friction_of_the_driven_joint(integrator: str) -> None:
-    """At rest until the set-point jumps; friction opposes the motion from then on, and the motion is the filter's."""
+    """At rest until the set-point jumps; from then on friction opposes the motion of the filter."""
     of = arm(solver={"integrator": integrator})
     of["joints"]["A"]["friction"] = {"coulomb": 1.0}
     result = gelenk.simulate(
