@@ -5,8 +5,7 @@
 #include "math/dual.h"
 #include "math/series.h"
 
-namespace gelenk {
-namespace kernels {
+namespace gelenk::kernels {
 
 #define GELENK_INSTANTIATE(A)                                                               \
   template void link_loads(const Model<A>&, const Loads&, const A::Scalar*, Workspace<A>&); \
@@ -17,5 +16,4 @@ GELENK_INSTANTIATE(PlanarAlgebra<Series>)
 GELENK_INSTANTIATE(SpatialAlgebra<Series>)
 #undef GELENK_INSTANTIATE
 
-}  // namespace kernels
-}  // namespace gelenk
+}  // namespace gelenk::kernels

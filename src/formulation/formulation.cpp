@@ -246,7 +246,7 @@ void Formulation::add_rates_of_forces(double t, const double* y, const double* v
 }
 
 bool Formulation::differentiate_by_differences(double t, const double* y, int first_row,
-                                               Eigen::Ref<Eigen::MatrixXd> out, const DifferenceTaken& taken) {
+                                               const Eigen::Ref<Eigen::MatrixXd>& out, const DifferenceTaken& taken) {
   const Raised beside(takes_differences_);
   return gelenk::differentiate([&](const double* at, double* rates) { return Formulation::rhs(t, at, rates); }, y,
                                first_row, out, taken);

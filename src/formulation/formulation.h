@@ -107,7 +107,7 @@ class Formulation : public Equations, private ModeEquations {
   // there, of which `dynamics` has the solution; null: they are found.
   void add_rates_of_forces(double t, const double* y, const double* vdot, double* rates);
   // Derivatives of f by differences, where those of jacobians_ do not suffice: its last rows, from the first row on.
-  bool differentiate_by_differences(double t, const double* y, int first_row, Eigen::Ref<Eigen::MatrixXd> out,
+  bool differentiate_by_differences(double t, const double* y, int first_row, const Eigen::Ref<Eigen::MatrixXd>& out,
                                     const DifferenceTaken& taken = {});
   // Rows of vdot of df/dy if J vdot = gamma is satisfied exactly, from jacobians_ and the last factors.
   void acceleration_jacobian(Eigen::Map<Eigen::MatrixXd>& out);

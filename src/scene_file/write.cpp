@@ -249,6 +249,20 @@ void add_names(Json& out, const Scene& scene) {
   }
 }
 
+// Without those that components have added, but with the start values of their states.
+void add_elements(Json& out, const Scene& scene) {
+  each_section(scene, [&](const Section& of, const auto& elements) {
+    Json& entries = out[std::string(of.name)] = Json::object();
+    for (const auto& e : elements) {
+      if (e.component.empty()) entries[e.name] = element(e, kind_of(*e.is), data_of(*e.is), of);
+    }
+  });
+  for (const ElementState& state : scene.states) {
+    if (state.component.empty()) continue;
+    out[std::string(components_section.name)][state.component]["start"][own_name(state)] = state.start;
+  }
+}
+
 // Formats JSON with one line per entry of a section: short, but suitable for reading and diffing.
 std::string formatted(const Json& tree) {
   std::string out = "{";
@@ -285,16 +299,7 @@ std::string write_scene_json(const Scene& scene) {
   if (!scene.ground_shapes.empty()) out["ground"]["shapes"] = section(scene.ground_shapes, shape);
   out["bodies"] = section(scene.bodies, body);
   out["joints"] = section(scene.joints, joint);
-  each_section(scene, [&](const Section& of, const auto& elements) {
-    Json& entries = out[std::string(of.name)] = Json::object();
-    for (const auto& e : elements) {
-      if (e.component.empty()) entries[e.name] = element(e, kind_of(*e.is), data_of(*e.is), of);
-    }
-  });
-  for (const ElementState& state : scene.states) {
-    if (state.component.empty()) continue;
-    out[std::string(components_section.name)][state.component]["start"][own_name(state)] = state.start;
-  }
+  add_elements(out, scene);
   out["parameters"] = scene.parameters;
   if (!scene.outputs.empty()) out["outputs"] = scene.outputs;
   if (scene.assembly.tolerance > 0) out["assembly"] = {{"tolerance", scene.assembly.tolerance}};
