@@ -59,7 +59,7 @@ void ConstrainedSensitivity::find_rates(std::vector<Series>& rates) {
   rates = rates_of_forces_(series_state_);
 }
 
-// Targets given by inputs, and those that follow signals, have the inputs' time derivatives.
+// Targets given by inputs have the inputs' time derivatives; those that follow signals are expressions of these.
 void ConstrainedSensitivity::expand_targets(const double* udot, const double* uddot) {
   for (std::size_t i = 0; i < targets_.size(); ++i) {
     const CoordinateRow& row = mechanism_.coordinate_rows[i];
@@ -70,10 +70,8 @@ void ConstrainedSensitivity::expand_targets(const double* udot, const double* ud
   }
   set_targets(series_state_, [&](std::size_t i, int order) {
     const MotionLaw::Derivatives& s = targets_[i];
-    if (mechanism_.coordinate_rows[i].follows_signals) {
-      const Formula& target = loads_.motions[i][static_cast<std::size_t>(order)];
-      return target.is_given() ? target.value_among<Series>(nullptr, series_state_.u.data()) : Series(0);
-    }
+    if (mechanism_.coordinate_rows[i].follows_signals)
+      return loads_.motion(i, static_cast<std::size_t>(order), series_state_.u.data());
     return Series({s[order], s[order + 1], s[order + 2] / 2});
   });
 }

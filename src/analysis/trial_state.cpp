@@ -156,12 +156,8 @@ std::vector<MotionLaw::Derivatives> TrialStates::targets(const TrialState& at) c
   std::vector<MotionLaw::Derivatives> out = of_.targets;
   for (std::size_t row = 0; row < out.size(); ++row) {
     const CoordinateRow& of = mechanism_.coordinate_rows[row];
-    if (of.follows_signals) {
-      for (std::size_t order = 0; order < 3; ++order) {
-        const Formula& target = of_.loads.motions[row][order];
-        if (target.is_given()) out[row][order] = target.value_among<double>(nullptr, at.u.data());
-      }
-    }
+    for (std::size_t order = 0; order < 3 && of.follows_signals; ++order)
+      out[row][order] = of_.loads.motion(row, order, at.u.data());
     if (of.input < 0) continue;
     const auto input = static_cast<std::size_t>(of.input);
     out[row][of.holds_position ? 0 : 1] += at.u[input] - of_.u[input];

@@ -204,10 +204,11 @@ void check_what_needs_events(const Scene& scene, Faults& faults) {
     }
     faults.add(path, found, "an integrator and contacts that locate events");
   };
-  if (const ElementState* const state = first_with_resets(scene))
-    refuse("states." + text::printable(state->name) + ".resets", "resets");
-  if (const ElementState* const state = first_with_rate_of_forces(scene))
-    refuse("states." + text::printable(state->name), "a rate that names forces");
+  for (const ElementState& state : scene.states) {
+    const std::string path = "states." + text::printable(state.name);
+    if (!state.resets.empty()) refuse(path + ".resets", "resets");
+    if (state.rate.reads_forces()) refuse(path, "a rate that names forces");
+  }
   for (const Constraint& of : scene.constraints) {
     if (losses_of(*of.is).depend_on_load())
       refuse("constraints." + text::printable(of.name), "an efficiency over the load");

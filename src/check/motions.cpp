@@ -68,9 +68,9 @@ void check_motions(const Scene& scene, Faults& faults) {
     const bool is_speed = motion->gives_speed_by_law();
     if (const std::string found = fault_of(scene, *motion, names); !found.empty()) {
       faults.add(path + (is_speed ? ".speed_law" : ".law"), found,
-                 "a smooth expression of the time and of states with rates of time, inputs and states; inputs are "
-                 "followed through a state, such as of " +
-                     std::string(is_speed ? "a first_order" : "a second_order") + " component");
+                 "a smooth expression of the time and of states whose rates depend on the time, inputs and states "
+                 "alone; an input is followed through a state, such as that of a " +
+                     std::string(is_speed ? "first_order" : "second_order") + " component");
       continue;
     }
     const std::string& formulation = scene.solver.formulation;

@@ -20,17 +20,18 @@ void JointOutputs::record() {
   if (locks_.empty()) return;
   recorded_sides_ = sides_;
   recorded_holding_ = locks_.distribute_holding_forces();
-  share_holding_forces(forces_, sides_.data(), recorded_holding_.data(), holding_.data());
-  dynamics_.readings().switching_forces(forces_.inputs().data(), sides_.data(), holding_.data(),
-                                        recorded_forces_.data());
+  read(recorded_holding_, recorded_forces_);
 }
 
 const std::vector<double>& JointOutputs::present() {
-  if (locks_.empty()) return present_forces_;
-  share_holding_forces(forces_, sides_.data(), forces_.holding_forces().values().data(), holding_.data());
-  dynamics_.readings().switching_forces(forces_.inputs().data(), sides_.data(), holding_.data(),
-                                        present_forces_.data());
+  if (!locks_.empty()) read(forces_.holding_forces().values(), present_forces_);
   return present_forces_;
+}
+
+// In the held modes. holding: by lock; out: by force.
+void JointOutputs::read(const std::vector<double>& holding, std::vector<double>& out) {
+  share_holding_forces(forces_, sides_.data(), holding.data(), holding_.data());
+  dynamics_.readings().switching_forces(forces_.inputs().data(), sides_.data(), holding_.data(), out.data());
 }
 
 void JointOutputs::record(std::span<const LockForces> locks) {

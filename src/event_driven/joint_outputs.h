@@ -28,6 +28,8 @@ class JointOutputs {
   const std::vector<int>& sides() const { return recorded_sides_; }
 
  private:
+  void read(const std::vector<double>& holding, std::vector<double>& out);
+
   Dynamics& dynamics_;
   SwitchingForces& forces_;
   LockModes& locks_;

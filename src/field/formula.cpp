@@ -95,10 +95,10 @@ class FormulaParser {
     std::ranges::sort(of_owner);
     const std::string near = text::nearest(name, of_owner);
     return "expected one of " + text::list(of_owner) + (near.empty() ? "" : "; did you mean '" + near + "'?") +
-           (reads_ == FormulaReads::forces ? ""
-                                           : " (accelerations and forces can be named only by rates of states, and by "
-                                             "`expressions` that nothing but these "
-                                             "and outputs reads)");
+           (reads_ == FormulaReads::forces
+                ? ""
+                : " (accelerations and forces can be named only by rates of states, and by `expressions` that nothing "
+                  "but these and outputs reads)");
   }
 
   // Of a named expression, which knows no variables of elements. A mistake in it is that of its own section. Each is
@@ -150,7 +150,6 @@ Formula::Formula(std::string text, std::span<const FormulaVariable> variables, c
   FormulaParser parser(parsed->graph, variables, known, reads, named);
   parsed->term = parser.read(parsed->text);
   parsed->forces = parser.forces();
-  parsed->reads_forces = !parsed->forces.empty();
   parsed->reads = reads;
   parsed->bounds = bounds;
   if (!parsed->graph.is_constant(parsed->term)) parsed->term = bounded(parsed->graph, parsed->term, bounds);
@@ -172,8 +171,7 @@ void Formula::Parsed::finish() {
   } catch (const std::length_error& error) {
     throw expression::SyntaxError(0, text.size(), error.what());
   }
-  if (!reads_forces) return;
-  for (int i = 0; i < tape.choices(); ++i) {
+  for (int i = 0; i < tape.choices() && !forces.empty(); ++i) {
     by_forces.push_back(std::ranges::any_of(forces, [&](const std::string& force) {
       const auto signal = std::ranges::find(signals, force) - signals.begin();
       return graph.depends_on(tape.deciding(i), static_cast<int>(count + static_cast<std::size_t>(signal)));

@@ -95,7 +95,7 @@ class Formula {
   bool reads_time() const { return is_given() && parsed_->reads_clock(); }
   // Whether it names forces or accelerations. Outputs and rates of element states may: nothing else waits until these
   // are known.
-  bool reads_forces() const { return is_given() && parsed_->reads_forces; }
+  bool reads_forces() const { return is_given() && !parsed_->forces.empty(); }
   // The signals that it names; for each, after bind_signal(): its index among all signals.
   std::span<const std::string> signal_names() const {
     return is_given() ? std::span<const std::string>(parsed_->signals) : std::span<const std::string>();
@@ -156,12 +156,12 @@ class Formula {
   };
   void take_signals(const double* all, const double* rates, const SignalDirections& along, Dual* named) const {
     for (std::size_t k = 0; k < parsed_->signals.size(); ++k) {
-      const double rate = k == parsed_->clock ? 1 : rates == nullptr || signals_[k] < 0 ? NAN : rates[signals_[k]];
       if (signals_[k] < 0) {  // a force
         named[k] = Dual(0);
         continue;
       }
       named[k] = Dual(all[signals_[k]]);
+      const double rate = k == parsed_->clock ? 1 : rates == nullptr ? NAN : rates[signals_[k]];
       if (std::isnan(rate)) {
         named[k].derivatives()[along.unknown] = 1;
         continue;
@@ -196,7 +196,6 @@ class Formula {
     std::size_t clock = max_signals;   // which of them is the time
     FormulaReads reads = FormulaReads::nothing;
     FormulaBounds bounds{};
-    bool reads_forces = false;
     std::vector<std::string> forces;  // that it names
     std::vector<bool> by_forces;      // by branch: whether they decide on it; empty: on none
 

@@ -15,7 +15,7 @@ Drives::Drives(const Mechanism& mechanism, Dynamics& dynamics, Inputs& inputs, c
       states_(loads.states()),
       first_(mechanism.nq + mechanism.nv),
       named_(loads.named.size()),
-      targets_follow_states_(loads.motions_follow_signals()),
+      targets_follow_states_(states_ > 0 && loads.motions_follow_signals()),
       signals_(states_ == 0 ? 0 : static_cast<std::size_t>(count())),
       others_(signals_) {}
 

@@ -165,7 +165,7 @@ bool Formulation::jacobian(double t, const double* y, double* J) {
   // Motions that follow states make all accelerations depend on these.
   const int first_row = drives_.targets_follow_states() ? 0 : drives_.motion_size();
   if ((rates_of_forces_.any() || first_row == 0) &&
-      !differentiate_by_differences(t, y, first_row, out.bottomRows(size() - first_row)))
+      !differentiate_by_differences(t, y, nullptr, first_row, out.bottomRows(size() - first_row)))
     return false;
   return out.allFinite();
 }
@@ -179,7 +179,7 @@ bool Formulation::jacobian_is_outdated() {
 bool Formulation::jacobian_by_differences(double t, const double* y, Eigen::Map<Eigen::MatrixXd>& out) {
   ContactEquations& contact_equations = contacts_.located()->equations();
   contact_equations.begin_differences(size(), ydot_.data() + mechanism_.nq, modes_.since_step_began(t));
-  const bool is_finite = differentiate_by_differences(t, y, 0, out, [&](Eigen::Index k, double step) {
+  const bool is_finite = differentiate_by_differences(t, y, ydot_.data(), 0, out, [&](Eigen::Index k, double step) {
     contact_equations.record_difference(static_cast<int>(k), step);
   });
   contact_equations.end_differences(out.middleRows(mechanism_.nq, mechanism_.nv));
@@ -245,10 +245,10 @@ void Formulation::add_rates_of_forces(double t, const double* y, const double* v
   rates_of_forces_.add(y, vdot, [&](double* again) { solve(t, again); }, rates);
 }
 
-bool Formulation::differentiate_by_differences(double t, const double* y, int first_row,
+bool Formulation::differentiate_by_differences(double t, const double* y, const double* ydot, int first_row,
                                                const Eigen::Ref<Eigen::MatrixXd>& out, const DifferenceTaken& taken) {
   const Raised beside(takes_differences_);
-  return gelenk::differentiate([&](const double* at, double* rates) { return Formulation::rhs(t, at, rates); }, y,
+  return gelenk::differentiate([&](const double* at, double* rates) { return Formulation::rhs(t, at, rates); }, y, ydot,
                                first_row, out, taken);
 }
 

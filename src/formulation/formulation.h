@@ -106,9 +106,9 @@ class Formulation : public Equations, private ModeEquations {
   // Adds the rates of element states that name forces to `rates`, by state; `dynamics` is at y. vdot: the accelerations
   // there, of which `dynamics` has the solution; null: they are found.
   void add_rates_of_forces(double t, const double* y, const double* vdot, double* rates);
-  // Derivatives of f by differences, where those of jacobians_ do not suffice: its last rows, from the first row on.
-  bool differentiate_by_differences(double t, const double* y, int first_row, const Eigen::Ref<Eigen::MatrixXd>& out,
-                                    const DifferenceTaken& taken = {});
+  // Derivatives of f by differences, where those of jacobians_ do not suffice (differences.h).
+  bool differentiate_by_differences(double t, const double* y, const double* ydot, int first_row,
+                                    const Eigen::Ref<Eigen::MatrixXd>& out, const DifferenceTaken& taken = {});
   // Rows of vdot of df/dy if J vdot = gamma is satisfied exactly, from jacobians_ and the last factors.
   void acceleration_jacobian(Eigen::Map<Eigen::MatrixXd>& out);
   void count_jacobian() { ++jacobian_count_; }

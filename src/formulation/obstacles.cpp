@@ -15,8 +15,8 @@ namespace {
 constexpr double dead_center_pivot_ratio = 0.1;
 
 constexpr std::string_view held_back =
-    "friction holds at rest what a prescribed motion may move: one that sets out with neither a speed nor an "
-    "acceleration, such as t^3, is not followed against friction of the same joints";
+    "friction may be holding at rest what a prescribed motion moves: a motion that starts with zero velocity and zero "
+    "acceleration, such as t^3, cannot be followed by a joint with friction";
 
 // An element state on its way to infinity: its size, in its nominal size, and its rate of growth [1/s].
 constexpr double lost_state = 1e4;

@@ -53,10 +53,7 @@ double Targets::inside_stretch(double t) const {
 
 MotionLaw::Derivatives Targets::of_signals(int row, const double* u) const {
   MotionLaw::Derivatives out{};
-  const std::array<Formula, 3>& motion = motions_[static_cast<std::size_t>(row)];
-  for (std::size_t order = 0; order < motion.size(); ++order) {
-    if (motion[order].is_given()) out[order] = motion[order].value_among<double>(nullptr, u);
-  }
+  for (std::size_t order = 0; order < 3; ++order) out[order] = loads_.motion(static_cast<std::size_t>(row), order, u);
   return out;
 }
 

@@ -16,7 +16,7 @@ class Targets {
  public:
   // Both must outlive it.
   Targets(const Mechanism& mechanism, const Loads& loads)
-      : rows_(mechanism.coordinate_rows), motions_(loads.motions), now_(3 * rows_.size()) {}
+      : rows_(mechanism.coordinate_rows), loads_(loads), now_(3 * rows_.size()) {}
 
   bool none() const { return rows_.empty(); }
   // See EventSource.
@@ -40,7 +40,7 @@ class Targets {
   MotionLaw::Derivatives of_signals(int row, const double* u) const;
 
   const std::vector<CoordinateRow>& rows_;
-  const std::vector<std::array<Formula, 3>>& motions_;
+  const Loads& loads_;
   std::array<double, 2> stretch_{NAN, NAN};  // s: from one break to the next, see EventSource
   std::vector<double> now_;
 };

@@ -77,9 +77,11 @@ bool WithMultipliers::equations_of_motion(double t, const double* x, const doubl
 
 bool WithMultipliers::motion_jacobian(double t, const double* x, const double* xdot, Matrix& F_x, Matrix& F_xdot) {
   count_jacobian();
-  Eigen::MatrixXd by_differences(drives_.states(), size());
-  const bool name_forces = rates_of_forces().any();
-  if (name_forces && !differentiate_by_differences(t, x, drives_.motion_size(), by_differences)) return false;
+  Eigen::MatrixXd by_differences;  // of rates that name forces
+  if (rates_of_forces().any()) {
+    by_differences.resize(drives_.states(), size());
+    if (!differentiate_by_differences(t, x, nullptr, drives_.motion_size(), by_differences)) return false;
+  }
   if (!assemble(t, x)) return false;
   dynamics_.differentiate(drives_.u().data(), drives_.count(), xdot + mechanism_.nq, jacobians_, x + size());
   F_x.setZero();
@@ -93,7 +95,7 @@ bool WithMultipliers::motion_jacobian(double t, const double* x, const double* x
         jacobians_.r_u.middleCols(drives_.first_state(), drives_.states());
     auto rates = F_x.middleRows(drives_.motion_size(), drives_.states());
     jacobians_.put_rates(drives_.first_state(), rates);
-    if (name_forces) rates.leftCols(size()) = by_differences;
+    if (by_differences.size() > 0) rates.leftCols(size()) = by_differences;
     rates = -rates;
   }
   F_xdot.setZero();

@@ -53,6 +53,12 @@ struct Loads {
   std::vector<MeshLosses> losses;    // by coordinate row
   // By coordinate row: s, s', s'' of one that follows signals; otherwise not given.
   std::vector<std::array<Formula, 3>> motions;
+  // The derivative of this order of such a motion; 0 where it is not given. all: all signals.
+  template <class T>
+  T motion(std::size_t row, std::size_t order, const T* all) const {
+    const Formula& of = motions[row][order];
+    return of.is_given() ? of.value_among<T>(nullptr, all) : T(0);
+  }
   std::shared_ptr<HeldBranches> branches;  // of its expressions
   bool only_along_tree = false;            // no force acts on links or along cuts
   // J: the part of gravity's potential energy that the kernels omit, between the origins of the world and the root

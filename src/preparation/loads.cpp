@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <string_view>
 #include <unordered_map>
 #include <utility>
@@ -50,7 +51,8 @@ struct LoadCollector {
   const std::unordered_map<std::string_view, int>&body_number, &joint_number;
   SignalBinder binder;
   std::vector<Loads>& out;
-  std::vector<int> branches{};  // by island: of its expressions so far
+  std::vector<int> branches{};          // by island: of its expressions so far
+  std::optional<FormulaNames> names{};  // once a motion has asked for them
 
   void prepare() {
     out.resize(reduced.islands.size());
@@ -241,7 +243,8 @@ struct LoadCollector {
 
   // Only the acceleration may have kinks.
   MotionOfSignals bound_motion(const Constraint& constraint, int island) {
-    MotionOfSignals of = motion_of_signals(scene, *find_motion_of_signals(constraint), formula_names(scene));
+    if (!names) names = formula_names(scene);
+    MotionOfSignals of = motion_of_signals(scene, *find_motion_of_signals(constraint), *names);
     for (Formula& formula : of) {
       if (!formula.is_given()) continue;
       &formula == &of.back() ? bind(formula, island) : bind_signals(formula, island);

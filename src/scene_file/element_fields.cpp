@@ -50,9 +50,10 @@ std::string expected_of(const Field& field, const Coordinate& coordinate) {
     for (const FormulaVariable& variable : variables_of(field, coordinate)) {
       if (!variable.name.empty()) names.emplace_back(variable.name);
     }
-    if (field.reads != FormulaReads::nothing)
+    if (field.reads != FormulaReads::nothing) {
+      std::erase(names, "t");  // that of motions
       names.insert(names.end(), {"t", "inputs", "states", "coordinates of joints"});
-    if (names.size() > 1 && names.front() == "t") names.erase(names.begin());
+    }
     if (field.reads == FormulaReads::forces) names.emplace_back("forces");
     return "an expression of " + text::list(names) + in_unit;
   }

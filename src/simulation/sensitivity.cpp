@@ -127,9 +127,8 @@ class Sensitivity::ReadIsland {
 
 // Calls take(output, value) for each output of the island, and with its contribution to the energies.
 template <class T, class Take>
-void Sensitivity::read(int i, CarriedState<T>& at, Take take) const {
-  const ReadIsland<T> of(*this, i, at);
-  const EnergyOf<T> energy = at.equations->energy();
+void Sensitivity::read(int i, const ReadIsland<T>& of, Take take) const {
+  const EnergyOf<T> energy = of.reading.dynamics.energy();
   for (int k = 0; k < static_cast<int>(signals_.size()); ++k) {
     if (readings_.is_of_whole(k)) {
       take(k, readings_.of_energy(k, energy));
@@ -156,11 +155,12 @@ void Sensitivity::add(int i, const MatrixXd& directions, DirectionalDerivative& 
     const Index width = std::min<Index>(dual_directions, n - first);
     const auto some = [&](const MatrixXd& of) -> MatrixXd { return of.middleCols(first, width); };
     CarriedState<Dual>& at = sensitivities_[i]->directional_derivative(some(dq), some(dv), some(du));
-    read(i, at, [&](int k, const Dual& value) {
+    const ReadIsland<Dual> of(*this, i, at);
+    read(i, of, [&](int k, const Dual& value) {
       if (readings_.entry(k).index != Outputs::none) return;
       out.outputs.row(k).segment(first, width) += value.derivatives().head(width).matrix().transpose();
     });
-    if (has_rates_of_forces) add_rates_of_forces(i, ReadIsland<Dual>(*this, i, at).rates, first, width, out);
+    if (has_rates_of_forces) add_rates_of_forces(i, of.rates, first, width, out);
   }
 }
 
@@ -294,7 +294,7 @@ Eigen::MatrixX2d Sensitivity::in_time(const std::vector<double>& udot, const std
     if (islands_[i]->loads().rates_read_forces())
       at.set_rates_of_forces(
           [this, i](CarriedState<Series>& here) { return ReadIsland<Series>(*this, i, here).rates; });
-    CarriedState<Series>& path = at.time_derivatives(udot.data(), uddot.data());
+    const ReadIsland<Series> path(*this, i, at.time_derivatives(udot.data(), uddot.data()));
     read(i, path, [&](int k, const Series& value) {
       out(k, 0) += value[1];
       out(k, 1) += 2 * value[2];

@@ -77,7 +77,7 @@ class Sensitivity {
   // Whether an output of the island is not simply an entry of its state.
   bool has_computed_outputs(int i) const;
   template <class T, class Take>
-  void read(int i, CarriedState<T>& at, Take take) const;
+  void read(int i, const ReadIsland<T>& of, Take take) const;
   std::vector<int> columns_of(int island) const;
   // Directions (states; inputs) as changes of q, v and the signals of an island.
   struct Directions {

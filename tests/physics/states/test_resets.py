@@ -259,6 +259,14 @@ def test_steps_with_impulses_are_refused() -> None:
         gelenk.load(relay(solver={"integrator": "moreau-jean"}))
 
 
+def test_each_state_that_steps_cannot_advance_is_named() -> None:
+    reset = [{"when": "x1 > 1", "to": "0"}]
+    states = {name: {"rate": "1", "resets": reset} for name in ("x1", "x2")} | {"x3": {"rate": "A.a"}}
+    with pytest.raises(gelenk.SceneError) as error:
+        gelenk.load(rotor(states=states, solver={"integrator": "moreau-jean"}))
+    assert all(name in str(error.value) for name in ("states.x1.resets", "states.x2.resets", "states.x3:"))
+
+
 def test_saved_scene_has_the_resets() -> None:
     loaded = gelenk.load(relay())
     assert gelenk.load(loaded.to_dict()).to_dict() == loaded.to_dict()
