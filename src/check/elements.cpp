@@ -210,8 +210,6 @@ void check_what_needs_events(const Scene& scene, Faults& faults) {
     if (state.rate.reads_forces()) refuse(path, "a rate that names forces");
   }
   for (const Constraint& of : scene.constraints) {
-    if (losses_of(*of.is).depend_on_load())
-      refuse("constraints." + text::printable(of.name), "an efficiency over the load");
     if (find_motion_of_signals(of) != nullptr)
       refuse("constraints." + text::printable(of.name), "a motion that follows states");
   }

@@ -67,8 +67,7 @@ struct Loads {
 
   // Whether steps with impulses cannot be made.
   bool need_events() const {
-    return !resets.empty() || rates_read_forces() || motions_follow_signals() ||
-           std::ranges::any_of(losses, &MeshLosses::depend_on_load);
+    return !resets.empty() || rates_read_forces() || motions_follow_signals();
   }
   bool motions_follow_signals() const {
     return std::ranges::any_of(motions, [](const auto& of) { return of[2].is_given(); });

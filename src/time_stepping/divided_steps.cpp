@@ -163,10 +163,10 @@ TimeStepper::Forces TimeStepper::update_forces(double h, const double* u, double
 
 // v1_ <- the velocities at the end of the step, with the accelerations vdot_ of smooth forces.
 bool TimeStepper::respond(double h, const double* u) {
-  return respond_to_smooth_forces(h) && (!joints_.have_loads() || settle_loads(h, u));
+  return joints_.have_loads() ? settle_loads(h, u) : respond_to_smooth_forces(h);
 }
 
-// The same with the present limits of friction. Returns false where smooth forces are not finite.
+// The same with the limits of friction as they are set. Returns false where smooth forces are not finite.
 bool TimeStepper::respond_to_smooth_forces(double h) {
   for (std::size_t k = 0; k < v1_.size(); ++k) v1_[k] = v0_[k] + h * vdot_[k];
   if (!all_finite(v1_)) return false;

@@ -91,14 +91,16 @@ void JointRows::add_passed_limits(double h, const double* v1, ContactRows& rows,
   }
 }
 
-// What slides comes to rest before it turns back, and is then held by up to the static friction.
 void JointRows::look_for_numbers(const Row& row) {
   are_undefined_ = are_undefined_ || std::isnan(row.sliding.positive + row.sliding.negative);
 }
 
+// What slides comes to rest before it turns back, and is then held by up to the static friction.
+bool JointRows::stops_before(const Row& row, int motion) { return row.slides == -motion && !row.turns_back; }
+
 void JointRows::set_friction_of(const Row& row, double h, Cone& cone) {
-  cone.lower = -h * (row.slides < 0 && !row.turns_back ? row.at_rest : row.sliding).against(1);
-  cone.upper = h * (row.slides > 0 && !row.turns_back ? row.at_rest : row.sliding).against(-1);
+  cone.lower = -h * (stops_before(row, 1) ? row.at_rest : row.sliding).against(1);
+  cone.upper = h * (stops_before(row, -1) ? row.at_rest : row.sliding).against(-1);
 }
 
 bool JointRows::set_sliding_friction(double h, const double* v1, const double* vm, const double* x,
@@ -124,10 +126,28 @@ bool JointRows::have_loads() const {
   return !switching_.loads().empty() && std::ranges::any_of(rows_, [](const Row& row) { return row.side == 0; });
 }
 
-void JointRows::read_limits(std::vector<double>& out) const {
+void JointRows::read_limits(std::vector<double>& out, std::vector<char>& are_of_rest) const {
   out.clear();
+  are_of_rest.clear();
   for (const Row& row : rows_) {
-    if (row.side == 0) append({row.at_rest, row.sliding}, out);
+    if (row.side != 0) continue;
+    append({row.at_rest, row.sliding}, out);
+    const char rests = row.slides == 0 ? 1 : 0;
+    are_of_rest.insert(are_of_rest.end(), {1, 1, rests, rests});
+  }
+}
+
+void JointRows::add_reached_limits(const double* x, std::span<const Cone> cones, std::vector<int>& out) const {
+  int first = 0;
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    const Row& row = rows_[i];
+    if (row.side != 0) continue;
+    const double impulse = x[cones[i].first];
+    const int motion = impulse < 0 ? 1 : -1;  // that friction opposes
+    const double limit = motion > 0 ? -cones[i].lower : cones[i].upper;
+    const int of_sliding = stops_before(row, motion) ? 0 : 2;
+    if (std::abs(impulse) >= at_bound * limit) out.push_back(first + of_sliding + (motion > 0 ? 0 : 1));
+    first += 4;
   }
 }
 
@@ -155,6 +175,12 @@ void JointRows::set_limits(double h, const double* limits, std::span<Cone> cones
     row.sliding = next();
     set_friction_of(row, h, cones[i]);
   }
+}
+
+bool JointRows::any_stops(const double* v1) const {
+  return std::ranges::any_of(rows_, [&](const Row& row) {
+    return row.side == 0 && row.slides != 0 && std::abs(switching_.speed(row.lock, v1)) <= rest_speed;
+  });
 }
 
 // What has stopped at a bound is in contact with it. At rest, a limit pushes, and what pulls is friction.

@@ -54,16 +54,21 @@ class JointRows {
   bool set_sliding_friction(double h, const double* v1, const double* vm, const double* x, std::span<Cone> cones);
   // Whether the friction of any of them depends on loads.
   bool have_loads() const;
-  // The limits of friction as they are set; and with the loads of the last solve(), at the mean velocities vm.
-  void read_limits(std::vector<double>& out) const;
+  // The limits of friction as they are set, and which of them are of friction at rest; with the loads of the last
+  // solve(), at the mean velocities vm; and the indices of those that the impulses x have reached.
+  void read_limits(std::vector<double>& out, std::vector<char>& are_of_rest) const;
   void find_limits(const double* vm, std::vector<double>& out) const;
   void set_limits(double h, const double* limits, std::span<Cone> cones);
+  void add_reached_limits(const double* x, std::span<const Cone> cones, std::vector<int>& out) const;
+  // Whether anything that slides is at rest with these velocities.
+  bool any_stops(const double* v1) const;
 
   // out: by lock, the mean forces over the step with the impulses x, and the modes at its end, with velocities v1.
   void remember(double h, const double* v1, const double* x, std::span<const Cone> cones,
                 std::vector<LockForces>& out) const;
 
  private:
+  static bool stops_before(const Row& row, int motion);
   static void set_friction_of(const Row& row, double h, Cone& cone);
   void look_for_numbers(const Row& row);
 

@@ -2,22 +2,41 @@
 // Friction of joints that depends on the forces of bearings, guides and gears, which depend on it, in steps of
 // TimeStepper: a fixed point of its limits, which those forces determine as they act with it, on average over the step.
 #include <algorithm>
-#include <cmath>
+#include <utility>
 
-#include "time_stepping/step_limits.h"
+#include "time_stepping/load_iteration.h"
 #include "time_stepping/time_stepper.h"
 
 namespace gelenk {
 namespace {
 
-// Iterations for the limits, and the relative change at which they end: far below what a step misses.
-constexpr int most_load_iterations = 60;
-constexpr double load_tolerance = 1e-10;
 constexpr const char* undetermined_loads =
     "the friction of a joint depends so much on the load of its bearing, guide or gear that no motion, or more than "
     "one, agrees with it";
 
 }  // namespace
+
+// The limits of friction that follow from the forces of a step with given ones.
+class TimeStepper::LoadedStep final : public LoadIteration::Friction {
+ public:
+  LoadedStep(TimeStepper& of, double h, const double* u) : of_(of), h_(h), u_(u) {}
+  bool respond(const std::vector<double>& limits, std::vector<double>& found) override {
+    of_.joints_.set_limits(h_, limits.data(), of_.joint_cones());
+    if (!of_.respond_to_smooth_forces(h_)) return false;
+    of_.apply_mean_forces(h_, u_);
+    of_.joints_.find_limits(of_.vm_.data(), found);
+    return true;
+  }
+  void add_reached(std::vector<int>& out) const override {
+    of_.joints_.add_reached_limits(of_.x_.data(), of_.joint_cones(), out);
+  }
+  bool stops() const override { return of_.joints_.any_stops(of_.v1_.data()); }
+
+ private:
+  TimeStepper& of_;
+  double h_;
+  const double* u_;
+};
 
 // Solves the equations of motion with the mean impulses x_ of the step as forces, which brings loads to them. Impulses
 // of impacts are left out: friction of joints exerts none in return.
@@ -42,31 +61,15 @@ void TimeStepper::apply_mean_forces(double h, const double* u) {
   rows_.apply_forces(nullptr, nullptr);
 }
 
-// After respond_to_smooth_forces(): repeats it with the friction that follows from its forces, until both agree.
+// v1_ <- the velocities at the end of the step with the friction that follows from its forces.
 bool TimeStepper::settle_loads(double h, const double* u) {
   load_along_.resize(v0_.size());
   load_vdot_.resize(v0_.size());
   load_wrenches_.resize(mechanism_.links.size());
-  joints_.read_limits(limits_);
-  const auto n = static_cast<Eigen::Index>(limits_.size());
-  loads_iteration_.start(n);
-  for (int k = 0; k < most_load_iterations; ++k) {
-    apply_mean_forces(h, u);
-    joints_.find_limits(vm_.data(), limits_found_);
-    double change = 0, largest = 0;
-    for (std::size_t i = 0; i < limits_.size(); ++i) {
-      change = std::max(change, std::abs(limits_found_[i] - limits_[i]));
-      largest = std::max(largest, std::abs(limits_found_[i]));
-    }
-    if (!std::isfinite(change)) break;
-    if (change <= load_tolerance * largest) return true;
-    const Eigen::Map<Eigen::VectorXd> now(limits_.data(), n);
-    const Eigen::Map<const Eigen::VectorXd> found(limits_found_.data(), n);
-    const AndersonAcceleration::Vector& next = loads_iteration_.next(now, found);
-    std::copy_n(next.data(), limits_.size(), limits_.begin());
-    joints_.set_limits(h, limits_.data(), joint_cones());
-    if (!respond_to_smooth_forces(h)) break;
-  }
+  joints_.read_limits(limits_, are_of_rest_);
+  LoadedStep step(*this, h, u);
+  const bool is_first = std::exchange(are_loads_new_, false);
+  if (loads_iteration_.settle(step, are_of_rest_, is_first, limits_)) return true;
   failure_ = undetermined_loads;
   return false;
 }

@@ -107,6 +107,7 @@ void TimeStepper::collect(double h) {
   opens_.assign(points_.size(), 0.0);
   for (const NearPoint& point : points_) add_contact(point);
   joints_.add({h, v0_.data(), vdot_.data(), state_.locks}, rows_, cones_);
+  are_loads_new_ = true;
   for (std::vector<double>* of : all_by_row()) of->assign(static_cast<std::size_t>(rows_.count()), 0.0);
   strikes_.clear();
   restitution_.clear();

@@ -19,12 +19,12 @@
 #include "complementarity/cone.h"
 #include "contact_geometry/contact_finder.h"
 #include "dynamics/dynamics.h"
-#include "linear/anderson.h"
 #include "nonsmooth/restitution.h"
 #include "time_stepping/contact_state.h"
 #include "time_stepping/delassus_operator.h"
 #include "time_stepping/free_rotation.h"
 #include "time_stepping/joint_rows.h"
+#include "time_stepping/load_iteration.h"
 #include "time_stepping/recorded_problem.h"
 #include "time_stepping/selected_rows.h"
 
@@ -102,6 +102,7 @@ class TimeStepper final : public ContactReadings {
   Forces update_forces(double h, const double* u, double most_turned);
   bool respond(double h, const double* u);
   bool respond_to_smooth_forces(double h);
+  class LoadedStep;
   bool settle_loads(double h, const double* u);
   void apply_mean_forces(double h, const double* u);
   Spatial::Force force_at(std::size_t i, double h) const;
@@ -185,8 +186,10 @@ class TimeStepper final : public ContactReadings {
   std::vector<double> v0_, v1_, vm_, vdot_, vdot_before_, dq_;
   std::vector<std::vector<double>> starts_;  // of a step and its halves
   // Friction that depends on loads: iterations for its limits, and the forces that act with it.
-  AndersonAcceleration loads_iteration_;
-  std::vector<double> limits_, limits_found_, load_along_, load_x_, load_vdot_;
+  LoadIteration loads_iteration_;
+  bool are_loads_new_ = false;  // none are known of the present step
+  std::vector<char> are_of_rest_;
+  std::vector<double> limits_, load_along_, load_x_, load_vdot_;
   std::vector<Spatial::Force> load_wrenches_;
   const char* failure_ = "";
 };

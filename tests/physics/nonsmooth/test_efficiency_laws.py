@@ -208,7 +208,7 @@ def test_a_drag_is_an_efficiency_over_the_load() -> None:
         np.testing.assert_allclose(by_load[name], expected[name], atol=1e-7)
 
 
-@pytest.mark.parametrize("integrator", [*EVENT_DRIVEN, "rk4"])
+@pytest.mark.parametrize("integrator", [*EVENT_DRIVEN, "rk4", "moreau-jean"])
 @pytest.mark.parametrize(("w", "torque", "weight"), [(4.0, "9 + 6*sin(3*t)", -20.0), (-30.0, "-2", 40.0)])
 @pytest.mark.parametrize("form", ["formula", "table"])
 def test_the_load_decides_on_the_efficiency(
@@ -238,8 +238,11 @@ def test_the_load_decides_on_the_efficiency(
 
     exact = solve_ivp(rate, (0, 1), [0, w], method="DOP853", rtol=1e-11, atol=1e-11).y[:, -1]
     of = hoist(w, torque, weight, {"efficiency": law}, **({"tables": tables} if form == "table" else {}))
+    steps = integrator == "moreau-jean"  # of second order where nothing sticks
+    of["solver"] = {"step": 1e-3} if steps else {}
     result = gelenk.simulate(of, stop=1.0, step=0.1, tolerance=1e-9, integrator=integrator)
-    np.testing.assert_allclose([result["motor.phi"][-1], result["motor.w"][-1]], exact, atol=2e-7)
+    end = [result["motor.phi"][-1], result["motor.w"][-1]]
+    np.testing.assert_allclose(end, exact, atol=1e-5 if steps else 2e-7)
 
 
 def test_linear_models_know_the_slope_of_losses_over_the_load() -> None:
@@ -255,12 +258,3 @@ def test_linear_models_know_the_slope_of_losses_over_the_load() -> None:
         values.append(plant.output("motor.a"))
     assert model.D[0, 0] == pytest.approx((values[1] - values[0]) / 2e-4, rel=1e-7)
     assert model.D[0, 0] != pytest.approx(values[1] / 9, rel=0.1)
-
-
-def test_steps_with_impulses_do_not_know_them() -> None:
-    with pytest.raises(
-        gelenk.SceneError, match="mesh: found an efficiency over the load with the integrator"
-    ):
-        gelenk.load(
-            hoist(4.0, "9", -20.0, {"efficiency": "tau/(tau + 1)"}, solver={"integrator": "moreau-jean"})
-        )
