@@ -154,6 +154,10 @@ struct ConeOptions {
   ConeObserver* observer = nullptr;
 };
 
+// Whether no contact that pushes moves along a group of components that friction limits: a solution of the convex
+// problem with the velocities u is then one of the exact problem, too.
+bool all_stick(std::span<const Cone> cones, const double* x, const double* u, double tolerance);
+
 // A solver keeps its memory: a call for a problem no larger than those before allocates nothing (but the matrix of an
 // operator that has none, when it is first formed). It carries nothing
 // else from call to call; the same calls give the same bits.

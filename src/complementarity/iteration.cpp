@@ -55,14 +55,19 @@ void DenseConeOperator::diagonal_block(const Cone& cone, double* out) const {
   }
 }
 
+double lift_of(const Cone& cone, const double* u) {
+  double out = 0;
+  for (const ConeGroup& group : cone.limited()) {
+    double square = 0;
+    for (int i = cone.first + group.offset; i < cone.first + group.offset + group.size; ++i) square += u[i] * u[i];
+    out += group.coefficient * std::sqrt(square);
+  }
+  return out;
+}
+
 void add_lift(std::span<const Cone> cones, const double* u, double* out) {
   for (const Cone& cone : cones) {
-    if (cone.interval) continue;
-    for (const ConeGroup& group : cone.limited()) {
-      double square = 0;
-      for (int i = cone.first + group.offset; i < cone.first + group.offset + group.size; ++i) square += u[i] * u[i];
-      out[cone.first] += group.coefficient * std::sqrt(square);
-    }
+    if (!cone.interval) out[cone.first] += lift_of(cone, u);
   }
 }
 

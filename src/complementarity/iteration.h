@@ -32,7 +32,8 @@ class ConeMemory {
   Eigen::Index used_ = 0;
 };
 
-// out <- out + s(u), De Saxce's shift
+// De Saxce's shift of the normal velocity of a contact; and out <- out + s(u), that of all.
+double lift_of(const Cone& cone, const double* u);
 void add_lift(std::span<const Cone> cones, const double* u, double* out);
 
 enum class Iterate { start, best };

@@ -102,7 +102,8 @@ bool ContactDecision::let_locks_slip() {
   return changed;
 }
 
-// normal: the normal forces from which the friction of what slides follows.
+// normal: the normal forces from which the friction of what slides follows. What can remain at rest does: where normal
+// forces are redundant, Coulomb's law may permit motion as well.
 void ContactDecision::solve_cones(const VectorXd& normal) {
   const VectorXd b = b_ + C_ * normal;
   ConeOptions options;
@@ -110,6 +111,11 @@ void ContactDecision::solve_cones(const VectorXd& normal) {
   options.max_iterations = decision_cone_iterations;
   const DenseConeOperator G(G_);
   const std::span<const double> right(b.data(), static_cast<std::size_t>(b.size()));
+  const VectorXd guess = x_;
+  solver_->solve({G, right, cones_, false}, options, x_.data());
+  const VectorXd a = G_ * x_ + b;
+  if (all_stick(cones_, x_.data(), a.data(), limit_fraction * scale_)) return;
+  x_ = guess;
   solver_->solve({G, right, cones_, true}, options, x_.data());
 }
 

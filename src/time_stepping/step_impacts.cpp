@@ -47,6 +47,7 @@ double TimeStepper::approach(std::size_t cone) const {
 // Where something with restitution or friction strikes within the step, all that is struck in it is struck at once. If
 // it were only braked so that it closes its gap at the end of the step, and stopped in the next one, friction would act
 // on two parts of the impulse, which is not the same as on the whole one, and depends on when in the step it strikes.
+// And friction of joints that depends on loads would take the impulse for a load.
 // By Poisson's law even what rests may throw back what strikes another.
 void TimeStepper::find_strikes(double h) {
   strikes_.assign(cones_.size(), 0);
@@ -63,7 +64,7 @@ void TimeStepper::find_strikes(double h) {
   for (std::size_t i = 0; i < cones_.size() && !strikes_any_; ++i) {
     const Restitution::Struck at = restitution_of(i);
     const double least = at.restitution > 0 ? rest_speed : std::max(rest_speed, fall);
-    const bool strikes = at.restitution > 0 || cones_[i].size() > 1 || any_poisson;
+    const bool strikes = at.restitution > 0 || cones_[i].size() > 1 || any_poisson || joints_.have_loads();
     strikes_any_ = strikes && at.approach > least && reaches(i, h / 2);
   }
   if (!strikes_any_) return;

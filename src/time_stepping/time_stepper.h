@@ -133,6 +133,8 @@ class TimeStepper final : public ContactReadings {
   double velocity_tolerance() const;
   void solve_impulses();
   void solve(const std::vector<Cone>& cones, std::vector<double>& x);
+  bool may_remain_at_rest() const;
+  bool solve_at_rest(const std::vector<Cone>& cones, std::vector<double>& x, ConeResult& result);
   ConeResult solve_for(const std::vector<Cone>& cones, std::vector<double>& x);
   bool may_be_prestressed() const;
   void relieve();

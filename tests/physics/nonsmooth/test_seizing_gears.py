@@ -99,6 +99,27 @@ def test_a_gear_that_has_seized_is_driven_on() -> None:
     assert plant.output("worm.w") == pytest.approx(0.01 * (3.0 - COULOMB) / inertia, rel=1e-6)
 
 
+@pytest.mark.parametrize("integrator", ["auto", "moreau-jean"])
+def test_the_impulse_of_a_stop_is_no_load(integrator: str) -> None:
+    """A rotor on the wheel reaches its stop without restitution; friction of the gear exerts no impulse."""
+    inner, rotor, speed = 0.09, 0.2, 3.0  # kg m2, kg m2, rad/s
+    of = worm(inner, 0.0)
+    of["bodies"]["rotor"] = body(1.0, inertia=(rotor,) * 3)
+    of["joints"]["stopped"] = joint(
+        "revolute", frame("b"), frame("rotor"), axis=[1, 0, 0],
+        start={"phi": 0.0, "w": speed, "fixed": True}, limit={"upper": 0.1, "restitution": 0.0},
+    )  # fmt: skip
+    of["joints"]["worm"]["friction"] = {"coulomb": 0.0}
+    of["solver"] = {"integrator": integrator, "step": 1e-5}
+    plant = gelenk.Simulation(of)
+    plant.initialize()
+    plant.step_to(0.034)
+    # What both have together; the worm turns RATIO times as fast.
+    after = rotor * speed / (WORM * RATIO**2 + inner + rotor)
+    assert plant.output("wheel.w") == pytest.approx(after, abs=1e-2 * after)
+    assert plant.output("stopped.w") == pytest.approx(0, abs=1e-9)
+
+
 # Of 1 kg m2 and less, driven on both sides, in motion or at rest: many seize, or could rest as well as move.
 DRIVES = 150
 
