@@ -148,15 +148,17 @@ class ConeObserver {
   virtual void reached(const ConeResult& so_far) = 0;
 };
 
+// How many iterations are more than the usual ones for the forces or impulses of an instant.
+inline long excess_iterations(long iterations) {
+  constexpr long usual = 50;
+  return iterations > usual ? iterations - usual : 0;
+}
+
 struct ConeOptions {
   double tolerance = 1e-10;   // of the residual [m/s]; where it is below the rounding of G x + b, the latter counts
   int max_iterations = 1000;  // of all phases of a method together
   ConeObserver* observer = nullptr;
 };
-
-// Whether no contact that pushes moves along a group of components that friction limits: a solution of the convex
-// problem with the velocities u is then one of the exact problem, too.
-bool all_stick(std::span<const Cone> cones, const double* x, const double* u, double tolerance);
 
 // A solver keeps its memory: a call for a problem no larger than those before allocates nothing (but the matrix of an
 // operator that has none, when it is first formed). It carries nothing

@@ -6,13 +6,6 @@
 
 namespace gelenk {
 
-bool all_stick(std::span<const Cone> cones, const double* x, const double* u, double tolerance) {
-  return std::ranges::none_of(cones, [&](const Cone& cone) {
-    if (cone.interval || !(x[cone.first] > 0)) return false;
-    return lift_of(cone, u) > tolerance;
-  });
-}
-
 namespace {
 constexpr double fraction_solved = 0.2;  // a closer solution of the convex problem would be in vain
 }

@@ -264,7 +264,6 @@ class DynamicsOf final : public WithKinematics<A, AllOfDynamics> {
     std::copy(q, q + model_.cut_nq, cut_reference_.begin());
     last_.drop();
   }
-
   const double* all_signals(const double* u) override { return this->with_named(u); }
   void set_multipliers(const double* lambda) override {
     std::copy(lambda, lambda + model_.rows, ws_.lambda.begin());
@@ -272,6 +271,7 @@ class DynamicsOf final : public WithKinematics<A, AllOfDynamics> {
   }
   Spatial::Motion link_bias_acceleration(int link) const override { return kernels::motion3<A>(ws_.A_bias[link]); }
   long evaluations() const override { return evaluations_; }
+  void count_evaluations(long others) override { evaluations_ += others; }
 
  private:
   // solve_linear() without the effect on friction that depends on loads.

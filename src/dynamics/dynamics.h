@@ -96,7 +96,10 @@ class Dynamics : public Kinematics {
   virtual SwitchingForces& switching_forces() = 0;
   virtual LawKinks& kinks() = 0;  // of laws that are given as expressions
 
-  virtual long evaluations() const = 0;  // calls of solve and assemble
+  // Calls of solve and assemble, and what has been counted as such: iterations for what contacts do at an event, where
+  // they are more than usual, so that a budget of evaluations bounds the time.
+  virtual long evaluations() const = 0;
+  virtual void count_evaluations(long others) = 0;
 };
 
 // compute_all_outputs: each solve() also computes the quantities that only outputs need (to measure what is saved by

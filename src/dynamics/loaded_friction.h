@@ -37,8 +37,9 @@ class LoadedFriction final : public LoadDependence {
     double speed = 0;                     // at which it slips
     std::array<double, 3> force{};
     std::array<double, 3> solved{};  // that of the last solve()
-    bool has_sign = false;           // it is along a line
-    int held_sign = 0;               // 0: that of the force
+    std::array<double, 3> without_friction{};
+    bool has_sign = false;  // it is along a line
+    int held_sign = 0;      // 0: that of the force
     double sign() const { return held_sign != 0 ? held_sign : force[0] < 0 ? -1 : 1; }
     double size() const { return has_sign ? sign() * force[0] : size_of_load(force); }
     // Against motion in this direction. of_mesh, of_bearing: per size.
@@ -150,14 +151,17 @@ class LoadedFriction final : public LoadDependence {
     if (is_frozen_) return;
     respond(-1, vdot_, lambda_, unused_);
     kernels::wrenches_of(model_, ws_, vdot_.data(), lambda_.data(), false, wrenches_);
-    for (Load& load : loads_) load.force = transmitted(load, lambda_);
+    for (Load& load : loads_) load.without_friction = load.force = transmitted(load, lambda_.data());
     for (std::size_t j = 0; j < slipping_.size(); ++j) {
       respond(slipping_[j].force, responses_[j], multipliers_[j], holding_[j]);
       kernels::wrenches_of(model_, ws_, responses_[j].data(), multipliers_[j].data(), true, wrenches_);
-      for (std::size_t l = 0; l < loads_.size(); ++l) K(l, j) = transmitted(loads_[l], multipliers_[j]);
+      for (std::size_t l = 0; l < loads_.size(); ++l) K(l, j) = transmitted(loads_[l], multipliers_[j].data());
     }
     std::ranges::fill(torque_, 0.0);
-    iterate();
+    if (!slipping_.empty()) {
+      const Outcome outcome = iterate(1);
+      if (outcome != Outcome::found) look_further(outcome);
+    }
     for (Load& load : loads_) load.solved = load.force;
   }
 
@@ -227,6 +231,7 @@ class LoadedFriction final : public LoadDependence {
  private:
   // Newton's method converges within a few steps, or not at all.
   static constexpr int most_iterations = 60;
+  static constexpr int parts = 16;            // of the losses, in which a motion is followed
   static constexpr double tolerance = 4e-16;  // of friction
   static constexpr double rounding = 1e-13;   // what Newton's method may not be able to reduce any more
   static constexpr double least_pivot = 1e-300;
@@ -260,9 +265,6 @@ class LoadedFriction final : public LoadDependence {
       }
     }
   }
-  std::array<double, 3> transmitted(const Load& load, const std::vector<double>& lambda) const {
-    return transmitted(load, lambda.data());
-  }
   std::array<double, 3> transmitted(const Load& load, const double* lambda) const {
     return transmitted_force(load.is, model_, ws_, wrenches_.F, lambda);
   }
@@ -275,7 +277,7 @@ class LoadedFriction final : public LoadDependence {
     for (std::size_t l = 0; l < loads_.size(); ++l) {
       const Load& load = loads_[l];
       if (load.is.force != slipping_[j].force) continue;
-      visit(l, load.is.friction_per_size(slipping_[j].direction, load.sign(), load.*of_mesh, load.factor));
+      visit(l, part_ * load.is.friction_per_size(slipping_[j].direction, load.sign(), load.*of_mesh, load.factor));
     }
   }
   // The rate of the size of a load for a change of its force.
@@ -315,9 +317,12 @@ class LoadedFriction final : public LoadDependence {
     const auto n = static_cast<Eigen::Index>(slipping_.size());
     solve_general(DenseMatrix(matrix_.data(), n, n), pivots_.data(), DenseVector(rest_.data(), n));
   }
-  void iterate() {
+  enum class Outcome { found, on_another_branch, none, no_number };
+  // Newton's method, with this part of the losses. On the branch of motions that begins without losses the determinant
+  // is positive; others are those of Painleve's paradox.
+  Outcome iterate(double part) {
     const std::size_t n = slipping_.size();
-    if (n == 0) return;
+    part_ = part;
     for (int k = 0; k < most_iterations; ++k) {
       update_losses();
       double left = 0;
@@ -331,27 +336,37 @@ class LoadedFriction final : public LoadDependence {
         left = std::max(left, std::abs(rest_[j]));
         size = std::max(size, std::abs(sum));
       }
-      if (!is_finite) {
-        undetermined_ = slipping_.front().force;  // by no number that a law gives; it does not seize
-        return;
-      }
-      const bool is_unique = set_matrix();
-      if (left <= tolerance * size || (k > 2 && left <= rounding * size)) {
-        if (!is_unique) undetermined_ = slipping_.front().force;
-        return;
-      }
+      if (!is_finite) return Outcome::no_number;
+      const bool is_continued = set_matrix();
+      if (left <= tolerance * size || (k > 2 && left <= rounding * size))
+        return is_continued ? Outcome::found : Outcome::on_another_branch;
       solve_matrix();
       for (std::size_t j = 0; j < n; ++j) {
         torque_of(j) += rest_[j];
         add(j, rest_[j]);
       }
     }
+    return Outcome::none;
+  }
+  // Follows the motion without losses to the whole of them.
+  bool follow() {
+    for (Load& load : loads_) load.force = load.without_friction;
+    std::ranges::fill(torque_, 0.0);
+    for (int k = 1; k <= parts; ++k) {
+      if (iterate(static_cast<double>(k) / parts) != Outcome::found) return false;
+    }
+    return true;
+  }
+  // Not inline: it takes no part where friction is that of bearings and usual gears.
+  [[gnu::noinline]] void look_further(Outcome outcome) {
+    if (outcome != Outcome::no_number && follow()) return;
+    part_ = 1;
     undetermined_ = slipping_.front().force;
-    // With the load of one mesh there are two linear equations, and Newton's method finds a solution if one of them has
-    // a solution for which it holds.
+    if (outcome == Outcome::no_number) return;  // it does not seize
+    // With the load of one mesh there are two linear equations.
     const auto owner = [](const Load& load) { return load.is.force; };
     const auto own = std::ranges::find(loads_, undetermined_, owner);
-    if (n == 1 && own->is.of == FrictionLoad::Of::mesh && !own->has_curved_losses &&
+    if (slipping_.size() == 1 && own->is.of == FrictionLoad::Of::mesh && !own->has_curved_losses &&
         std::ranges::count(loads_, undetermined_, owner) == 1)
       seized_ = undetermined_;
   }
@@ -375,6 +390,7 @@ class LoadedFriction final : public LoadDependence {
   std::vector<int> pivots_;
   kernels::JointWrenches<A> wrenches_;
   double force_size_ = 0;
+  double part_ = 1;  // of the losses
   bool is_frozen_ = false;
   int undetermined_ = -1, seized_ = -1;
 };

@@ -102,8 +102,7 @@ bool ContactDecision::let_locks_slip() {
   return changed;
 }
 
-// normal: the normal forces from which the friction of what slides follows. What can remain at rest does: where normal
-// forces are redundant, Coulomb's law may permit motion as well.
+// normal: the normal forces from which the friction of what slides follows.
 void ContactDecision::solve_cones(const VectorXd& normal) {
   const VectorXd b = b_ + C_ * normal;
   ConeOptions options;
@@ -111,12 +110,8 @@ void ContactDecision::solve_cones(const VectorXd& normal) {
   options.max_iterations = decision_cone_iterations;
   const DenseConeOperator G(G_);
   const std::span<const double> right(b.data(), static_cast<std::size_t>(b.size()));
-  const VectorXd guess = x_;
-  solver_->solve({G, right, cones_, false}, options, x_.data());
-  const VectorXd a = G_ * x_ + b;
-  if (all_stick(cones_, x_.data(), a.data(), limit_fraction * scale_)) return;
-  x_ = guess;
-  solver_->solve({G, right, cones_, true}, options, x_.data());
+  const ConeProblem problem{G, right, cones_, true};
+  iterations_ += rest_first_.solve(*solver_, problem, options, limit_fraction * scale_, x_.data()).iterations;
 }
 
 std::vector<CandidateMode> ContactDecision::modes_of_solution(const std::vector<CandidateMode>& tentative,
@@ -236,9 +231,6 @@ bool ContactDecision::uses_any_up() const {
   return std::ranges::any_of(problem_->locks, [](const LockProblem::Lock& lock) { return lock.direction != 0; });
 }
 
-// Static friction of joints holds again.
-void ContactDecision::hold_all() { std::ranges::fill(slips_, 0); }
-
 // Where friction of what slides makes a joint that friction holds move the other way (as in Painleve's paradox), the
 // forces above do not settle although one motion obeys the laws: each combination of rest and both directions is tried.
 bool ContactDecision::try_locks(const std::vector<Trigger>& triggered, const double* vdot,
@@ -273,6 +265,7 @@ ContactDecision::Outcome ContactDecision::decide(const std::vector<int>& candida
   const std::vector<CandidateMode> tentative = next;
   candidates_ = candidates;
   problem_ = &problem;
+  iterations_ = 0;
   set_up(tentative, triggered, vdot);
   VectorXd normal = VectorXd::Zero(static_cast<Index>(candidates.size()));
   Outcome outcome = Outcome::none;
@@ -297,7 +290,7 @@ ContactDecision::Outcome ContactDecision::decide(const std::vector<int>& candida
         possible_locks = problem.locks;
       }
       normal = found;
-      if (k < most_fresh_starts) hold_all();
+      if (k < most_fresh_starts) std::ranges::fill(slips_, 0);
       continue;
     }
     const VectorXd before = normal;

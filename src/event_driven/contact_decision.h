@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "complementarity/cone.h"
+#include "complementarity/rest_first.h"
 #include "event_driven/contact_equations.h"
 #include "event_driven/impact_equations.h"
 #include "event_driven/lock_problem.h"
@@ -34,6 +35,8 @@ class ContactDecision {
   enum class Outcome { found, ambiguous, none };
   Outcome decide(const std::vector<int>& candidates, const std::vector<Trigger>& triggered, const double* vdot,
                  std::vector<CandidateMode>& next, LockProblem& problem);
+  // Of the last decide().
+  long iterations() const { return iterations_; }
   // The forces of contacts of the last decide(), by row of those that were closed; within the laws.
   Eigen::VectorXd contact_forces() const { return x_.head(first_lock_); }
 
@@ -56,7 +59,6 @@ class ContactDecision {
   bool let_go_beyond_limits(int candidate);
   bool is_indeterminate(const std::vector<CandidateMode>& next) const;
   bool uses_any_up() const;
-  void hold_all();
   bool presses(int candidate) const;
   int most_pulling() const;
   bool obeys(std::size_t i, const CandidateMode& mode, const Eigen::VectorXd& relative) const;
@@ -69,11 +71,13 @@ class ContactDecision {
 
   ContactEquations& equations_;
   std::unique_ptr<ConeSolver> solver_;
+  RestFirst rest_first_;
   std::vector<int> candidates_;
   ContactEquations::Rows rows_;
   Eigen::MatrixXd G_, C_;
   Eigen::VectorXd b_, x_;
   double scale_ = 0;  // of accelerations
+  long iterations_ = 0;
   std::vector<Cone> cones_;
   std::vector<std::array<bool, contact_groups>> slides_;  // friction that does not hold any more
   std::vector<char> opens_;

@@ -2,6 +2,7 @@
 // Whether what has been decided on contacts obeys the laws: the part of ContactDecision that checks.
 #include <algorithm>
 #include <cmath>
+#include <ranges>
 
 #include "event_driven/contact_decision.h"
 #include "event_driven/decision_limits.h"
@@ -53,10 +54,8 @@ int ContactDecision::side_beyond_limit(std::size_t i) const {
 }
 
 bool ContactDecision::locks_exceed_limits() const {
-  for (std::size_t i = 0; i < problem_->locks.size(); ++i) {
-    if (side_beyond_limit(i) != 0) return true;
-  }
-  return false;
+  const auto all = std::views::iota(std::size_t{0}, problem_->locks.size());
+  return std::ranges::any_of(all, [&](std::size_t i) { return side_beyond_limit(i) != 0; });
 }
 
 // Where a joint at rest and a contact hold the same motion, their forces are redundant, but the friction of what slides

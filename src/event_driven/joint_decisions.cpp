@@ -2,6 +2,7 @@
 #include "event_driven/joint_decisions.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "kinematics/force_modes.h"
@@ -24,6 +25,8 @@ void JointDecisions::add(int lock) {
   out.lock = lock;
   out.sticking = forces_.sticking_limit(lock);
   out.slipping = forces_.slipping_limit(lock);
+  if (holding_friction_ > 0 && modes_.has_friction(lock) && !out.sticking.vanishes)
+    out.sticking.positive = out.sticking.negative = holding_friction_;
   out.contact = next_.contacts[at];
   out.triggered = modes_.triggered_[at] != LockModes::nothing && modes_.rests(lock);
   next_.motions[at] = mode_released;
@@ -171,6 +174,15 @@ LockModes::State JointDecisions::all_at_rest(double t, const double* y) {
   for (const LockProblem::Lock& at : problem_.locks) {
     if (modes_.has_friction(at.lock)) out.motions[static_cast<std::size_t>(at.lock)] = 0;
   }
+  return out;
+}
+
+double JointDecisions::largest_holding_force(double t, const double* y) {
+  find_loads(t, y);
+  std::vector<double> forces;
+  modes_.distribute(forces);
+  double out = 0;
+  for (const double force : forces) out = std::max(out, std::abs(force));
   return out;
 }
 

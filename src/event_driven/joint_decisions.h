@@ -2,6 +2,7 @@
 // What friction and limits of joints contribute to a decision on modes, at the position of `dynamics`.
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "event_driven/lock_modes.h"
@@ -36,6 +37,14 @@ class JointDecisions {
   // --- where limits depend on loads ---
   // The modes in which all that is undecided is at rest.
   LockModes::State all_at_rest(double t, const double* y);
+  // Whether anything undecided touches a bound.
+  bool any_at_limit() const {
+    return std::ranges::any_of(problem_.locks, [](const LockProblem::Lock& at) { return at.contact != 0; });
+  }
+  // In the present modes, at (t, y).
+  double largest_holding_force(double t, const double* y);
+  // Where there is friction at all, it can exert this force at rest; 0: what it can.
+  void hold_by_friction(double force) { holding_friction_ = force; }
   // Brings the loads of friction to (t, y), in the present modes.
   void find_loads(double t, const double* y) { modes_.find_holding_forces(t, y); }
   // The largest friction at rest, by lock in both directions.
@@ -53,6 +62,7 @@ class JointDecisions {
   LockModes& modes_;
   SwitchingForces& forces_;
   LockProblem problem_;
+  double holding_friction_ = 0;  // see hold_by_friction()
   LockModes::State before_, next_;
 };
 

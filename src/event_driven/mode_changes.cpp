@@ -136,7 +136,9 @@ void ModeChanges::found_contact_event(int indicator, bool positive) {
 void ModeChanges::change(double t, double* y) {
   dynamics_.set_position(y);
   joints_.forget_rebounds(y);
-  if (joints_.is_triggered() || std::ranges::any_of(triggered_, &Trigger::any)) determine(t, y);
+  if (!joints_.is_triggered() && std::ranges::none_of(triggered_, &Trigger::any)) return;
+  determine(t, y);
+  if (dynamics_.switching_forces().loads().signed_count() > 0) seize(t, y);
 }
 
 // Impulses, and the modes that follow.

@@ -18,6 +18,9 @@ namespace {
 // Decisions where limits depend on loads, and the relative change of limits at which they are repeated no more.
 constexpr int most_decisions = 60;
 constexpr double load_tolerance = 1e-13;
+// Friction that holds whatever it might, in units of the largest force that keeps a joint at rest: a part of what opens
+// can press on it as levers permit.
+constexpr double holding_friction = 1e3;
 
 }  // namespace
 
@@ -77,13 +80,28 @@ ModeDecisions::Modes ModeDecisions::find(double t, const double* y, Asked asked,
   return {joints_.end(), std::move(next)};
 }
 
+// The modes in which friction holds all joints that it might: limits and contacts that open then carry no loads.
+ModeDecisions::Modes ModeDecisions::find_held(double t, const double* y, Asked asked,
+                                              const std::vector<Trigger>& triggered) {
+  const Modes before{modes_.state(), contact_equations_.modes()};
+  Modes held{joints_.all_at_rest(t, y), before.contacts};
+  if (!joints_.any_at_limit() && (asked == Asked::joints || !contacts_.any())) return held;
+  set_joints(held.joints);
+  joints_.hold_by_friction(holding_friction * joints_.largest_holding_force(t, y));
+  set_joints(before.joints);
+  const FrozenLoads frozen(dynamics_.switching_forces().loads());
+  held = find(t, y, asked, triggered);
+  joints_.hold_by_friction(0);
+  return held;
+}
+
 // Where the limits of friction depend on the modes that they decide on, the decision is repeated with the limits in the
 // modes decided on, until both agree. It begins with all joints at rest, since what can remain at rest does.
 ModeDecisions::Modes ModeDecisions::find_with_loads(double t, const double* y, Asked asked,
                                                     const std::vector<Trigger>& triggered) {
   const Modes before{modes_.state(), contact_equations_.modes()};
   dynamics_.set_position(y);
-  Modes next{joints_.all_at_rest(t, y), before.contacts};
+  Modes next = find_held(t, y, asked, triggered);
   std::vector<double> known;
   for (int round = 0; round < most_decisions; ++round) {
     joints_.forget_doubts();
@@ -156,6 +174,7 @@ void ModeDecisions::find_contact_modes(double t, const double* y, const std::vec
   set_accelerations(t, y);
   decided_candidate_ = candidates.front();
   outcome_ = decision_.decide(candidates, triggered, vdot_.data(), next, joints_.problem());
+  dynamics_.count_evaluations(excess_iterations(decision_.iterations()));
 }
 
 // Completes the problem of joints for a decision with contacts.
@@ -181,6 +200,7 @@ bool ModeDecisions::hold_by_others(double t, const double* y) {
   set_accelerations(t, y);
   const auto outcome =
       decision_.decide(candidates, std::vector<Trigger>(present.size()), vdot_.data(), next, joints_.problem());
+  dynamics_.count_evaluations(excess_iterations(decision_.iterations()));
   contact_equations_.set_modes(present);
   set_joints(present_joints);
   bool holds = outcome == ContactDecision::Outcome::found;

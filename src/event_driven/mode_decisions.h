@@ -44,6 +44,7 @@ class ModeDecisions {
 
  private:
   Modes find(double t, const double* y, Asked asked, const std::vector<Trigger>& triggered);
+  Modes find_held(double t, const double* y, Asked asked, const std::vector<Trigger>& triggered);
   Modes find_with_loads(double t, const double* y, Asked asked, const std::vector<Trigger>& triggered);
   void find_contact_modes(double t, const double* y, const std::vector<Trigger>& triggered,
                           std::vector<CandidateMode>& next);

@@ -48,6 +48,7 @@ void ModeChanges::strike(double t, double* y, const std::vector<int>& returning,
   }
   ImpactEquations impact(contact_equations_, dynamics_.switching_forces(), candidates, joints, v, rest);
   bool found = impact.law().solve(decisions_.solver());
+  dynamics_.count_evaluations(excess_iterations(impact.law().iterations()));
   at.accelerations = impact.accelerations(at.vdot.data());
   found = end_series(at, impact) && found;
   if (!candidates.empty()) {

@@ -160,8 +160,9 @@ void ControlledSteps::make_pair(double end) {
   for (bool is_again = false;; is_again = true) {
     const bool made = try_pair(start, h);
     error = made ? local_error(h / 2) : 0;
-    if (made && (error <= accuracy() || h <= shortest_)) break;
-    if (!made && h <= shortest_)
+    const bool is_shortest = h <= (1 + rounding) * shortest_;  // equal parts of the time that is left are rounded
+    if (made && (error <= accuracy() || is_shortest)) break;
+    if (!made && is_shortest)
       refuse(system_, start, start_.data(), "velocities or forces are not finite, or too large for numbers");
     ++rejected_;
     y_ = start_;

@@ -79,7 +79,9 @@ double Impact::solve_cones(ConeSolver& solver, const MatrixXd& matrix, const Vec
   options.max_iterations = impact_cone_iterations;
   const DenseConeOperator G(matrix);
   const std::span<const double> right(b.data(), static_cast<std::size_t>(b.size()));
-  return solver.solve({G, right, cones_, true}, options, x_.data()).residual;
+  const ConeResult result = solver.solve({G, right, cones_, true}, options, x_.data());
+  iterations_ += result.iterations;
+  return result.residual;
 }
 
 double Impact::solve_boxes(const VectorXd& b) {

@@ -33,6 +33,7 @@ class Impact {
   // Finds the impulses. Returns false if none agree with the laws of restitution; they are inelastic then, if such can
   // be found.
   bool solve(ConeSolver& solver);
+  long iterations() const { return iterations_; }
   const Eigen::VectorXd& impulses() const { return x_; }  // by row
   // By number: velocities away from what is struck, before and after it.
   double approach(std::size_t i) const { return struck_[i].sign * speeds_[row(i)]; }
@@ -52,8 +53,9 @@ class Impact {
   Eigen::MatrixXd G_;
   Eigen::VectorXd speeds_, x_;
   std::vector<Struck> struck_;
-  Restitution restitution_;      // of struck_
-  std::vector<Cone> cones_;      // of struck_
+  Restitution restitution_;  // of struck_
+  std::vector<Cone> cones_;  // of struck_
+  long iterations_ = 0;
   bool are_boxes_ = false;       // bounds of single rows, whose problem is solved exactly
   Eigen::VectorXd weights_;      // by row: of redundant impulses; empty: they are unique
   Eigen::VectorXd compression_;  // impulses without restitution; empty: not needed

@@ -165,14 +165,20 @@ bool LoadIteration::stop() {
   return settle_regularly();
 }
 
-bool LoadIteration::settle(Friction& friction, std::span<const char> are_of_rest, bool is_first,
+bool LoadIteration::settle(Friction& friction, std::span<const char> are_of_rest, Holding holding,
                            std::vector<double>& limits) {
   friction_ = &friction;
   are_of_rest_ = are_of_rest;
   limits_ = &limits;
   found_.resize(limits.size());
-  if (is_first) hold_what_rests();
+  guess_ = limits;
+  if (holding == Holding::by_any_force) hold_what_rests();
   if (settle_regularly() && !friction_->stops()) return true;
+  if (holding == Holding::in_impact) {
+    if (follow(From::motion)) return true;
+    limits = guess_;  // what has no motion after the impact stops in the next step
+    return evaluate(found_);
+  }
   const bool any_rests = std::ranges::find(are_of_rest_, 1) != are_of_rest_.end();
   return (any_rests && follow(From::rest)) || follow(From::motion) || stop();
 }

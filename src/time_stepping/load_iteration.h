@@ -24,9 +24,12 @@ class LoadIteration {
     virtual bool stops() const = 0;
   };
 
+  // How what rests may be held: as in the guess of the limits; by any force that agrees with its load; not by more than
+  // the limits of the guess, as in an impact, in which friction exerts no impulse that could be its load.
+  enum class Holding { as_guessed, by_any_force, in_impact };
   // limits: a guess, then the fixed point, to which the last respond() belongs. are_of_rest: by limit, whether it is of
-  // friction at rest; is_first: the guess knows nothing of what holds. Returns false where there is none.
-  bool settle(Friction& friction, std::span<const char> are_of_rest, bool is_first, std::vector<double>& limits);
+  // friction at rest. Returns false where there is none.
+  bool settle(Friction& friction, std::span<const char> are_of_rest, Holding holding, std::vector<double>& limits);
 
  private:
   bool iterate();
@@ -46,7 +49,7 @@ class LoadIteration {
   std::vector<double>* limits_ = nullptr;
   double part_ = 1;  // of the friction that is followed
   bool follows_all_ = false;
-  std::vector<double> found_, changed_, correction_, matrix_;
+  std::vector<double> guess_, found_, changed_, correction_, matrix_;
   std::vector<int> reached_, pivots_;
   AndersonAcceleration acceleration_;
   bool contracts_ = false;  // the last iterations came closer to each other without acceleration

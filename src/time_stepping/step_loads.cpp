@@ -68,8 +68,10 @@ bool TimeStepper::settle_loads(double h, const double* u) {
   load_wrenches_.resize(mechanism_.links.size());
   joints_.read_limits(limits_, are_of_rest_);
   LoadedStep step(*this, h, u);
-  const bool is_first = std::exchange(are_loads_new_, false);
-  if (loads_iteration_.settle(step, are_of_rest_, is_first, limits_)) return true;
+  using Holding = LoadIteration::Holding;
+  Holding holding = std::exchange(are_loads_new_, false) ? Holding::by_any_force : Holding::as_guessed;
+  if (strikes_any_) holding = Holding::in_impact;
+  if (loads_iteration_.settle(step, are_of_rest_, holding, limits_)) return true;
   failure_ = undetermined_loads;
   return false;
 }

@@ -186,12 +186,10 @@ void TimeStepper::solve_impulses() {
   }
 }
 
-// x <- the impulses in these cones, for the velocities b_. What can remain at rest does: where normal forces are
-// redundant, Coulomb's law may permit motion as well.
+// x <- the impulses in these cones, for the velocities b_.
 void TimeStepper::solve(const std::vector<Cone>& cones, std::vector<double>& x) {
   if (recorded_ != nullptr) recorded_->emplace_back(ConeProblem{operator_, b_, cones, true});
-  ConeResult result;
-  if (!may_remain_at_rest() || !solve_at_rest(cones, x, result)) result = solve_for(cones, x);
+  const ConeResult result = solve_for(cones, x, may_remain_at_rest());
   last_residual_ = result.residual;
   solved_.residual = std::max(solved_.residual, result.residual);
   solved_.iterations = std::max(solved_.iterations, result.iterations);
@@ -202,26 +200,13 @@ bool TimeStepper::may_remain_at_rest() const {
          std::ranges::none_of(state_.contacts, &RememberedContact::slides);
 }
 
-// The convex problem: returns whether no point that pushes slides, so that its solution is one of Coulomb's law, too.
-bool TimeStepper::solve_at_rest(const std::vector<Cone>& cones, std::vector<double>& x, ConeResult& result) {
-  relieved_ = x;
+ConeResult TimeStepper::solve_for(const std::vector<Cone>& cones, std::vector<double>& x, bool may_rest) {
   ConeOptions options;
   options.tolerance = velocity_tolerance();
   options.max_iterations = most_cone_iterations;
-  result = solver_->solve({operator_, b_, cones, false}, options, relieved_.data());
-  if (!result.converged) return false;
-  operator_.apply(relieved_.data(), after_.data());
-  for (std::size_t r = 0; r < b_.size(); ++r) after_[r] += b_[r];
-  if (!all_stick(cones, relieved_.data(), after_.data(), rest_speed)) return false;
-  x.swap(relieved_);
-  return true;
-}
-
-ConeResult TimeStepper::solve_for(const std::vector<Cone>& cones, std::vector<double>& x) {
-  ConeOptions options;
-  options.tolerance = velocity_tolerance();
-  options.max_iterations = most_cone_iterations;
-  return solver_->solve({operator_, b_, cones, true}, options, x.data());
+  const ConeProblem problem{operator_, b_, cones, true};
+  return may_rest ? rest_first_.solve(*solver_, problem, options, rest_speed, x.data())
+                  : solver_->solve(problem, options, x.data());
 }
 
 // Whether a limit or a one-way clutch and a point with friction push, and one of them has not in the last step. They

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "complementarity/cone.h"
+#include "complementarity/rest_first.h"
 #include "contact_geometry/contact_finder.h"
 #include "dynamics/dynamics.h"
 #include "nonsmooth/restitution.h"
@@ -134,8 +135,7 @@ class TimeStepper final : public ContactReadings {
   void solve_impulses();
   void solve(const std::vector<Cone>& cones, std::vector<double>& x);
   bool may_remain_at_rest() const;
-  bool solve_at_rest(const std::vector<Cone>& cones, std::vector<double>& x, ConeResult& result);
-  ConeResult solve_for(const std::vector<Cone>& cones, std::vector<double>& x);
+  ConeResult solve_for(const std::vector<Cone>& cones, std::vector<double>& x, bool may_rest = false);
   bool may_be_prestressed() const;
   void relieve();
   struct Gap {
@@ -157,6 +157,7 @@ class TimeStepper final : public ContactReadings {
   FreeRotation rotation_;
   DelassusOperator operator_;
   std::unique_ptr<ConeSolver> solver_;
+  RestFirst rest_first_;
   ContactState state_, kept_, second_;
   bool has_second_ = false;
   std::vector<RememberedContact> last_contacts_;  // those before the last step
