@@ -18,8 +18,11 @@ constexpr double shared_fraction = 1e-8;
 // rebounds.
 constexpr double shortest_slip = 2e-12;
 // After an impact of a prescribed motion that jumps, speeds up to this are rest, in units of the fastest: more than
-// what closing the loops again leaves in joints that the impact does not move.
+// what closing the loops again leaves in joints that the impact does not move. And this part of the tolerance of the
+// integration: derivatives of a position that a master sends are rounded, and so small a jump must not end the hold of
+// static friction.
 constexpr double unmoved_tolerance = 1e-10;
+constexpr double unmoved_part = 0.1;
 
 }  // namespace
 
@@ -93,8 +96,9 @@ void JointChanges::begin_run() {
 }
 
 void JointChanges::stop_unmoved(const double* y, const LockModes::State& before) {
+  const double unmoved = std::max(unmoved_tolerance, unmoved_part * modes_.tolerance());
   for (int i = 0; i < modes_.count(); ++i) {
-    if (before.rests(i) && modes_.is_slow(i, y + modes_.nq_, unmoved_tolerance))
+    if (before.rests(i) && modes_.is_slow(i, y + modes_.nq_, unmoved))
       modes_.triggered_[static_cast<std::size_t>(i)] = LockModes::by_friction;
   }
 }

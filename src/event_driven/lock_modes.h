@@ -60,6 +60,7 @@ class LockModes {
   };
   // Sets the tolerance of the integration, below which displacements do not matter (natural units).
   void set_tolerance(double tolerance);
+  double tolerance() const { return tolerance_; }
   // Friction and limits are without effect until ModeChanges::start().
   void release();
 
@@ -122,7 +123,8 @@ class LockModes {
   // Dynamics::solution() of holding_ and of indicators_; -1: of none.
   long distributed_at_ = -1, indicated_at_ = -1;
   std::vector<int> resting_;  // of distribute()
-  double resolution_ = 0;     // of displacements that do not matter
+  double tolerance_ = 0;
+  double resolution_ = 0;  // of displacements that do not matter
   bool any_friction_ = false;
   bool any_at_rest_ = false;
   bool all_at_rest_ = false;

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What can remain at rest does, where normal forces are redundant and Coulomb's law permits motion as well."""
+"""What can remain at rest does, where normal forces are redundant and Coulomb's law permits motion, too."""
 
 from __future__ import annotations
 

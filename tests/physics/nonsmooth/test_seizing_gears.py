@@ -126,14 +126,14 @@ DRIVES = 150
 
 @pytest.mark.parametrize("w", [-2.0, 0.0, 5.0])
 def test_steps_find_the_motion_that_events_find(w: float) -> None:
-    """Where friction depends so much on its load that several motions agree with it, both schemes take the same."""
+    """Where friction depends so much on its load that several motions agree, both schemes take the same."""
     rng = np.random.default_rng(7)
     seized = 0
     for k in range(DRIVES):
         I0, I1 = 10 ** rng.uniform(-2, 0, 2)
         mesh = {
-            "type": "gear", "joint": "worm", "with": "wheel", "ratio": float(rng.choice([-2.0, 0.5, 1.0, 3.0])),
-            "efficiency": float(rng.uniform(0.15, 0.95)),
+            "type": "gear", "joint": "worm", "with": "wheel",
+            "ratio": float(rng.choice([-2.0, 0.5, 1.0, 3.0])), "efficiency": float(rng.uniform(0.15, 0.95)),
         }  # fmt: skip
         if rng.random() < 0.4:
             mesh["backdriving"] = float(rng.uniform(-2, 0.9))
@@ -153,5 +153,7 @@ def test_steps_find_the_motion_that_events_find(w: float) -> None:
         seized += w != 0 and exact * w <= 0
         # What stops within a step moves on at its end.
         most = 1e-4 * abs(drive) / I0 + 1e-9 if w != 0 and exact * w <= 0 else 1e-9 * (1 + abs(exact - w))
-        assert after["moreau-jean"] == pytest.approx(exact, abs=most), f"{k}: {I0}, {I1}, {mesh}, {drive}, {brake}"
+        assert after["moreau-jean"] == pytest.approx(exact, abs=most), (
+            f"{k}: {I0}, {I1}, {mesh}, {drive}, {brake}"
+        )
     assert w == 0 or seized > DRIVES / 20
