@@ -66,9 +66,7 @@ struct Loads {
   double potential_offset = 0;
 
   // Whether steps with impulses cannot be made.
-  bool need_events() const {
-    return !resets.empty() || rates_read_forces() || motions_follow_signals();
-  }
+  bool need_events() const { return !resets.empty() || rates_read_forces() || motions_follow_signals(); }
   bool motions_follow_signals() const {
     return std::ranges::any_of(motions, [](const auto& of) { return of[2].is_given(); });
   }
