@@ -245,6 +245,7 @@ double Locator::next_trial(std::size_t i, const Bracket& bracket, bool converges
 // After a step beyond a zero of indicator i: finds the earliest end beyond the zero, within rounding, and leaves it in
 // high_y_; or leaves the method at an earlier end without a sign change if the error test has cut the step short.
 Step Locator::search(std::size_t i, Stepping& method) {
+  const StepCourse::Search searched(course_, i);
   Bracket bracket(course_.start(), course_.at_start(i), high_t_, course_.at_end(i));
   const double resolution = resolution_to(high_t_);
   double next = bracket.clamped(course_.zero(i), resolution);

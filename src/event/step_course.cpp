@@ -49,7 +49,7 @@ void StepCourse::end(double t, const double* y) {
   // What rests although its own mode would let it move, as a joint with friction that a contact holds, changes its sign
   // by rounding in every step.
   for (std::size_t i = 0; i < size(); ++i) {
-    if (rests(start_g_[i], start_gdot_[i]) && rests(g_[i], gdot_[i])) after_[i] = before_[i];
+    if (i != searched_ && rests(start_g_[i], start_gdot_[i]) && rests(g_[i], gdot_[i])) after_[i] = before_[i];
   }
 }
 

@@ -25,6 +25,19 @@ class StepCourse {
   bool begin(double t, double* y);
   void end(double t, const double* y);
 
+  // During its lifetime the zero of indicator i is searched for, in steps that become as short as rounding: near the
+  // start of one that leaves zero slowly its sign counts, however small it is.
+  class Search {
+   public:
+    Search(StepCourse& course, std::size_t i) : course_(course) { course_.searched_ = i; }
+    ~Search() { course_.searched_ = none; }
+    Search(const Search&) = delete;
+    Search& operator=(const Search&) = delete;
+
+   private:
+    StepCourse& course_;
+  };
+
   double start() const { return start_t_; }           // s
   double end() const { return t_; }                   // s
   const bool* mode() const { return before_.get(); }  // flags of the indicators that are positive at its start
@@ -44,9 +57,12 @@ class StepCourse {
   double touch(std::size_t count) const;
 
  private:
+  static constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
+
   Cubic cubic(std::size_t i) const;
 
   EventSource& source_;
+  std::size_t searched_ = none;
   double start_t_ = 0, t_ = 0;  // s
   std::vector<double> start_g_, start_gdot_, g_, gdot_;
   std::unique_ptr<bool[]> before_, after_;  // by indicator: positive at the start, at the end

@@ -323,3 +323,33 @@ def test_invalid_stop_parameter_is_refused() -> None:
     source["parameters"] = ["J.stop.stiffness"]
     with pytest.raises(gelenk.SceneError, match=r"J\.stop\.stiffness: found 0 N/m, expected more than 0 N/m"):
         gelenk.simulate(gelenk.load(source), stop=0.1, parameters={"J.stop.stiffness": 0.0})
+
+
+@pytest.mark.parametrize("begin", [0.0, 3.0])
+@pytest.mark.parametrize("integrator", ["auto", "erk", "dirk", "cvode", "ida"])
+def test_what_rests_at_a_stop_is_pushed_into_it(integrator: str, begin: float) -> None:
+    """Wherever rounding puts it: phi = -tau/k (1 - cos(w t)) from the time at which the torque sets in."""
+    stiffness, inertia, torque = 560.0, 0.05, 8.0  # N m/rad, kg m2, N m
+    rate = (stiffness / inertia) ** 0.5
+    for start in (0.0, 1e-40, 1e-30, 1e-20, 1e-16, 1e-13):
+        plant = gelenk.Simulation(
+            scene(
+                {"a": body(1.0, inertia=(inertia,) * 3)},
+                {
+                    "A": joint(
+                        "revolute", frame("ground"), frame("a"), axis=[0, 1, 0],
+                        stop={"lower": 0.0, "stiffness": stiffness, "damping": 0.0},
+                        start={"phi": start, "w": 0.0, "fixed": True},
+                    )
+                },
+                motors={"M": {"joint": "A"}},
+                gravity=[0, 0, 0],
+                solver={"integrator": integrator},
+            )
+        )  # fmt: skip
+        plant.initialize(begin, 1e-9)
+        plant.step_to(begin + 0.12)
+        plant.set_input("M.tau", -torque)
+        plant.step_to(begin + 0.16)
+        exact = -torque / stiffness * (1 - np.cos(rate * 0.04))
+        assert plant.output("A.phi") == pytest.approx(exact, abs=1e-8), start
