@@ -18,7 +18,7 @@ namespace {
 // Decisions where limits depend on loads, and the relative change of limits at which they are repeated no more.
 constexpr int most_decisions = 60;
 constexpr double load_tolerance = 1e-13;
-// Friction that holds whatever it might, in units of the largest force that keeps a joint at rest: a part of what opens
+// Friction that holds all that it might, in units of the largest force that keeps a joint at rest: a part of what opens
 // can press on it as levers permit.
 constexpr double holding_friction = 1e3;
 
