@@ -9,6 +9,8 @@ class LoadDependence {
   virtual ~LoadDependence() = default;
 
   virtual bool empty() const = 0;
+  // Whether the friction with this index depends on loads.
+  virtual bool acts_on(int force) const = 0;
   // Keeps this friction as it was at the last solve(), in motion and at rest: the equations of motion are linear then.
   virtual void freeze(bool on) = 0;
   // The loads along a line, such as those of gears, whose sign matters: friction has a kink where it changes. Those of

@@ -25,7 +25,8 @@ void JointDecisions::add(int lock) {
   out.lock = lock;
   out.sticking = forces_.sticking_limit(lock);
   out.slipping = forces_.slipping_limit(lock);
-  if (holding_friction_ > 0 && modes_.has_friction(lock) && !out.sticking.vanishes)
+  out.has_load = modes_.has_friction(lock) && forces_.loads().acts_on(forces_.lock(lock).friction);
+  if (holding_friction_ > 0 && out.has_load && !out.sticking.vanishes)
     out.sticking.positive = out.sticking.negative = holding_friction_;
   out.contact = next_.contacts[at];
   out.triggered = modes_.triggered_[at] != LockModes::nothing && modes_.rests(lock);

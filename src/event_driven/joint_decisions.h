@@ -37,13 +37,14 @@ class JointDecisions {
   // --- where limits depend on loads ---
   // The modes in which all that is undecided is at rest.
   LockModes::State all_at_rest(double t, const double* y);
-  // Whether anything undecided touches a bound.
-  bool any_at_limit() const {
-    return std::ranges::any_of(problem_.locks, [](const LockProblem::Lock& at) { return at.contact != 0; });
+  // Whether anything undecided may move or open although friction that depends on loads holds.
+  bool any_without_load() const {
+    const auto may_move = [](const LockProblem::Lock& at) { return at.contact != 0 || !at.has_load; };
+    return std::ranges::any_of(problem_.locks, may_move);
   }
   // In the present modes, at (t, y).
   double largest_holding_force(double t, const double* y);
-  // Where there is friction at all, it can exert this force at rest; 0: what it can.
+  // Friction that depends on loads can exert this force at rest, if any; 0: what it can.
   void hold_by_friction(double force) { holding_friction_ = force; }
   // Brings the loads of friction to (t, y), in the present modes.
   void find_loads(double t, const double* y) { modes_.find_holding_forces(t, y); }

@@ -18,6 +18,7 @@ struct LockProblem {
     DirectedLimit sticking, slipping;  // limits of friction
     int contact = 0;                   // 1, -1: with the upper, the lower bound
     bool triggered = false;            // what keeps it at rest has reached its limit
+    bool has_load = false;             // its friction depends on loads
     double noticed = 0;                // larger accelerations are no rounding; known before decisions
     // In the modes of the last accelerate(): the force that keeps it at rest, and what of it may be rounding.
     double holding = 0, slack = 0;

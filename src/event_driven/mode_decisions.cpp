@@ -80,12 +80,13 @@ ModeDecisions::Modes ModeDecisions::find(double t, const double* y, Asked asked,
   return {joints_.end(), std::move(next)};
 }
 
-// The modes in which friction holds all joints that it might: limits and contacts that open then carry no loads.
+// The modes in which friction that depends on loads holds all joints that it might: what opens or slips then carries no
+// load, or that of its motion.
 ModeDecisions::Modes ModeDecisions::find_held(double t, const double* y, Asked asked,
                                               const std::vector<Trigger>& triggered) {
   const Modes before{modes_.state(), contact_equations_.modes()};
   Modes held{joints_.all_at_rest(t, y), before.contacts};
-  if (!joints_.any_at_limit() && (asked == Asked::joints || !contacts_.any())) return held;
+  if (!joints_.any_without_load() && (asked == Asked::joints || !contacts_.any())) return held;
   set_joints(held.joints);
   joints_.hold_by_friction(holding_friction * joints_.largest_holding_force(t, y));
   set_joints(before.joints);

@@ -27,11 +27,11 @@ MOST_REFUSED = 2  # of a block
 # static friction that a jump of a motion elsewhere broke; a limit met again in the rounding of an impact that
 # had left it; a report of a broken law in a large scene, whose unit was unknown; a corner that pulled while a
 # joint elsewhere was at rest; sliding that begins within a step of dirk; steps that took the wrong one of two
-# motions of a gear with losses, or the impulse of a stop for its load; a brake beside a stop that opens; a
-# jump of a motion within rounding that ended static friction.
+# motions of a gear with losses, or the impulse of a stop for its load; a worm beside what sets out;
+# a jump of a motion within rounding that ended static friction.
 ONCE_WRONG = (
     12407, 6039, 2403, 4327, 3373, 5005, 4515, 5134, 6967, 9529, 5881, 9709, 10491,
-    12282, 12585, 12264, 15886,
+    12282, 12585, 12264, 15886, 18255,
 )  # fmt: skip
 
 

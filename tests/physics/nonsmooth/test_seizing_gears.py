@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 from mechanisms import Scene, body, frame, joint, scene
@@ -118,6 +120,38 @@ def test_the_impulse_of_a_stop_is_no_load(integrator: str) -> None:
     after = rotor * speed / (WORM * RATIO**2 + inner + rotor)
     assert plant.output("wheel.w") == pytest.approx(after, abs=1e-2 * after)
     assert plant.output("stopped.w") == pytest.approx(0, abs=1e-9)
+
+
+@pytest.mark.parametrize("integrator", ["auto", "erk", "cvode", "dirk", "moreau-jean"])
+@pytest.mark.parametrize("holds", ["friction", "limit"])
+@pytest.mark.parametrize(("torque", "drive"), [(30.0, 1.0), (-30.0, 6.0)])
+def test_a_worm_at_rest_bears_the_load_of_what_sets_out(
+    torque: float, drive: float, holds: str, integrator: str
+) -> None:
+    """A spring drives a rotor on the wheel from its stop, or against friction: its torque is the load that
+    holds the worm, although there would be none if the rotor remained at rest.
+    """
+    rotor, coulomb = 0.2, 0.3  # kg m2, N m
+    of = worm(0.8, 0.0)
+    of["bodies"]["rotor"] = body(1.0, inertia=(rotor,) * 3)
+    bound = "lower" if torque > 0 else "upper"
+    law = {"limit": {bound: 0.0}} if holds == "limit" else {"friction": {"coulomb": coulomb}}
+    of["joints"]["free"] = joint(
+        "revolute", frame("b"), frame("rotor"), axis=[1, 0, 0],
+        start={"phi": 0.0, "w": 0.0, "fixed": True}, **law,
+    )  # fmt: skip
+    of["motors"]["spring"] = {"joint": "free"}
+    of["solver"] = {"integrator": integrator, "step": 1e-3}
+    plant = gelenk.Simulation(of)
+    plant.set_input("spring.tau", torque)
+    plant.set_input("drive.tau", drive)
+    plant.initialize()
+    plant.step_to(0.02)
+    assert plant.output("worm.w") == pytest.approx(0, abs=1e-12)
+    assert plant.output("wheel.w") == pytest.approx(0, abs=1e-12)
+    assert plant.output("worm.friction.mode") == 0
+    driving = torque - (math.copysign(coulomb, torque) if holds == "friction" else 0)
+    assert plant.output("free.w") == pytest.approx(driving / rotor * 0.02, rel=1e-6)
 
 
 # Of 1 kg m2 and less, driven on both sides, in motion or at rest: many seize, or could rest as well as move.
