@@ -71,7 +71,6 @@ class LoadedFriction final : public LoadDependence {
 
   bool empty() const override { return loads_.empty(); }
   bool acts_on(int force) const override { return std::ranges::find(owners_, force) != owners_.end(); }
-  const std::vector<Load>& loads() const { return loads_; }
   int signed_count() const override { return static_cast<int>(std::ranges::count_if(loads_, &Load::has_sign)); }
   void indicators(double* g) const override {
     for (const Load& load : loads_) {

@@ -126,14 +126,17 @@ bool JointRows::have_loads() const {
   return !switching_.loads().empty() && std::ranges::any_of(rows_, [](const Row& row) { return row.side == 0; });
 }
 
-void JointRows::read_limits(std::vector<double>& out, std::vector<char>& are_of_rest) const {
+void JointRows::read_limits(std::vector<double>& out, std::vector<LoadIteration::Limit>& kinds) const {
+  using Limit = LoadIteration::Limit;
   out.clear();
-  are_of_rest.clear();
+  kinds.clear();
   for (const Row& row : rows_) {
     if (row.side != 0) continue;
     append({row.at_rest, row.sliding}, out);
-    const char rests = row.slides == 0 ? 1 : 0;
-    are_of_rest.insert(are_of_rest.end(), {1, 1, rests, rests});
+    const bool has_load = switching_.loads().acts_on(switching_.lock(row.lock).friction);
+    const Limit at_rest = has_load ? Limit::of_rest : Limit::without_load;
+    const Limit sliding = has_load && row.slides != 0 ? Limit::of_motion : at_rest;
+    kinds.insert(kinds.end(), {at_rest, at_rest, sliding, sliding});
   }
 }
 

@@ -8,6 +8,7 @@
 
 #include "complementarity/cone.h"
 #include "dynamics/switching_forces.h"
+#include "time_stepping/load_iteration.h"
 
 namespace gelenk {
 
@@ -54,9 +55,9 @@ class JointRows {
   bool set_sliding_friction(double h, const double* v1, const double* vm, const double* x, std::span<Cone> cones);
   // Whether the friction of any of them depends on loads.
   bool have_loads() const;
-  // The limits of friction as they are set, and which of them are of friction at rest; with the loads of the last
+  // The limits of friction as they are set, and their kinds; with the loads of the last
   // solve(), at the mean velocities vm; and the indices of those that the impulses x have reached.
-  void read_limits(std::vector<double>& out, std::vector<char>& are_of_rest) const;
+  void read_limits(std::vector<double>& out, std::vector<LoadIteration::Limit>& kinds) const;
   void find_limits(const double* vm, std::vector<double>& out) const;
   void set_limits(double h, const double* limits, std::span<Cone> cones);
   void add_reached_limits(const double* x, std::span<const Cone> cones, std::vector<int>& out) const;

@@ -41,7 +41,8 @@ double change_between(const std::vector<double>& a, const std::vector<double>& b
 bool LoadIteration::evaluate(std::vector<double>& found) {
   if (!friction_->respond(*limits_, found)) return false;
   for (std::size_t i = 0; i < found.size(); ++i) {
-    if (follows_all_ || are_of_rest_[i] == 0) found[i] *= part_;
+    const bool is_followed = kinds_[i] == Limit::of_motion || (follows_all_ && kinds_[i] == Limit::of_rest);
+    if (is_followed) found[i] *= part_;
   }
   return std::ranges::all_of(found, [](double limit) { return std::isfinite(limit); });
 }
@@ -140,7 +141,7 @@ bool LoadIteration::correct() {
 
 void LoadIteration::hold_what_rests() {
   for (std::size_t i = 0; i < limits_->size(); ++i) {
-    if (are_of_rest_[i] != 0) (*limits_)[i] = unlimited;
+    if (kinds_[i] == Limit::of_rest) (*limits_)[i] = unlimited;
   }
 }
 
@@ -165,10 +166,10 @@ bool LoadIteration::stop() {
   return settle_regularly();
 }
 
-bool LoadIteration::settle(Friction& friction, std::span<const char> are_of_rest, Holding holding,
+bool LoadIteration::settle(Friction& friction, std::span<const Limit> kinds, Holding holding,
                            std::vector<double>& limits) {
   friction_ = &friction;
-  are_of_rest_ = are_of_rest;
+  kinds_ = kinds;
   limits_ = &limits;
   found_.resize(limits.size());
   guess_ = limits;
@@ -179,7 +180,7 @@ bool LoadIteration::settle(Friction& friction, std::span<const char> are_of_rest
     limits = guess_;  // what has no motion after the impact stops in the next step
     return evaluate(found_);
   }
-  const bool any_rests = std::ranges::find(are_of_rest_, 1) != are_of_rest_.end();
+  const bool any_rests = std::ranges::find(kinds_, Limit::of_rest) != kinds_.end();
   return (any_rests && follow(From::rest)) || follow(From::motion) || stop();
 }
 

@@ -27,9 +27,10 @@ class LoadIteration {
   // How what rests may be held: as in the guess of the limits; by any force that agrees with its load; not by more than
   // the limits of the guess, as in an impact, in which friction exerts no impulse that could be its load.
   enum class Holding { as_guessed, by_any_force, in_impact };
-  // limits: a guess, then the fixed point, to which the last respond() belongs. are_of_rest: by limit, whether it is of
-  // friction at rest. Returns false where there is none.
-  bool settle(Friction& friction, std::span<const char> are_of_rest, Holding holding, std::vector<double>& limits);
+  enum class Limit : char { of_motion, of_rest, without_load };  // of what friction: the last one is known
+  // limits: a guess, then the fixed point, to which the last respond() belongs; kinds: theirs. Returns false where
+  // there is none.
+  bool settle(Friction& friction, std::span<const Limit> kinds, Holding holding, std::vector<double>& limits);
 
  private:
   bool iterate();
@@ -45,7 +46,7 @@ class LoadIteration {
   bool stop();
 
   Friction* friction_ = nullptr;
-  std::span<const char> are_of_rest_;
+  std::span<const Limit> kinds_;
   std::vector<double>* limits_ = nullptr;
   double part_ = 1;  // of the friction that is followed
   bool follows_all_ = false;

@@ -66,12 +66,12 @@ bool TimeStepper::settle_loads(double h, const double* u) {
   load_along_.resize(v0_.size());
   load_vdot_.resize(v0_.size());
   load_wrenches_.resize(mechanism_.links.size());
-  joints_.read_limits(limits_, are_of_rest_);
+  joints_.read_limits(limits_, limit_kinds_);
   LoadedStep step(*this, h, u);
   using Holding = LoadIteration::Holding;
   Holding holding = std::exchange(are_loads_new_, false) ? Holding::by_any_force : Holding::as_guessed;
   if (strikes_any_) holding = Holding::in_impact;
-  if (loads_iteration_.settle(step, are_of_rest_, holding, limits_)) return true;
+  if (loads_iteration_.settle(step, limit_kinds_, holding, limits_)) return true;
   failure_ = undetermined_loads;
   return false;
 }

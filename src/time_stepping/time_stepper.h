@@ -191,7 +191,7 @@ class TimeStepper final : public ContactReadings {
   // Friction that depends on loads: iterations for its limits, and the forces that act with it.
   LoadIteration loads_iteration_;
   bool are_loads_new_ = false;  // none are known of the present step
-  std::vector<char> are_of_rest_;
+  std::vector<LoadIteration::Limit> limit_kinds_;
   std::vector<double> limits_, load_along_, load_x_, load_vdot_;
   std::vector<Spatial::Force> load_wrenches_;
   const char* failure_ = "";
