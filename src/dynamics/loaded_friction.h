@@ -308,9 +308,7 @@ class LoadedFriction final : public LoadDependence {
       }
     }
     factorize_general(of, pivots_.data(), least_pivot);
-    bool is_positive = true;
-    for (Eigen::Index j = 0; j < n; ++j) is_positive = is_positive == ((of(j, j) > 0) == (pivots_[j] == j));
-    return is_positive;
+    return has_positive_determinant(of, pivots_.data());
   }
   // rest_ <- its solution.
   void solve_matrix() {

@@ -161,12 +161,12 @@ bool JointChanges::returns(int lock, const LockModes::State& before, const doubl
   const int side = present.contacts[lock] == 0 && present.leaves_from[lock] != 0 ? modes_.touched_side(lock) : 0;
   if (side != 0) {
     const bool rebounds = forces_.depth(lock, side).restitution > 0 && before.contacts[lock] == 0;
-    const double resolution = rebounds ? 0 : modes_.resolution_;
+    const double resolution = rebounds ? 0 : modes_.resolution();
     if (modes_.returns_to(lock, side, resolution, speed, side * forces_.speed(lock, vdot))) return true;
   }
   if (of.friction < 0 || !before.rests(lock) || modes_.rests(lock)) return false;
   const double deceleration = (speed > 0 ? -1 : 1) * forces_.speed(lock, vdot);
-  return deceleration > 0 && speed * speed <= 2 * deceleration * std::max(modes_.resolution_, shortest_slip);
+  return deceleration > 0 && speed * speed <= 2 * deceleration * std::max(modes_.resolution(), shortest_slip);
 }
 
 std::vector<int> JointChanges::find_returning(double t, const double* y, const LockModes::State& before,

@@ -54,10 +54,7 @@ LockModes::LockModes(ModeEquations& equations, Dynamics& dynamics, int nq, int n
   if (!empty()) release();
 }
 
-void LockModes::set_tolerance(double tolerance) {
-  tolerance_ = tolerance;
-  resolution_ = resolved_fraction * tolerance;
-}
+double LockModes::resolution() const { return resolved_fraction * tolerance_; }
 
 bool LockModes::is_slow(int lock, const double* v) const { return is_slow(lock, v, rest_tolerance); }
 bool LockModes::is_slow(int lock, const double* v, double tolerance) const {

@@ -59,7 +59,7 @@ class LockModes {
     bool operator==(const State&) const = default;
   };
   // Sets the tolerance of the integration, below which displacements do not matter (natural units).
-  void set_tolerance(double tolerance);
+  void set_tolerance(double tolerance) { tolerance_ = tolerance; }
   double tolerance() const { return tolerance_; }
   // Friction and limits are without effect until ModeChanges::start().
   void release();
@@ -90,6 +90,7 @@ class LockModes {
   bool rests(int lock) const { return modes_.rests(lock); }
   bool is_slow(int lock, const double* v) const;
   bool is_slow(int lock, const double* v, double tolerance) const;
+  double resolution() const;  // of displacements that do not matter
   int touched_side(int lock) const;
   void find_holding_forces(double t, const double* y);
   void distribute(std::vector<double>& holding);
@@ -124,7 +125,6 @@ class LockModes {
   long distributed_at_ = -1, indicated_at_ = -1;
   std::vector<int> resting_;  // of distribute()
   double tolerance_ = 0;
-  double resolution_ = 0;  // of displacements that do not matter
   bool any_friction_ = false;
   bool any_at_rest_ = false;
   bool all_at_rest_ = false;

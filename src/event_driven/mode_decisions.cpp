@@ -174,8 +174,15 @@ void ModeDecisions::find_contact_modes(double t, const double* y, const std::vec
   }
   set_accelerations(t, y);
   decided_candidate_ = candidates.front();
-  outcome_ = decision_.decide(candidates, triggered, vdot_.data(), next, joints_.problem());
+  outcome_ = decide_on(candidates, triggered, next);
+}
+
+ContactDecision::Outcome ModeDecisions::decide_on(const std::vector<int>& candidates,
+                                                  const std::vector<Trigger>& triggered,
+                                                  std::vector<CandidateMode>& next) {
+  const auto outcome = decision_.decide(candidates, triggered, vdot_.data(), next, joints_.problem());
   dynamics_.count_evaluations(excess_iterations(decision_.iterations()));
+  return outcome;
 }
 
 // Completes the problem of joints for a decision with contacts.
@@ -199,9 +206,7 @@ bool ModeDecisions::hold_by_others(double t, const double* y) {
   equations_.accelerations_at(t, y, vdot_.data());
   std::vector<CandidateMode> next = present;
   set_accelerations(t, y);
-  const auto outcome =
-      decision_.decide(candidates, std::vector<Trigger>(present.size()), vdot_.data(), next, joints_.problem());
-  dynamics_.count_evaluations(excess_iterations(decision_.iterations()));
+  const auto outcome = decide_on(candidates, std::vector<Trigger>(present.size()), next);
   contact_equations_.set_modes(present);
   set_joints(present_joints);
   bool holds = outcome == ContactDecision::Outcome::found;

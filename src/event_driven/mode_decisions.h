@@ -48,6 +48,8 @@ class ModeDecisions {
   Modes find_with_loads(double t, const double* y, Asked asked, const std::vector<Trigger>& triggered);
   void find_contact_modes(double t, const double* y, const std::vector<Trigger>& triggered,
                           std::vector<CandidateMode>& next);
+  ContactDecision::Outcome decide_on(const std::vector<int>& candidates, const std::vector<Trigger>& triggered,
+                                     std::vector<CandidateMode>& next);
   std::vector<int> lasting(double rest);
   void set_accelerations(double t, const double* y);
   void set_joints(const LockModes::State& state) {

@@ -90,6 +90,12 @@ void factorize_general(DenseMatrix A, int* pivots, double least_pivot) {
   }
 }
 
+bool has_positive_determinant(const DenseMatrix& A, const int* pivots) {
+  bool is_positive = true;
+  for (Index j = 0; j < A.rows(); ++j) is_positive = is_positive == ((A(j, j) > 0) == (pivots[j] == j));
+  return is_positive;
+}
+
 void solve_general(const DenseMatrix& A, const int* pivots, DenseVector x) {
   const Index n = A.rows();
   for (Index j = 0; j < n; ++j) {

@@ -20,6 +20,8 @@ void lower_product(const Eigen::MatrixXd& C, Eigen::MatrixXd& A);
 
 // P A = L U with row pivoting; pivots: A.rows() numbers. Pivots smaller than least_pivot are replaced by it.
 void factorize_general(DenseMatrix A, int* pivots, double least_pivot);
+// Whether the determinant of a matrix with these factors is positive.
+bool has_positive_determinant(const DenseMatrix& A, const int* pivots);
 void solve_general(const DenseMatrix& A, const int* pivots, DenseVector x);
 
 }  // namespace gelenk

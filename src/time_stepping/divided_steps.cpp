@@ -120,7 +120,8 @@ bool TimeStepper::converge(double h, const double* u, bool last) {
   const double largest = solved_.residual;
   failure_ = "the velocities are not finite";
   const double most_turned = last ? most_turned_at_last : most_turned_at_first;
-  if (update_forces(h, u, most_turned) == Forces::too_fast || !respond(h, u)) return false;
+  using Holding = LoadIteration::Holding;
+  if (update_forces(h, u, most_turned) == Forces::too_fast || !respond(h, u, Holding::by_any_force)) return false;
   // Once more, with forces at the mean velocity that was found, and again where that changes the velocities notably.
   Repetitions done{last, change()};
   while (done.count < most_repetitions) {
@@ -134,7 +135,7 @@ bool TimeStepper::converge(double h, const double* u, bool last) {
     const bool slides = joints_.set_sliding_friction(h, v1_.data(), vm_.data(), x_.data(), joint_cones());
     if (!slides && !turns && forces == Forces::as_before) break;
     solved_.residual = largest;  // of the results that count
-    if (!respond(h, u)) return false;
+    if (!respond(h, u, Holding::as_guessed)) return false;
     const double enough = small_change(done.count == 0 ? notable : settled);
     if (!done.need_another(change(), enough, small_change(negligible))) break;
   }
@@ -161,9 +162,10 @@ TimeStepper::Forces TimeStepper::update_forces(double h, const double* u, double
   return change > negligible_change * fastest ? Forces::changed : Forces::as_before;
 }
 
-// v1_ <- the velocities at the end of the step, with the accelerations vdot_ of smooth forces.
-bool TimeStepper::respond(double h, const double* u) {
-  return joints_.have_loads() ? settle_loads(h, u) : respond_to_smooth_forces(h);
+// v1_ <- the velocities at the end of the step, with the accelerations vdot_ of smooth forces. holding: of friction
+// that depends on loads.
+bool TimeStepper::respond(double h, const double* u, LoadIteration::Holding holding) {
+  return joints_.have_loads() ? settle_loads(h, u, holding) : respond_to_smooth_forces(h);
 }
 
 // The same with the limits of friction as they are set. Returns false where smooth forces are not finite.

@@ -148,7 +148,7 @@ void JointRows::add_reached_limits(const double* x, std::span<const Cone> cones,
     const double impulse = x[cones[i].first];
     const int motion = impulse < 0 ? 1 : -1;  // that friction opposes
     const double limit = motion > 0 ? -cones[i].lower : cones[i].upper;
-    const int of_sliding = stops_before(row, motion) ? 0 : 2;
+    const int of_sliding = stops_before(row, motion) ? 0 : 2;  // in the order of append()
     if (std::abs(impulse) >= at_bound * limit) out.push_back(first + of_sliding + (motion > 0 ? 0 : 1));
     first += 4;
   }

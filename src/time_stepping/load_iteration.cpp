@@ -100,13 +100,8 @@ LoadIteration::Branch LoadIteration::differentiate() {
       derivative(i, j) = (i == j ? 1 : 0) - (changed_[row] - found_[row]) / step;
     }
   }
-  if (n > 0) factorize_general(derivative, pivots_.data(), least_pivot);
-  bool is_positive = true;
-  for (Eigen::Index j = 0; j < n; ++j) {
-    const bool keeps_sign = (derivative(j, j) > 0) == (pivots_[static_cast<std::size_t>(j)] == j);
-    is_positive = is_positive == keeps_sign;
-  }
-  return is_positive ? Branch::first : Branch::other;
+  factorize_general(derivative, pivots_.data(), least_pivot);
+  return has_positive_determinant(derivative, pivots_.data()) ? Branch::first : Branch::other;
 }
 
 bool LoadIteration::is_on_first_branch() {

@@ -46,9 +46,9 @@ double TimeStepper::approach(std::size_t cone) const {
 
 // Where something with restitution or friction strikes within the step, all that is struck in it is struck at once. If
 // it were only braked so that it closes its gap at the end of the step, and stopped in the next one, friction would act
-// on two parts of the impulse, which is not the same as on the whole one, and depends on when in the step it strikes.
-// And friction of joints that depends on loads would take the impulse for a load.
-// By Poisson's law even what rests may throw back what strikes another.
+// on two parts of the impulse, which is not the same as on the whole one, and depends on when in the step it strikes;
+// and friction of joints that depends on loads would take the impulse for a load. By Poisson's law even what rests may
+// throw back what strikes another.
 void TimeStepper::find_strikes(double h) {
   strikes_.assign(cones_.size(), 0);
   strikes_any_ = has_compression_ = false;

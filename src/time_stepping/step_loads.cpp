@@ -2,7 +2,6 @@
 // Friction of joints that depends on the forces of bearings, guides and gears, which depend on it, in steps of
 // TimeStepper: a fixed point of its limits, which those forces determine as they act with it, on average over the step.
 #include <algorithm>
-#include <utility>
 
 #include "time_stepping/load_iteration.h"
 #include "time_stepping/time_stepper.h"
@@ -62,15 +61,13 @@ void TimeStepper::apply_mean_forces(double h, const double* u) {
 }
 
 // v1_ <- the velocities at the end of the step with the friction that follows from its forces.
-bool TimeStepper::settle_loads(double h, const double* u) {
+bool TimeStepper::settle_loads(double h, const double* u, LoadIteration::Holding holding) {
   load_along_.resize(v0_.size());
   load_vdot_.resize(v0_.size());
   load_wrenches_.resize(mechanism_.links.size());
   joints_.read_limits(limits_, limit_kinds_);
   LoadedStep step(*this, h, u);
-  using Holding = LoadIteration::Holding;
-  Holding holding = std::exchange(are_loads_new_, false) ? Holding::by_any_force : Holding::as_guessed;
-  if (strikes_any_) holding = Holding::in_impact;
+  if (strikes_any_) holding = LoadIteration::Holding::in_impact;
   if (loads_iteration_.settle(step, limit_kinds_, holding, limits_)) return true;
   failure_ = undetermined_loads;
   return false;

@@ -107,7 +107,6 @@ void TimeStepper::collect(double h) {
   opens_.assign(points_.size(), 0.0);
   for (const NearPoint& point : points_) add_contact(point);
   joints_.add({h, v0_.data(), vdot_.data(), state_.locks}, rows_, cones_);
-  are_loads_new_ = true;
   for (std::vector<double>* of : all_by_row()) of->assign(static_cast<std::size_t>(rows_.count()), 0.0);
   strikes_.clear();
   restitution_.clear();
@@ -205,7 +204,8 @@ ConeResult TimeStepper::solve_for(const std::vector<Cone>& cones, std::vector<do
   options.tolerance = velocity_tolerance();
   options.max_iterations = most_cone_iterations;
   const ConeProblem problem{operator_, b_, cones, true};
-  return may_rest ? rest_first_.solve(*solver_, problem, options, rest_speed, x.data())
+  const double rest = std::max(rest_speed, options.tolerance);
+  return may_rest ? rest_first_.solve(*solver_, problem, options, rest, x.data())
                   : solver_->solve(problem, options, x.data());
 }
 

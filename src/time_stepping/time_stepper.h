@@ -101,10 +101,10 @@ class TimeStepper final : public ContactReadings {
   bool step_in_parts(double h, const double* u, double* y, int halvings);
   enum class Forces { as_before, changed, too_fast };
   Forces update_forces(double h, const double* u, double most_turned);
-  bool respond(double h, const double* u);
+  bool respond(double h, const double* u, LoadIteration::Holding holding);
   bool respond_to_smooth_forces(double h);
   class LoadedStep;
-  bool settle_loads(double h, const double* u);
+  bool settle_loads(double h, const double* u, LoadIteration::Holding holding);
   void apply_mean_forces(double h, const double* u);
   Spatial::Force force_at(std::size_t i, double h) const;
   void add_wrench(const NearPoint& point, const Spatial::Force& on_b, std::vector<Spatial::Force>& out) const;
@@ -190,7 +190,6 @@ class TimeStepper final : public ContactReadings {
   std::vector<std::vector<double>> starts_;  // of a step and its halves
   // Friction that depends on loads: iterations for its limits, and the forces that act with it.
   LoadIteration loads_iteration_;
-  bool are_loads_new_ = false;  // none are known of the present step
   std::vector<LoadIteration::Limit> limit_kinds_;
   std::vector<double> limits_, load_along_, load_x_, load_vdot_;
   std::vector<Spatial::Force> load_wrenches_;

@@ -326,11 +326,16 @@ def test_invalid_stop_parameter_is_refused() -> None:
 
 
 @pytest.mark.parametrize("begin", [0.0, 3.0])
+@pytest.mark.parametrize("given_as", ["stop", "law"])
 @pytest.mark.parametrize("integrator", ["auto", "erk", "dirk", "cvode", "ida"])
-def test_what_rests_at_a_stop_is_pushed_into_it(integrator: str, begin: float) -> None:
+def test_what_rests_at_a_stop_is_pushed_into_it(integrator: str, given_as: str, begin: float) -> None:
     """Wherever rounding puts it: phi = -tau/k (1 - cos(w t)) from the time at which the torque sets in."""
     stiffness, inertia, torque = 560.0, 0.05, 8.0  # N m/rad, kg m2, N m
     rate = (stiffness / inertia) ** 0.5
+    laws: dict[str, dict[str, Any]] = {
+        "stop": {"lower": 0.0, "stiffness": stiffness, "damping": 0.0},
+        "law": {"effort": f"if(phi < 0, -{stiffness}*phi, 0)"},
+    }
     for start in (0.0, 1e-40, 1e-30, 1e-20, 1e-16, 1e-13):
         plant = gelenk.Simulation(
             scene(
@@ -338,8 +343,8 @@ def test_what_rests_at_a_stop_is_pushed_into_it(integrator: str, begin: float) -
                 {
                     "A": joint(
                         "revolute", frame("ground"), frame("a"), axis=[0, 1, 0],
-                        stop={"lower": 0.0, "stiffness": stiffness, "damping": 0.0},
                         start={"phi": start, "w": 0.0, "fixed": True},
+                        **{given_as: laws[given_as]},
                     )
                 },
                 motors={"M": {"joint": "A"}},
