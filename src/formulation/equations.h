@@ -4,6 +4,7 @@
 // followed by multipliers.
 #pragma once
 
+#include <cmath>
 #include <string>
 
 #include "event/event_log.h"
@@ -80,6 +81,8 @@ class Equations {
   // Whether project() reduces the errors to rounding level, far below any tolerance: multistep methods take differences
   // of former states.
   virtual void polish(bool /*on*/) {}
+  // The latest time at which a step of variable length from t should end.
+  virtual double end_of_step(double /*t*/) { return INFINITY; }
   // Displaces q by dv, velocities times time.
   virtual void displace(double* q, const double* dv) const = 0;
   // Call when a step has been accepted; y satisfies the constraints.

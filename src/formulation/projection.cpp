@@ -10,6 +10,8 @@
 #include "event_driven/contact_modes.h"
 #include "formulation/branch_acceleration.h"
 #include "formulation/formulation.h"
+#include "formulation/singular_approach.h"
+#include "formulation/weak_row_corrector.h"
 
 namespace gelenk {
 namespace {
@@ -18,12 +20,12 @@ namespace {
 // direction is a quotient of two numbers that vanish together, and the rounding and step errors in it move the
 // mechanism onto another branch; smaller steps only come nearer. Therefore, as fractions of the largest pivot ratio
 // observed:
-constexpr double near_fraction = 0.5;        // below it the accelerations of accepted steps are recorded
-constexpr double regular_fraction = 0.1;     // below it they are extrapolated instead ...
+constexpr double near_fraction = 0.5;  // below it the accelerations of accepted steps are recorded
+constexpr double regular_fraction = WeakRowCorrector::regular_fraction;  // they are extrapolated below it instead ...
 constexpr double min_spacing = 0.05;         // ... from fractions this far apart, so that the polynomial reaches far
 constexpr double max_weak_fraction = 0.02;   // ... and near and below weak_fraction() they replace the weak component;
 constexpr double min_weak_fraction = 0.001;  // the fraction is smaller if they are less accurate
-constexpr double default_weak_fraction = 0.003;  // if their accuracy is unknown
+constexpr double default_weak_fraction = WeakRowCorrector::default_weak_fraction;  // if their accuracy is unknown
 constexpr double constraint_noise = 1e-14;
 constexpr double rounding_fraction = 1e-5;  // below it even the weak direction is rounding
 constexpr double max_magnification = 1e4;
@@ -43,61 +45,6 @@ double weak_fraction(double error, double size) {
   return std::max(min_weak_fraction, std::cbrt(constraint_noise * size / error));
 }
 
-// Projects by the smallest step in the mass metric; along weak directions only as far as these are accurate.
-class WeakRowCorrector final : public ConstraintProjector {
- public:
-  // best_pivot_ratio: largest ratio known before the run.
-  WeakRowCorrector(const Mechanism& mechanism, Dynamics& dynamics, double best_pivot_ratio)
-      : ConstraintProjector(mechanism, dynamics), best_known_pivot_ratio_(best_pivot_ratio) {}
-
-  // Whether the last factors are not near a singular configuration.
-  bool is_regular() const { return regular_; }
-  // Pivot ratio relative to the largest one.
-  double pivot_fraction() const { return dynamics_.pivot_ratio() / best_pivot_ratio_; }
-  bool below(double pivot_fraction) const { return dynamics_.pivot_ratio() < pivot_fraction * best_pivot_ratio_; }
-  // At the start of a run: determines from earlier knowledge whether that is near a singular configuration.
-  void assess_start() {
-    if (!(dynamics_.pivot_ratio() < regular_fraction * best_known_pivot_ratio_)) return;
-    best_pivot_ratio_ = std::max(best_pivot_ratio_, best_known_pivot_ratio_);
-    update_singularity_status();
-  }
-  void update_singularity_status() {
-    regular_ = !below(regular_fraction);
-    set_weak(regular_ ? 0 : default_weak_fraction);
-  }
-  void factors_changed() override { update_singularity_status(); }
-  void set_weak(double pivot_fraction) {
-    if (!full_correction_ || pivot_fraction == 0) dynamics_.set_singular_threshold(pivot_fraction * best_pivot_ratio_);
-  }
-  // Corrects weak directions in full, since a long step may leave too large errors in them.
-  bool close_in_full(double* q, double* v) {
-    full_correction_ = true;
-    dynamics_.set_singular_threshold(0);
-    refactor();
-    const bool closed = close_position(q) && close_velocity(v);
-    full_correction_ = false;
-    return closed;
-  }
-  void serialize(Archive& archive) {
-    archive.serialize(best_pivot_ratio_);
-    if (archive.reading()) full_correction_ = false;
-  }
-
- private:
-  void refactor() override {
-    dynamics_.factorize();
-    best_pivot_ratio_ = std::max(best_pivot_ratio_, dynamics_.pivot_ratio());
-    update_singularity_status();
-  }
-  // Errors left along weak directions are small, and decay where the constraints are regular again.
-  double slack() const override { return regular_ ? ConstraintProjector::slack() : 1e8; }
-
-  double best_known_pivot_ratio_;
-  double best_pivot_ratio_ = 0;  // largest in the run, or known before it if it starts near a singular configuration
-  bool regular_ = true;
-  bool full_correction_ = false;  // weak directions are corrected in full
-};
-
 class Projection final : public Formulation {
  public:
   explicit Projection(const FormulationContext& context)
@@ -115,20 +62,26 @@ class Projection final : public Formulation {
   }
   bool project(double t, double* y) override;
   void polish(bool on) override { polishing_ = on; }
+  double end_of_step(double t) override { return recorded_ > 1 ? approach_.end_of_step(t) : INFINITY; }
   void accepted(double t, const double* y) override;
   void start(const std::vector<double>& cut_q, double t, const double* y) override;
   void inputs_changed(double t, const double* y) override;
-  void mode_changed() override { recorded_ = 0; }  // accelerations have jumped
+  void mode_changed() override { forget_accelerations(); }  // they have jumped
   void serialize(Archive& archive) override;
 
  private:
   ConstraintProjector& projector() override { return rows_; }
   void solve(double t, double* vdot) override;
+  void forget_accelerations() {
+    recorded_ = 0;
+    approach_.clear();
+  }
   const double* extrapolate(double t);
   double lagrange(double t, int first, double* weights) const;
   void add_jump(double t);
   void start_on_branch(double t, const double* y);
   void record_acceleration(double t, const double* y);
+  void compare_accelerations(double t);
   bool apply_fixed_corrections(double* q, double* v);
   bool close(double* y);
   bool close_contacts(double* y);
@@ -148,10 +101,12 @@ class Projection final : public Formulation {
   std::vector<double> extrapolated_, vdot_before_, vdot_after_;
   Inputs recorded_inputs_;  // inputs of the recorded accelerations
   bool polishing_ = false;
+  SingularApproach approach_;
 };
 
 void Projection::start(const std::vector<double>& cut_q, double t, const double* y) {
-  recorded_ = 0;
+  forget_accelerations();
+  rows_.pass_beside(false);
   started_on_branch_ = false;
   Formulation::start(cut_q, t, y);
   start_on_branch(t, y);
@@ -189,6 +144,7 @@ void Projection::serialize(Archive& archive) {
   rows_.serialize(archive);
   archive.serialize_in_range(recorded_, 0, max_recorded);
   archive.serialize(started_on_branch_);
+  approach_.serialize(archive);
   if (recorded_ == 0) return;
   recorded_inputs_.serialize(archive);
   for (int i = 0; i < recorded_; ++i) {
@@ -258,7 +214,9 @@ void Projection::add_jump(double t) {
 void Projection::record_acceleration(double t, const double* y) {
   drives_.go_to(t, y);
   rows_.refactorize();
-  if (!rows_.is_regular()) return;
+  approach_.pass(t, rows_.pivot_fraction());
+  if (!rows_.is_regular()) return compare_accelerations(t);
+  if (rows_.below(regular_fraction)) return;  // beside a singular configuration
   if (drives_.inputs() != recorded_inputs_) {
     recorded_ = 0;
     started_on_branch_ = false;
@@ -279,6 +237,22 @@ void Projection::record_acceleration(double t, const double* y) {
   fractions_[recorded_] = pivot_fraction;
   dynamics_.solve(drives_.u().data(), accelerations_[recorded_].data());
   ++recorded_;
+}
+
+// Compares the extrapolated accelerations at an accepted state with those of the equations.
+void Projection::compare_accelerations(double t) {
+  const double* extrapolated = extrapolate(t);
+  if (recorded_ < 2 || extrapolated == nullptr) return;
+  dynamics_.solve(drives_.u().data(), vdot_after_.data());
+  double deviation = 0;
+  double size = 0;
+  for (int k = 0; k < mechanism_.nv; ++k) {
+    deviation = std::max(deviation, std::abs(vdot_after_[k] - extrapolated[k]));
+    size = std::max(size, std::abs(extrapolated[k]));
+  }
+  const double fraction = rows_.pivot_fraction();
+  approach_.compare(fraction, deviation, constraint_noise * size / (fraction * fraction * fraction));
+  rows_.pass_beside(approach_.misses());
 }
 
 // A fixed number of corrections with the present factors, at constant cost, regardless of the remaining error.
@@ -356,7 +330,9 @@ bool Projection::close_contacts(double* y) {
 void Projection::accepted(double t, const double* y) {
   Formulation::accepted(t, y);
   if (mechanism_.cuts.empty() || mechanism_.rows == 0) return;
-  if (rows_.below(near_fraction)) record_acceleration(t, y);
+  if (rows_.below(near_fraction)) return record_acceleration(t, y);
+  approach_.clear();
+  rows_.pass_beside(false);
 }
 
 }  // namespace

@@ -198,6 +198,8 @@ Step ArkodeIntegrator::make_step(double end) {
   return flag == ARK_POSTPROCESS_STEP_FAIL ? Step::not_closed : Step::stopped;
 }
 
+void ArkodeIntegrator::set_stop_time(double end) { ARKodeSetStopTime(memory_, end); }
+
 double ArkodeIntegrator::reached() const {
   double t = t_;
   ARKodeGetCurrentTime(memory_, &t);

@@ -53,6 +53,7 @@ class ArkodeIntegrator : public SundialsIntegrator {
   void begin(double end) final;
   static double current_step(void* memory);
   Step make_step(double end) final;
+  void set_stop_time(double end) final;
   double reached() const final;
   double next_step() const final { return step_to_try(in_use()); }
   void lengthen_next_step(double step) final;

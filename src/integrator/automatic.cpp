@@ -51,6 +51,7 @@ class EvaluationCounter final : public Equations {
   bool jacobian_is_outdated() override { return counter_.jacobian_is_outdated(); }
   bool project(double t, double* y) override { return counter_.project(t, y); }
   void polish(bool on) override { counter_.polish(on); }
+  double end_of_step(double t) override { return counter_.end_of_step(t); }
   void displace(double* q, const double* dv) const override { counter_.displace(q, dv); }
   void accepted(double t, const double* y) override { counter_.accepted(t, y); }
   bool budget_exhausted() const override { return counter_.budget_exhausted(); }

@@ -64,6 +64,8 @@ class Cvode : public SundialsIntegrator {
     return flag == CV_PROJFUNC_FAIL || flag == CV_REPTD_PROJFUNC_ERR ? Step::not_closed : Step::stopped;
   }
 
+  void set_stop_time(double end) final { CVodeSetStopTime(memory_, end); }
+
   double reached() const final {
     double t = t_;
     CVodeGetCurrentTime(memory_, &t);

@@ -155,6 +155,8 @@ class Ida final : public SundialsIntegrator {
     IDASetStopTime(memory_, h < rest && rest < 2 * h ? t_ + rest / 2 : end);
   }
 
+  void set_stop_time(double end) override { IDASetStopTime(memory_, end); }
+
   double reached() const override {
     double t = t_;
     IDAGetCurrentTime(memory_, &t);

@@ -74,19 +74,19 @@ double SundialsIntegrator::advance_some(double end, double* y, long max_steps) {
   const auto step_towards = [&] {
     if (!locates) {
       before_step();
-      return make_step(end);
+      return make_step_as_long_as_allowed(end);
     }
     return across ? locator_.step_across(*this, end) : locator_.step(*this, end);
   };
   if (failed_ != Step::made) fail(failed_, start);
   if (!stall_.empty()) refuse(system_, t_, sundials::data(y_.get()), stall_);
-  prepare(end);
+  prepare(stop_time_ = end);
   for (; t_ < end && max_steps > 0; --max_steps) {
     Step step = step_towards();
     if (step != Step::made && jumped_ && t_ == start) {
       // The history cannot be continued across the jump.
       restart(start, y);
-      prepare(end);
+      prepare(stop_time_ = end);
       step = step_towards();
     }
     jumped_ = false;
@@ -103,6 +103,15 @@ double SundialsIntegrator::advance_some(double end, double* y, long max_steps) {
   add_counts();
   std::copy_n(sundials::data(y_.get()), system_.size(), y);
   return t_;
+}
+
+Step SundialsIntegrator::make_step_as_long_as_allowed(double end) {
+  const double allowed = system_.end_of_step(t_);
+  if (!(allowed < std::min(end, stop_time_))) return make_step(end);
+  set_stop_time(allowed);
+  const Step step = make_step(end);
+  set_stop_time(stop_time_);
+  return step;
 }
 
 int sundials::rhs(sunrealtype t, N_Vector y, N_Vector ydot, void* integrator) {

@@ -2,6 +2,7 @@
 // Base class of the adaptive SUNDIALS integrators: steps from one communication point to the next.
 #pragma once
 
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <string>
@@ -72,17 +73,20 @@ class SundialsIntegrator : public Integrator, private Stepping {
   // Called at the start of each step, and of each repetition; what it sets must not depend on what was before a
   // restart.
   virtual void before_step() {}
+  // Steps do not pass this time [s].
+  virtual void set_stop_time(double end) = 0;
   double time() const final { return t_; }
   const double* state() const final { return sundials::data(y_.get()); }
   Step step_towards(double end) final {
     before_step();
-    return make_step(end);
+    return make_step_as_long_as_allowed(end);
   }
+  Step make_step_as_long_as_allowed(double end);
   void go_to(double t, const double* y) final {
     add_counts();
     restart(t, y);
   }
-  void stop_at(double end) final { begin(end); }
+  void stop_at(double end) final { begin(stop_time_ = end); }
   [[noreturn]] void fail(Step step, double start);
 
   Locator locator_;
@@ -93,6 +97,7 @@ class SundialsIntegrator : public Integrator, private Stepping {
   Step failed_ = Step::made;
   std::string stall_;
   Counts base_counts_;
+  double stop_time_ = INFINITY;  // s
 };
 
 namespace sundials {

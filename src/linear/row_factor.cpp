@@ -192,6 +192,14 @@ double RowFactor::damping_weight(int k) const {
   return p * p / (p * p + singular_threshold_ * singular_threshold_);
 }
 
+// The errors of an equation grow with p^-3, and where p is the threshold they are those of the extrapolation: these
+// weights give the sum of both the least variance.
+double RowFactor::equation_weight(int k) const {
+  if (singular_threshold_ == 0) return 1;
+  const double sixth = std::pow(diagonal_[k] / diagonal_[0] / singular_threshold_, 6);
+  return std::isfinite(sixth) ? sixth / (sixth + 1) : 1;
+}
+
 void RowFactor::solve_constrained(double* w, const double* gamma, const double* extrapolated) const {
   double* d = d_.data();
   double* f = f_.data();
@@ -203,7 +211,7 @@ void RowFactor::solve_constrained(double* w, const double* gamma, const double* 
     reflect(e);
   }
   for (int k = 0; k < rank_; ++k) {
-    const double s = damping_weight(k);
+    const double s = extrapolated == nullptr ? 1 : equation_weight(k);
     const double sum = extrapolated == nullptr ? d[k] : s * d[k] + (1 - s) * e[k];
     f[k] = w[k] - sum;  // what the constraints remove, in the basis Q
     w[k] = sum;

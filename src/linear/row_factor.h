@@ -29,8 +29,8 @@ class RowFactor {
   double* column(int r) { return Y_.data() + static_cast<std::size_t>(r) * n_; }
 
   // Pivots p (relative to the largest) near or below this threshold are weak: along their directions the constraint
-  // equations count with the weight s = p^2 / (p^2 + threshold^2), in min_norm() and, if an extrapolated solution is
-  // given for the rest, in solve_constrained(). 0: no pivot is weak.
+  // equations count with the weight p^2 / (p^2 + threshold^2) in min_norm() and, if an extrapolated solution is given
+  // for the rest, with p^6 / (p^6 + threshold^6) in solve_constrained(). 0: no pivot is weak.
   void set_singular_threshold(double threshold) { singular_threshold_ = threshold; }
 
   // Uses at most max_rank pivots. The other equations are redundant, even if they do not appear so at a position that
@@ -56,6 +56,7 @@ class RowFactor {
   void reflect_column(int k, int j);
   void factorize_redundant();
   double damping_weight(int k) const;                // of pivot k, see set_singular_threshold
+  double equation_weight(int k) const;               // the same in solve_constrained()
   void reflect(double* x) const;                     // x <- Q^T x
   void unreflect(double* x) const;                   // x <- Q x
   void solve_Rt(const double* in, double* d) const;  // d = least-squares solution of R_1^T d = P^T in

@@ -193,6 +193,14 @@ double SparseRowFactor::damping_weight(int k) const {
   return p * p / (p * p + singular_threshold_ * singular_threshold_);
 }
 
+// The errors of an equation grow with p^-3, and where p is the threshold they are those of the extrapolation: these
+// weights give the sum of both the least variance.
+double SparseRowFactor::equation_weight(int k) const {
+  if (singular_threshold_ == 0) return 1;
+  const double sixth = std::pow(diagonal_[k] / max_pivot_ / singular_threshold_, 6);
+  return std::isfinite(sixth) ? sixth / (sixth + 1) : 1;
+}
+
 // The component along direction k that gives its equation this value, with the earlier components in d_.
 double SparseRowFactor::component(int k, double value) const {
   const Column& c = columns_[k];
@@ -210,7 +218,7 @@ void SparseRowFactor::solve_constrained(double* w, const double* gamma, const do
   for (int k = 0; k < m; ++k) {
     double& x_k = w[pivot(columns_[k])];
     d_[k] = component(k, gamma[order_[k]]);
-    if (extrapolated != nullptr) d_[k] += (1 - damping_weight(k)) * (e_[pivot(columns_[k])] - d_[k]);
+    if (extrapolated != nullptr) d_[k] += (1 - equation_weight(k)) * (e_[pivot(columns_[k])] - d_[k]);
     f_[k] = x_k - d_[k];  // what the constraints remove
     x_k = d_[k];
   }

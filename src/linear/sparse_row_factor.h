@@ -54,6 +54,7 @@ class SparseRowFactor {
   void reflect(const Column& c, double scale, double* x) const;
   void reflect(const Column& c, double scale, double* x, int columns) const;
   double damping_weight(int k) const;
+  double equation_weight(int k) const;
   double component(int k, double value) const;
 
   int n_;

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Projection near singular configurations (projection.cpp).
+#pragma once
+
+#include <algorithm>
+
+#include "formulation/constraint_projector.h"
+
+namespace gelenk {
+
+// Projects by the smallest step in the mass metric; along weak directions only as far as these are accurate.
+class WeakRowCorrector final : public ConstraintProjector {
+ public:
+  static constexpr double regular_fraction = 0.1;  // below it, rows are weak
+  static constexpr double default_weak_fraction = 0.003;
+
+  // best_pivot_ratio: largest ratio known before the run.
+  WeakRowCorrector(const Mechanism& mechanism, Dynamics& dynamics, double best_pivot_ratio)
+      : ConstraintProjector(mechanism, dynamics), best_known_pivot_ratio_(best_pivot_ratio) {}
+
+  // Whether the last factors are not near a singular configuration.
+  bool is_regular() const { return regular_; }
+  // Pivot ratio relative to the largest one.
+  double pivot_fraction() const { return dynamics_.pivot_ratio() / best_pivot_ratio_; }
+  bool below(double pivot_fraction) const { return dynamics_.pivot_ratio() < pivot_fraction * best_pivot_ratio_; }
+  // At the start of a run: determines from earlier knowledge whether that is near a singular configuration.
+  void assess_start() {
+    if (!(dynamics_.pivot_ratio() < regular_fraction * best_known_pivot_ratio_)) return;
+    best_pivot_ratio_ = std::max(best_pivot_ratio_, best_known_pivot_ratio_);
+    update_singularity_status();
+  }
+  // beside: the mechanism passes beside the singular configuration, where the equations hold as everywhere.
+  void pass_beside(bool beside) {
+    if (beside == beside_) return;
+    beside_ = beside;
+    update_singularity_status();
+  }
+  void update_singularity_status() {
+    regular_ = beside_ || !below(regular_fraction);
+    set_weak(regular_ ? 0 : default_weak_fraction);
+  }
+  void factors_changed() override { update_singularity_status(); }
+  void set_weak(double pivot_fraction) {
+    if (!full_correction_ || pivot_fraction == 0) dynamics_.set_singular_threshold(pivot_fraction * best_pivot_ratio_);
+  }
+  // Corrects weak directions in full, since a long step may leave too large errors in them.
+  bool close_in_full(double* q, double* v) {
+    full_correction_ = true;
+    dynamics_.set_singular_threshold(0);
+    refactor();
+    const bool closed = close_position(q) && close_velocity(v);
+    full_correction_ = false;
+    return closed;
+  }
+  void serialize(Archive& archive) {
+    archive.serialize(best_pivot_ratio_, beside_);
+    if (archive.reading()) full_correction_ = false;
+  }
+
+ private:
+  void refactor() override {
+    dynamics_.factorize();
+    best_pivot_ratio_ = std::max(best_pivot_ratio_, dynamics_.pivot_ratio());
+    update_singularity_status();
+  }
+  // Errors left along weak directions are small, and decay where the constraints are regular again.
+  double slack() const override { return regular_ ? ConstraintProjector::slack() : 1e8; }
+
+  double best_known_pivot_ratio_;
+  double best_pivot_ratio_ = 0;  // largest in the run, or known before it if it starts near a singular configuration
+  bool regular_ = true;
+  bool beside_ = false;
+  bool full_correction_ = false;  // weak directions are corrected in full
+};
+
+}  // namespace gelenk
