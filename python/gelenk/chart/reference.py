@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Reference solutions: computed by one method, checked by others with another formulation and integrator.
+"""Reference solutions: computed by one method, checked by others as different as the scene allows.
 
-The difference between them is the accuracy of the reference.
+The difference between them is the accuracy of the reference. Where the scene has no friction, limits,
+contacts or rolling, the others solve the equations in independent coordinates. Where it has, which only the
+formulation `projection` handles, their integrators differ, and their models are not reduced. What has no
+located events is solved by time steps, and checked by steps twice as long.
 """
 
 from __future__ import annotations
@@ -21,10 +24,13 @@ from gelenk.errors import GelenkError
 
 MAIN = Method("projection", "erk")
 TIGHTEST = (1e-13, 1e-12, 1e-11, 1e-10)
-CHECKS = (("independent", "cvode-adams"), ("independent", "ida"), ("independent", "dirk"))
+WITNESSES = ("cvode-adams", "ida", "dirk")  # in independent coordinates, if the scene allows these
+EVENT_WITNESSES = ("cvode", "dirk", "ida")  # otherwise with the formulation of the main run
 CHECK_TOLERANCE = 1e-12
-FIXED_CHECK = ("independent", "rk4")
 FIXED_STEPS = 2**15  # number of steps of the check with fixed steps
+TIME_STEPPING = Method("projection", "moreau-jean")
+NOT_REDUCED = "without reductions"
+TIME_STEPS = 2**14  # at least, of a run with time stepping
 ROUNDING = 1e-14
 
 
@@ -47,12 +53,15 @@ def recorded(task: Task) -> Recording | Failure:
     asked = f"{task.tolerance:.0e}" if task.tolerance else f"{task.step:.1e} s"
     if not np.isfinite(course.states).all():
         return Failure("the states are not finite")
-    return Recording(course, tuple(runner.names), f"{task.method.name} at {asked}")
+    model = f", {task.case.about}" if task.case.about == NOT_REDUCED else ""
+    return Recording(course, tuple(runner.names), f"{task.method.name} at {asked}{model}")
 
 
 def main_recording(case: Case) -> Recording | Failure:
-    """Run the main method at the tightest tolerance at which it finishes."""
+    """Run the main method at the tightest tolerance at which it finishes, or time steps if it is refused."""
     result: Recording | Failure = Failure("not tried")
+    if not admits(case, MAIN) and admits(case, TIME_STEPPING):
+        return recorded(Task(case, TIME_STEPPING, None, time_step(case)))
     for tolerance in TIGHTEST:
         result = recorded(Task(case, MAIN, tolerance))
         if isinstance(result, Recording):
@@ -60,15 +69,48 @@ def main_recording(case: Case) -> Recording | Failure:
     return result
 
 
+def admits(case: Case, method: Method) -> bool:
+    """Whether the method can start a run of the scene."""
+    try:
+        Runner(Task(case, method, CHECK_TOLERANCE)).start()
+    except GelenkError:
+        return False
+    return True
+
+
+def time_step(case: Case) -> float:
+    """Return the length of the time steps of a main run [s], a communication step divided by a power of 2."""
+    parts = 1.0
+    while parts * case.stop / case.step < TIME_STEPS:
+        parts *= 2
+    return case.step / parts
+
+
+def unreduced(case: Case) -> Case:
+    """Return the case with all reductions off, and named so."""
+    solver = {**case.scene.get("solver", {}), "reductions": {"all": False}}
+    return replace(case, scene={**case.scene, "solver": solver}, about=NOT_REDUCED)
+
+
 def checks(case: Case, quick: bool) -> list[Task]:
     """Return the runs that check the accuracy of the main one; fewer if `quick`."""
+    if not admits(case, MAIN):
+        return [Task(case, TIME_STEPPING, None, 2 * time_step(case))]
     formulations, integrators = registered()
-    known = [(f, i) for f, i in CHECKS if f in formulations and i in integrators]
-    tasks = [Task(case, Method(*pair), CHECK_TOLERANCE) for pair in known[: 2 if quick else None]]
-    if not quick:
-        parts = max(1, math.ceil(FIXED_STEPS * case.step / case.stop))
-        tasks.append(Task(case, Method(*FIXED_CHECK), None, case.step / parts))
-    return tasks
+    others = [Method("independent", name) for name in WITNESSES if name in integrators]
+    known = [method for method in others if "independent" in formulations and admits(case, method)]
+    formulation = "independent" if known else MAIN.formulation
+    if known:
+        tasks = [Task(case, method, CHECK_TOLERANCE) for method in known]
+    else:
+        known = [Method(formulation, name) for name in EVENT_WITNESSES if name in integrators]
+        tried = [(of, method) for method in known for of in (unreduced(case), case)]
+        found = {method: of for of, method in reversed(tried) if admits(of, method)}
+        tasks = [Task(found[method], method, CHECK_TOLERANCE) for method in known if method in found]
+    if quick:
+        return tasks[:2]
+    parts = max(1, math.ceil(FIXED_STEPS * case.step / case.stop))
+    return [*tasks, Task(case, Method(formulation, "rk4"), None, case.step / parts)]
 
 
 def references(
