@@ -35,7 +35,8 @@ const char* port_kind(Port::Kind kind) {
 // The unit as given, for an angle and for a length.
 nb::list units(std::string_view unit) {
   nb::list out;
-  for (const bool is_angle : {true, false}) out.append(unit_of(unit, {.name = {}, .speed = {}, .is_angle = is_angle}));
+  for (const bool is_angle : {true, false})
+    out.append(unit_of(unit, {.name = {}, .speed = {}, .acceleration = {}, .is_angle = is_angle}));
   return out;
 }
 

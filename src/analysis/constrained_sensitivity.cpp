@@ -182,7 +182,9 @@ MatrixXd ConstrainedSensitivity::changes_of_targets(int order, const MatrixXd& d
   for (std::size_t i = 0; i < targets_.size(); ++i) {
     const CoordinateRow& row = mechanism_.coordinate_rows[i];
     const auto r = static_cast<Index>(i);
-    if (row.input >= 0 && order == (row.holds_position ? 0 : 1)) out.row(r) = du.row(row.input);
+    row.for_inputs([&](int input, int of) {
+      if (of == order) out.row(r) = du.row(input);
+    });
     if (!row.follows_signals) continue;
     const Formula& target = loads_.motions[i][static_cast<std::size_t>(order)];
     if (!target.is_given()) continue;

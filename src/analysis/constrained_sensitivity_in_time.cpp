@@ -62,11 +62,11 @@ void ConstrainedSensitivity::find_rates(std::vector<Series>& rates) {
 // Targets given by inputs have the inputs' time derivatives; those that follow signals are expressions of these.
 void ConstrainedSensitivity::expand_targets(const double* udot, const double* uddot) {
   for (std::size_t i = 0; i < targets_.size(); ++i) {
-    const CoordinateRow& row = mechanism_.coordinate_rows[i];
-    if (row.input < 0) continue;
-    const int first = row.holds_position ? 0 : 1;
-    targets_[i][first + 1] = udot[row.input];
-    targets_[i][first + 2] = uddot[row.input];
+    mechanism_.coordinate_rows[i].for_inputs([&](int input, int order) {
+      const auto of = static_cast<std::size_t>(order);
+      targets_[i][of + 1] = udot[input];
+      targets_[i][of + 2] = uddot[input];
+    });
   }
   set_targets(series_state_, [&](std::size_t i, int order) {
     const MotionLaw::Derivatives& s = targets_[i];

@@ -158,9 +158,10 @@ std::vector<MotionLaw::Derivatives> TrialStates::targets(const TrialState& at) c
     const CoordinateRow& of = mechanism_.coordinate_rows[row];
     for (std::size_t order = 0; order < 3 && of.follows_signals; ++order)
       out[row][order] = of_.loads.motion(row, order, at.u.data());
-    if (of.input < 0) continue;
-    const auto input = static_cast<std::size_t>(of.input);
-    out[row][of.holds_position ? 0 : 1] += at.u[input] - of_.u[input];
+    of.for_inputs([&](int input, int order) {
+      const auto i = static_cast<std::size_t>(input);
+      out[row][static_cast<std::size_t>(order)] += at.u[i] - of_.u[i];
+    });
   }
   return out;
 }

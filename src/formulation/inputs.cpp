@@ -145,7 +145,7 @@ void Inputs::shift_origin(int i, double t) {
 void Inputs::serialize(Archive& archive) {
   archive.serialize(taylor_, reached_, now_, rates_, change_, start_, now_time_, moving_, changed_);
   for (Motion& m : motions_) {
-    archive.serialize(m.by_values, m.interrupted);
+    archive.serialize(m.by_values, m.interrupted, m.before, m.jump.time, m.jump.size, m.has_jumped);
     m.samples.serialize(archive);
     for (int i = m.first; i <= m.last; ++i)
       archive.serialize(flags_[i].value_set, flags_[i].derivative_set, flags_[i].given);

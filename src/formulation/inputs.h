@@ -9,6 +9,7 @@
 // value at the next communication point is the one set last, not the one reached.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <string>
 #include <vector>
@@ -80,6 +81,8 @@ class Inputs {
 
   // The values from which derivatives of input `i` are estimated; null: they are not.
   const MotionSamples* samples(int i) const;
+  // A jump of input `i`, a motion, that its values have revealed, or that its derivatives, inputs too, do not explain.
+  MotionSamples::Jump jump(int i) const;
 
   void serialize(Archive& archive);
 
@@ -95,6 +98,9 @@ class Inputs {
     bool by_values = true;     // it is known by values only
     bool interrupted = false;  // its step has ended early, and no value has been set since
     MotionSamples samples;     // of `last`
+    double before = NAN;       // value of `first` at the start of the last step
+    MotionSamples::Jump jump;  // of `first`, if it is not `last`
+    bool has_jumped = false;   // once in the run
   };
   // Of an input that belongs to a motion.
   struct Flags {
@@ -115,6 +121,7 @@ class Inputs {
   void note_derivative(int i, double value);
   void start_motions();
   bool estimate(Motion& m);
+  void find_jump(Motion& m) const;
   void clear_derivatives(int i);
   bool is_known_by_values(const Motion& m) const;
   void commit_samples();

@@ -24,6 +24,30 @@ const MotionSamples* Inputs::samples(int i) const {
   return i == m.last && m.by_values ? &m.samples : nullptr;
 }
 
+MotionSamples::Jump Inputs::jump(int i) const {
+  if (flags_.empty() || flags_[i].motion < 0) return {};
+  const Motion& m = motions_[flags_[i].motion];
+  if (i == m.first && m.last > m.first) return m.jump;
+  const MotionSamples* of = samples(i);
+  return of == nullptr ? MotionSamples::Jump() : of->jump();
+}
+
+// Looks for values of a motion that its derivatives, which are inputs, too, do not explain. At the end of a step or of
+// a part of it, whose start is still the origin of the polynomials.
+void Inputs::find_jump(Motion& m) const {
+  constexpr double explained = 0.5;  // of a change: at least, of one that is no jump
+  if (m.last == m.first) return;
+  const double value = at(m.first, 0);
+  const double size = value - reached_[static_cast<std::size_t>(m.first)];
+  const bool follows = !(std::abs(size) > (1 - explained) * std::abs(value - m.before));
+  m.jump = {};
+  if (!follows && m.by_values && !m.has_jumped && MotionSamples::is_visible(size, value)) {
+    m.jump = {.time = start_, .size = size};
+    m.has_jumped = true;
+  }
+  m.before = value;
+}
+
 Inputs::Change Inputs::set_motion(Motion& m, int i, double value) {
   // Before the rest of a step that has ended early, the same value once more says nothing about the present time.
   if (m.interrupted && value == flags_[i].given && !flags_[i].value_set) return Change::none;
@@ -40,7 +64,7 @@ bool Inputs::estimate(Motion& m) {
   if (flags_[m.first].derivative_set) return false;
   const double first = at(m.first, 1);
   const double second = at(m.first, 2);
-  if (!flags_[m.last].derivative_set && m.last - m.first < 2) {
+  if (!flags_[m.last].derivative_set) {
     clear_derivatives(m.last);
     const MotionSamples::Derivatives found = m.samples.add(start_, at(m.last, 0));
     at(m.last, 1) = found.first;
@@ -80,8 +104,10 @@ bool Inputs::is_known_by_values(const Motion& m) const {
 void Inputs::start_motions() {
   for (Motion& m : motions_) {
     m.by_values = !flags_[m.first].derivative_set;
-    m.interrupted = false;
+    m.interrupted = m.has_jumped = false;
     m.samples.clear();
+    m.before = NAN;
+    m.jump = {};
     for (int i = m.first; i <= m.last; ++i) {
       flags_[i].value_set = false;
       flags_[i].given = at(i, 0);
@@ -94,6 +120,7 @@ void Inputs::start_motions() {
 // A step, or a part of it, ends; the origin of the polynomials is still its start.
 void Inputs::commit_samples() {
   for (Motion& m : motions_) {
+    find_jump(m);
     const bool has_rate = m.last == m.first || flags_[m.last].derivative_set;
     if (!m.by_values && has_rate) m.samples.add(start_, at(m.last, 0), at(m.last, 1));
     m.samples.commit();

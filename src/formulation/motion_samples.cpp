@@ -66,7 +66,11 @@ void MotionSamples::find_jump() {
   const double around = std::max(std::abs(present_.rate), count_ == 2 ? 0 : std::abs(rate_before_));
   if (!(std::abs(last_.rate) > max_rate_ratio * around)) return;
   const double size = (last_.rate - minmod(present_.rate, rate_before_)) * last_.span;
-  if (std::abs(size) > min_reported_jump * (1 + std::abs(last_.value))) jump_ = {last_.time, size};
+  if (is_visible(size, last_.value)) jump_ = {last_.time, size};
+}
+
+bool MotionSamples::is_visible(double size, double value) {
+  return std::abs(size) > min_reported_jump * (1 + std::abs(value));
 }
 
 void MotionSamples::add(double t, double value, double rate) {

@@ -40,6 +40,9 @@ class MotionSamples {
   // Only the first one of a run.
   const Jump& jump() const { return jump_; }
 
+  // Whether a jump of this size changes something visibly, which those of rounding do not.
+  static bool is_visible(double size, double value);
+
   void serialize(Archive& archive);
 
  private:

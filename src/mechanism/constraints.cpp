@@ -72,6 +72,7 @@ struct CoordinateRowBuilder {
     if constexpr (requires { element.follows_signals(); }) row.follows_signals = element.follows_signals();
     if constexpr (requires { element.follows_input(); }) {
       if (element.follows_input()) row.input = input;
+      row.derivative_inputs = element.derivative_inputs();
     }
   }
 

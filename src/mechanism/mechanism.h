@@ -72,12 +72,18 @@ struct CoordinateRow {
   std::optional<MotionLaw> law;  // s; none: s is constant or an input
   double constant = 0;
   int input = -1;                // index in the scene: s, or its rate if positions are not held
+  int derivative_inputs = 0;     // inputs after it that are its time derivatives
   bool follows_signals = false;  // s is an expression of signals (kinematics/loads.h)
   // Of the coordinates factor q and their rates, in place of the sum; the first one is that which shows the force.
   std::shared_ptr<const RelationLaw> relation;
   int lossy_term = -1;  // along whose coordinate the losses of a mesh are friction; -1: it has none
 
   bool has_losses() const { return lossy_term >= 0; }
+  // Calls f(input, order) for each input; order: of the derivative of s that it prescribes.
+  template <class F>
+  void for_inputs(F f) const {
+    for (int k = 0; input >= 0 && k <= derivative_inputs; ++k) f(input + k, (holds_position ? 0 : 1) + k);
+  }
   // Whether the constraint is rheonomic.
   bool moves() const { return law || input >= 0 || follows_signals; }
 };

@@ -256,7 +256,7 @@ struct LoadCollector {
   void coordinate_rows() {
     for (std::size_t i = 0; i < reduced.islands.size(); ++i) {
       for (const CoordinateRow& row : reduced.islands[i].coordinate_rows) {
-        if (row.input >= 0) out[i].inputs.push_back(row.input);
+        row.for_inputs([&](int input, int) { out[i].inputs.push_back(input); });
         const Constraint& constraint = scene.constraints[static_cast<std::size_t>(row.constraint)];
         std::array<Formula, 3>& motion = out[i].motions.emplace_back();
         if (row.follows_signals) motion = bound_motion(constraint, static_cast<int>(i));

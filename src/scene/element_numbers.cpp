@@ -64,13 +64,15 @@ Coordinate coordinate_of(const JointKind& kind, int i) {
   const auto k = static_cast<std::size_t>(i);
   return {.name = kind.springs() ? kind.q[k].name : std::string_view(),
           .speed = kind.v[k].name,
+          .acceleration = kind.a[k].name,
           .is_angle = kind.v[k].unit == "rad/s"};
 }
 
 std::string common_unit(const Field& field, const JointKind& kind) {
   std::string unit;
   for (int i = 0; i < kind.nv; ++i) {
-    const std::string own = spelled(unit_of(field, {.name = {}, .speed = {}, .is_angle = kind.v[i].unit == "rad/s"}));
+    const std::string own =
+        spelled(unit_of(field, {.name = {}, .speed = {}, .acceleration = {}, .is_angle = kind.v[i].unit == "rad/s"}));
     if (i > 0 && own != unit) return {};
     unit = own;
   }
@@ -97,6 +99,7 @@ std::string filled_in(std::string_view text, const ElementPlace& element, const 
   if (!element.frames.empty()) text::replace(out, "{body}", element.frames.front().body);
   text::replace(out, "{coordinate}", coordinate.name);
   text::replace(out, "{speed}", coordinate.speed);
+  text::replace(out, "{acceleration}", coordinate.acceleration);
   text::replace(out, "{effort}", coordinate.effort());
   text::replace(out, "{torque}", coordinate.is_angle ? "torque" : "force");
   return out;
@@ -109,7 +112,8 @@ std::string about_any(std::string_view text, const Coordinate* coordinate) {
   if (coordinate == nullptr) text::replace(out, "{torque}", "torque or force");
   const ElementPlace any = {
       .name = {}, .frames = {{.body = "the body", .X_BF = Pose3()}}, .joints = {"the joint"}, .coordinate = {}};
-  const Coordinate unknown = {.name = "the coordinate", .speed = "the speed", .is_angle = true};
+  const Coordinate unknown = {
+      .name = "the coordinate", .speed = "the speed", .acceleration = "the acceleration", .is_angle = true};
   return filled_in(out, any, coordinate == nullptr ? unknown : *coordinate);
 }
 

@@ -23,10 +23,9 @@ std::vector<EventReport> Simulation::events(bool only_doubtful) const {
     out.insert(std::ranges::upper_bound(out, report.time, {}, &EventReport::time), std::move(report));
   };
   for (std::size_t i = 0; i < impl_->inputs.size(); ++i) {
-    const MotionSamples* samples = impl_->u.samples(static_cast<int>(i));
+    const MotionSamples::Jump jump = impl_->u.jump(static_cast<int>(i));
     // The jump of a speed is an impact, which is what it means.
-    if (samples == nullptr || samples->jump().size == 0 || impl_->inputs[i].stage != Stage::position) continue;
-    const MotionSamples::Jump& jump = samples->jump();
+    if (jump.size == 0 || impl_->inputs[i].stage != Stage::position) continue;
     add({jump.time, describe_jump(impl_->inputs[i], jump.size * impl_->input_size[i]), true});
   }
   for (const auto& island : impl_->islands) {

@@ -15,6 +15,14 @@
 #include "simulation/simulation_impl.h"
 
 namespace gelenk {
+namespace {
+
+// Whether input `i` is a time derivative of the input before it.
+bool continues_motion(const std::vector<Signal>& signals, std::size_t i) {
+  return i < signals.size() && signals[i].name.ends_with("_ref") && signals[i].group > 0;
+}
+
+}  // namespace
 
 ModelSize size_of(const ReducedScene& reduced) {
   ModelSize size;
@@ -33,7 +41,11 @@ ModelSize size_of(const ReducedScene& reduced) {
 
 const Inputs& Simulation::Impl::inputs_at_start(const std::vector<Signal>& signals, Inputs& u) {
   for (std::size_t i = 0; i < signals.size(); ++i) {
-    if (signals[i].name.ends_with("_ref")) u.add_motion(static_cast<int>(i), 0);
+    if (signals[i].name.ends_with("_ref") && !continues_motion(signals, i)) {
+      std::size_t last = i;
+      while (continues_motion(signals, last + 1)) ++last;
+      u.add_motion(static_cast<int>(i), static_cast<int>(last - i));
+    }
     u.set(static_cast<int>(i), signals[i].start);
   }
   return u;

@@ -18,13 +18,14 @@ struct Motion {
                                     .has_coordinate = true,
                                     .fits = [](const JointKind& kind) { return kind.springs(); }}};
   static constexpr std::string_view sources[] = {"position", "speed"};
+  static constexpr std::string_view derivatives[] = {"speed", "acceleration"};
   static constexpr FormulaVariable time[] = {{"t", "s"}};
 
   std::vector<double> polynomial;  // c0 + c1 t + c2 t^2 + ...
   std::optional<Sine> sine;        // added to the polynomial
   std::optional<TimeTable> table;
   double speed = std::numeric_limits<double>::quiet_NaN();  // constant speed; NaN if not given
-  Choice input;
+  Choice input, up_to;
   Formula law_of_time, speed_law;
 
   static std::span<const Field> fields() {
@@ -49,6 +50,10 @@ struct Motion {
                                .text = "quantity that an input of the model prescribes",
                                .alternative = 4,
                                .words = sources}),
+        field<&Motion::up_to>({.name = "up_to",
+                               .text = "highest time derivative that is an input, too",
+                               .goes_with = 4,
+                               .words = derivatives}),
         field<&Motion::law_of_time>({.name = "law",
                                      .unit = "{q}",
                                      .text = "smooth expression of the time t, and of states",
@@ -67,6 +72,10 @@ struct Motion {
   }
 
   bool follows_input() const { return input.index != Choice::none; }
+  // How many inputs follow that of the prescribed quantity: its time derivatives.
+  int derivative_inputs() const {
+    return follows_input() && up_to.index > Choice::none ? first_derivative() + up_to.index : 0;
+  }
   // The coordinate or the speed is an expression of signals, of which the rates of states are known (scene/motions.h).
   bool follows_signals() const { return gives_speed_by_law() || !law_of_time.signal_names().empty(); }
   const Formula& law_of_signals() const { return gives_speed_by_law() ? speed_law : law_of_time; }
@@ -79,13 +88,13 @@ struct Motion {
   std::optional<ElementFault> doubt() const;
 
   std::span<const SignalGroup> inputs() const {
-    static constexpr SignalGroup position[] = {{"{coordinate}_ref", 0, "{q}",
-                                                "prescribed value of {joint}.{coordinate}", Stage::position,
-                                                SignalGroup::Start::coordinate}};
-    static constexpr SignalGroup rate[] = {
-        {"{speed}_ref", 0, "{v}", "prescribed value of {joint}.{speed}", Stage::velocity, SignalGroup::Start::speed}};
+    static constexpr SignalGroup all[] = {
+        {"{coordinate}_ref", 0, "{q}", "prescribed value of {joint}.{coordinate}", Stage::position,
+         SignalGroup::Start::coordinate},
+        {"{speed}_ref", 0, "{v}", "prescribed value of {joint}.{speed}", Stage::velocity, SignalGroup::Start::speed},
+        {"{acceleration}_ref", 0, "{a}", "prescribed value of {joint}.{acceleration}", Stage::acceleration}};
     if (!follows_input()) return {};
-    return holds_position() ? position : rate;
+    return std::span(all).subspan(holds_position() ? 0 : 1, static_cast<std::size_t>(1 + derivative_inputs()));
   }
   static constexpr SignalGroup outputs[] = {
       {"{effort}", 0, "{f}", "{torque} that enforces the motion of {joint}.{coordinate}"}};
@@ -105,6 +114,7 @@ struct Motion {
   }
 
  private:
+  int first_derivative() const { return holds_position() ? 1 : 0; }
   static std::optional<ElementFault> fault(const TimeTable& table);
 };
 
