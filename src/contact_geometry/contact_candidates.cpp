@@ -5,7 +5,6 @@
 #include <cmath>
 #include <utility>
 
-#include "contact_geometry/candidate_features.h"
 #include "mechanism/touching.h"
 #include "shape/kinds.h"
 
@@ -13,9 +12,6 @@ namespace gelenk {
 namespace {
 
 using Eigen::Vector3d;
-
-// What is nearer to a point or an edge of a core than this fraction of the radii counts as being on it.
-constexpr double least_distance = 1e-12;
 
 // Of a ball about the origin of a shape's frame that contains it, and all that counts as touching it [m]; infinite:
 // unknown.
@@ -267,36 +263,7 @@ Vector3d ContactCandidates::center(const ContactCandidate& candidate) const {
 }
 
 ContactCandidates::Line ContactCandidates::line(const ContactCandidate& candidate) const {
-  Line out;
-  out.x = center(candidate);
-  if (candidate.kind == ContactCandidate::Kind::corner) {
-    const int axis = candidate.face % 3;
-    out.free = Vector3d::Unit(axis);
-    out.normal = candidate.face < 3 ? out.free : Vector3d(-out.free);
-    out.distance = out.normal.dot(out.x) - candidate.box.half[axis];
-    return out;
-  }
-  if (candidate.box.half_space) {
-    out.normal = out.free = Vector3d::UnitZ();
-    out.distance = out.x.z();
-    return out;
-  }
-  const Vector3d& half = candidate.box.half;
-  out.free = (out.x.cwiseAbs().array() > half.array()).select(Vector3d::Ones(), Vector3d::Zero());
-  const Vector3d way = out.x - out.x.cwiseMax(-half).cwiseMin(half);
-  out.distance = way.norm();
-  if (out.distance > least_distance * (candidate.radius + candidate.box.radius)) {
-    out.normal = way / out.distance;
-    return out;
-  }
-  // Inside: the nearest face.
-  int axis = 0;
-  const Vector3d depth = half - out.x.cwiseAbs();
-  depth.minCoeff(&axis);
-  out.free = Vector3d::Unit(axis);
-  out.normal = out.x[axis] < 0 ? Vector3d(-out.free) : out.free;
-  out.distance = -depth[axis];
-  return out;
+  return features::line<double>(candidate, center(candidate));
 }
 
 // Of a tip, in S.
@@ -322,10 +289,10 @@ double ContactCandidates::margin(int candidate) const {
       return std::min(left[(axis + 1) % 3], left[(axis + 2) % 3]);
     }
     case ContactCandidate::Kind::edges: {
-      return crossing(at).margin();
+      return margin(at, crossing(at));
     }
     default:
-      return at.radius > 0 ? lowest(at).sine - flat_sine : at.size;
+      return at.radius > 0 ? lowest(at).sine - features::flat_sine : at.size;
   }
 }
 
@@ -333,14 +300,14 @@ bool ContactCandidates::is_near(int candidate) const {
   const ContactCandidate& at = (*this)[candidate];
   if (at.kind == ContactCandidate::Kind::tip || at.kind == ContactCandidate::Kind::rim) return true;
   if (at.kind == ContactCandidate::Kind::edges) return is_near(at, crossing(at));
-  if (margin(candidate) < -near_tolerance) return false;
+  if (margin(candidate) < -features::near_tolerance) return false;
   // A corner that touches a face is ahead of its body, which is on the outer side; on the inner side of a thin plate
   // is the face beyond.
   const Line from = line(at);
   if (from.normal.dot(way_to_tip(at)) > 0) return false;
   // Of all faces, the opposite one included, the one that touches is nearest if the corner is inside the box, and the
   // only one that it is beyond if it is outside.
-  return from.distance >= (center(at).cwiseAbs() - at.box.half).maxCoeff() - near_tolerance;
+  return from.distance >= (center(at).cwiseAbs() - at.box.half).maxCoeff() - features::near_tolerance;
 }
 
 RelativeMotion ContactCandidates::motion(int candidate) const {
@@ -351,27 +318,10 @@ RelativeMotion ContactCandidates::motion(int candidate) const {
 
 CandidateState ContactCandidates::state(int candidate) const {
   const ContactCandidate& at = (*this)[candidate];
-  if (at.kind == ContactCandidate::Kind::edges) return state_of_edges(at);
-  if (at.kind == ContactCandidate::Kind::rim) return state_of_rim(at);
-  const Line way = line(at);
-  const Eigen::Matrix3d& R_0S = core_pose(at).R;
-  const Spatial::Motion& V_core = V_[static_cast<std::size_t>(at.core_link)];
-  const Spatial::Motion& V_tip = V_[static_cast<std::size_t>(at.tip_link)];
-  const Vector3d center = pose(at.tip_link).point(at.center);
-  const Vector3d center_dot = V_tip.v + V_tip.w.cross(center);
-  const Vector3d x_dot = R_0S.transpose() * motion(candidate).velocity(center);
-  const Vector3d way_dot = way.free.cwiseProduct(x_dot);
-  CandidateState out;
-  out.gap = way.distance - at.box.radius - at.radius;
-  out.n = R_0S * way.normal;
-  out.rate = way.normal.dot(way_dot);
-  out.n_dot = V_core.w.cross(out.n);
-  const bool is_flat = at.box.half_space || at.kind == ContactCandidate::Kind::corner;
-  if (!is_flat && way.distance > 0) out.n_dot += R_0S * (way_dot - out.rate * way.normal) / way.distance;
-  const double arm = at.radius + out.gap / 2;
-  out.p = center - arm * out.n;
-  out.p_dot = center_dot - arm * out.n_dot - out.rate / 2 * out.n;
-  return out;
+  const features::PairMotion<double> motion = pair_motion(at);
+  // The edges are placed once for all candidates of a pair.
+  if (at.kind == ContactCandidate::Kind::edges) return features::state_of_edges(at, crossing(at), motion);
+  return features::state(at, motion);
 }
 
 Vector3d ContactCandidates::belt(int candidate, const Vector3d& velocity, Vector3d& rate) const {

@@ -8,43 +8,11 @@
 #include <cmath>
 #include <vector>
 
+#include "contact_geometry/contact_candidate.h"
+#include "contact_geometry/feature_states.h"
 #include "dynamics/dynamics.h"
-#include "shape/features.h"
-#include "shape/rounded.h"
 
 namespace gelenk {
-
-struct ContactCandidate {
-  // corner: a tip on one face of a box.
-  enum class Kind { tip, corner, edges, rim };
-
-  Kind kind = Kind::tip;
-  int core = 0, tip = 0;  // shapes of the mechanism
-  int core_link = 0, tip_link = 0;
-  int pair = 0;                                   // of shapes: those of a pair follow each other
-  int contact = 0;                                // of the scene
-  int feature = 0;                                // of the tip
-  double sign = 1;                                // -1: the shape of the tip has the first surface of the contact
-  Pose3 X_LS, X_tip;                              // of the core and of the shape of the tip in their links
-  RoundedBox box;                                 // the core, in S
-  Eigen::Vector3d center;                         // of the tip in its link [m]
-  Eigen::Vector3d way;                            // to it from the middle of all tips of its shape [m]
-  double radius = 0;                              // of the tip or the rim [m]
-  double crown = 0;                               // about the rim [m]
-  double size = 0;                                // of the smaller shape [m]
-  int face = 0;                                   // of the box: the axis of its normal, plus 3 for the negative one
-  SolidEdge core_edge;                            // in the link of the core
-  SolidEdge tip_edge;                             // in the link of the tip; of a rim, center and axis
-  int placed_core_edge = 0, placed_tip_edge = 0;  // among the edges of all shapes
-  Eigen::Matrix3d R_belt;                         // from the shape with the second surface to its link
-};
-
-// Where and how the shapes of a candidate touch or nearly do, in the root frame.
-struct CandidateState {
-  Eigen::Vector3d p, p_dot;  // m, m/s: the point of contact
-  Eigen::Vector3d n, n_dot;  // unit normal, from the core to the tip; 1/s
-  double gap = 0, rate = 0;  // m, m/s
-};
 
 // Motion of the tip's link relative to the core's, about the origin of the root frame; the acceleration is that without
 // generalized accelerations.
@@ -120,11 +88,7 @@ class ContactCandidates {
   const Pair& pair_of(int candidate) const { return pairs_[static_cast<std::size_t>((*this)[candidate].pair)]; }
   Eigen::Vector3d between(const Pair& pair) const;
   void begin_pair(const Mechanism& mechanism, int tip, int core);
-  struct Line {  // from the nearest point of the core's box to the center of the tip, in S
-    Eigen::Vector3d x, normal;
-    Eigen::Vector3d free;  // 1 where the nearest point does not follow the center, else 0
-    double distance = 0;
-  };
+  using Line = features::Line<double>;
   // ContactCandidates of the tips of one shape on the core of another; both: numbers of shapes.
   void add_pair(const Mechanism& mechanism, int contact, int tip, int core);
   void add_edges(const Mechanism& mechanism, int contact, int tip, int core);
@@ -145,13 +109,15 @@ class ContactCandidates {
   };
   int place_edge(int link, const SolidEdge& edge);
   const PlacedEdge& placed_edge(int i) const { return edges_[static_cast<std::size_t>(i)]; }
-  struct Crossing;
+  using Crossing = features::Crossing<double>;
   Crossing crossing(const ContactCandidate& candidate) const;
+  // To the nearest end of an edge; negative beyond it [m].
+  static double left(const ContactCandidate& candidate, const Crossing& at);
+  static double margin(const ContactCandidate& candidate, const Crossing& at);
+  bool is_outside(const ContactCandidate& candidate, const Crossing& at) const;
   bool is_near(const ContactCandidate& candidate, const Crossing& at) const;
-  CandidateState state_of_edges(const ContactCandidate& candidate) const;
-  struct Lowest;
-  Lowest lowest(const ContactCandidate& candidate) const;
-  CandidateState state_of_rim(const ContactCandidate& candidate) const;
+  features::Lowest<double> lowest(const ContactCandidate& candidate) const;
+  features::PairMotion<double> pair_motion(const ContactCandidate& candidate) const;
   const Pose3& core_pose(const ContactCandidate& candidate) const {
     return core_poses_[static_cast<std::size_t>(candidate.core)];
   }

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A candidate: features at which two shapes can touch, and how they are placed and move.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "math/spatial.h"
+#include "shape/features.h"
+#include "shape/rounded.h"
+
+namespace gelenk {
+
+struct ContactCandidate {
+  // corner: a tip on one face of a box.
+  enum class Kind { tip, corner, edges, rim };
+
+  Kind kind = Kind::tip;
+  int core = 0, tip = 0;  // shapes of the mechanism
+  int core_link = 0, tip_link = 0;
+  int pair = 0;                                   // of shapes: those of a pair follow each other
+  int contact = 0;                                // of the scene
+  int feature = 0;                                // of the tip
+  double sign = 1;                                // -1: the shape of the tip has the first surface of the contact
+  Pose3 X_LS, X_tip;                              // of the core and of the shape of the tip in their links
+  RoundedBox box;                                 // the core, in S
+  Eigen::Vector3d center;                         // of the tip in its link [m]
+  Eigen::Vector3d way;                            // to it from the middle of all tips of its shape [m]
+  double radius = 0;                              // of the tip or the rim [m]
+  double crown = 0;                               // about the rim [m]
+  double size = 0;                                // of the smaller shape [m]
+  int face = 0;                                   // of the box: the axis of its normal, plus 3 for the negative one
+  SolidEdge core_edge;                            // in the link of the core
+  SolidEdge tip_edge;                             // in the link of the tip; of a rim, center and axis
+  int placed_core_edge = 0, placed_tip_edge = 0;  // among the edges of all shapes
+  Eigen::Matrix3d R_belt;                         // from the shape with the second surface to its link
+};
+
+// Where and how the shapes of a candidate touch or nearly do, in the root frame.
+template <class T>
+struct CandidateStateOf {
+  Vector3<T> p, p_dot;  // m, m/s: the point of contact
+  Vector3<T> n, n_dot;  // unit normal, from the core to the tip; 1/s
+  T gap{0}, rate{0};    // m, m/s
+};
+using CandidateState = CandidateStateOf<double>;
+
+}  // namespace gelenk
