@@ -37,7 +37,7 @@ BELOW["formulation"] = {"event_driven", "time_stepping", *BELOW["event_driven"],
 BELOW["integrator"] = {"formulation", *BELOW["formulation"]}
 BELOW["assembly"] = {"dynamics", *BELOW["dynamics"]}
 BELOW["outputs"] = {"dynamics", *BELOW["dynamics"]}
-BELOW["analysis"] = {"assembly", "outputs", *BELOW["assembly"]}
+BELOW["analysis"] = {"assembly", "event_driven", "outputs", *BELOW["assembly"], *BELOW["event_driven"]}
 BELOW["preparation"] = {"analysis", "formulation", *BELOW["analysis"], *BELOW["formulation"]}
 BELOW["simulation"] = {"integrator", "outputs", "preparation", *BELOW["integrator"], *BELOW["preparation"]}
 BELOW["runs"] = BELOW["inspection"] = {"simulation", *BELOW["simulation"]}

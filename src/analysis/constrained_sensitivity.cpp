@@ -20,13 +20,13 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// Relative to the largest pivot of the constraint equations in the dependent velocities: below it the rounding of the
-// loop closure would cause errors of 1e-6 in the derivatives.
-constexpr double singular_pivot_ratio = 1e-8;
 // Relative to the smallest pivot of a regular position. Near a position where the constraint Jacobian loses rank,
 // accelerations are quotients of two numbers that vanish there in proportion to this fraction s, and their derivatives
 // have errors of some 1e-16 / s^3: 1e-7 here.
 constexpr double near_singular_fraction = 1e-3;
+// Iterations for friction of joints that follows the forces of contacts, and changes of these that are rounding.
+constexpr int most_passes = 40;
+constexpr double enough_passed = 1e-13;
 
 }  // namespace
 
@@ -81,6 +81,8 @@ ConstrainedSensitivity::ConstrainedSensitivity(const Mechanism& mechanism, const
   }
   dynamics_->set_max_rank(rank_);
   jacobians_.of_inputs = true;
+  if (!mechanism.shapes.empty() && !loads.contacts.empty())
+    contacts_ = std::make_unique<HeldContacts>(mechanism, *dynamics_, loads);
   dual_state_.equations = make_residual_evaluator<Dual>(mechanism, loads);
   series_state_.equations = make_residual_evaluator<Series>(mechanism, loads);
 }
@@ -101,6 +103,7 @@ void ConstrainedSensitivity::set_point(const double* q, const double* v, const d
   d.factorize();
   d.set_velocity(v);
   d.solve(u, vdot_.data());
+  if (touches()) find_contact_forces(u);
   d.readings().state_rates(u, rates_.data());
   holding_ = d.switching_forces().holding_forces().values();
   if (!is_empty(*loads_.forces)) {
@@ -109,7 +112,12 @@ void ConstrainedSensitivity::set_point(const double* q, const double* v, const d
     if (force >= 0) throw NotDifferentiablePoint(NotDifferentiablePoint::What::spring, force);
   }
   redundant_ = false;
-  if (mechanism_.rows == 0) return;
+  if (mechanism_.rows > 0) find_multipliers();
+  if (touches()) contacts_->withdraw();
+}
+
+void ConstrainedSensitivity::find_multipliers() {
+  Dynamics& d = *dynamics_;
   d.set_acceleration(vdot_.data());  // for lambda
   if (rank_ > 0 && d.pivot_ratio() < std::max(singular_pivot_ratio, near_singular_fraction * best_pivot_ratio_)) {
     throw NotDifferentiablePoint(NotDifferentiablePoint::What::rows);
@@ -120,7 +128,8 @@ void ConstrainedSensitivity::set_point(const double* q, const double* v, const d
   if (redundant_) find_null_multipliers();
 }
 
-void ConstrainedSensitivity::hold(std::vector<int> sides) {
+void ConstrainedSensitivity::hold(std::vector<int> sides, const ContactHold& contacts) {
+  if (contacts_) contacts_->hold(contacts);
   sides_ = std::move(sides);
   const int* held = sides_.empty() ? nullptr : sides_.data();
   dynamics_->switching_forces().hold(held);
@@ -160,44 +169,6 @@ void ConstrainedSensitivity::solve(VectorXd& r, const VectorXd& c, VectorXd& l, 
   dynamics_->solve_linear(r.data(), target.data(), l.data(), holding.data());
 }
 
-void ConstrainedSensitivity::Partition::compute(const MatrixXd& J, int rank) {
-  if (static_cast<int>(dependent.size()) != rank) throw NotDifferentiablePoint(NotDifferentiablePoint::What::partition);
-  if (rank == 0) return;
-  factor.compute(J(rows, dependent));
-  const auto pivots = factor.matrixQR().diagonal().cwiseAbs();
-  if (!(pivots.minCoeff() > singular_pivot_ratio * pivots.maxCoeff()))
-    throw NotDifferentiablePoint(NotDifferentiablePoint::What::partition);
-}
-
-MatrixXd ConstrainedSensitivity::Partition::solve(const MatrixXd& residuals, Index nv) const {
-  MatrixXd out = MatrixXd::Zero(nv, residuals.cols());
-  if (!dependent.empty()) out(dependent, Eigen::all) = -factor.solve(residuals(rows, Eigen::all));
-  return out;
-}
-
-// The changes of the targets, or of their time derivatives of this order, by coordinate row: with the inputs that give
-// them, and with the signals that they follow.
-MatrixXd ConstrainedSensitivity::changes_of_targets(int order, const MatrixXd& du) const {
-  MatrixXd out = MatrixXd::Zero(static_cast<Index>(targets_.size()), du.cols());
-  for (std::size_t i = 0; i < targets_.size(); ++i) {
-    const CoordinateRow& row = mechanism_.coordinate_rows[i];
-    const auto r = static_cast<Index>(i);
-    row.for_inputs([&](int input, int of) {
-      if (of == order) out.row(r) = du.row(input);
-    });
-    if (!row.follows_signals) continue;
-    const Formula& target = loads_.motions[i][static_cast<std::size_t>(order)];
-    if (!target.is_given()) continue;
-    for (std::size_t k = 0; k < target.signals().size(); ++k) {
-      std::array<Dual, Formula::max_signals> signals;
-      std::ranges::transform(target.signals(), signals.begin(), [&](int signal) { return Dual(u_[signal]); });
-      signals[k].derivatives()[0] = 1;
-      out.row(r) += target.value<Dual>(nullptr, signals.data()).derivatives()[0] * du.row(target.signals()[k]);
-    }
-  }
-  return out;
-}
-
 void ConstrainedSensitivity::differentiate_targets(const MatrixXd& du) {
   std::array<MatrixXd, 3> changes;
   for (int order = 0; order < 3; ++order) changes[static_cast<std::size_t>(order)] = changes_of_targets(order, du);
@@ -219,6 +190,7 @@ MatrixXd ConstrainedSensitivity::complete_dq(const MatrixXd& dq, const MatrixXd&
     residuals.bottomRows(static_cast<Index>(targets_.size())) -= changes_of_targets(0, du);
     z += of_positions_.solve(residuals, mechanism_.nv);
   }
+  if (touches()) contacts_->close(z);
   MatrixXd moved(mechanism_.nq, n);
   for (Index k = 0; k < n; ++k) {
     if (z.col(k).isZero(0)) {
@@ -250,6 +222,7 @@ void ConstrainedSensitivity::update_partition() {
 }
 
 MovedState ConstrainedSensitivity::state_derivative(const MatrixXd& dq, const MatrixXd& dv, const MatrixXd& du) {
+  if (touches()) return state_derivative_in_contact(dq, dv, du);
   update_partition();
   if (!jacobians_known_.holds(stages_)) {
     dynamics_->differentiate(u_.data(), inputs_, vdot_.data(), jacobians_, lambda_.data());
@@ -322,36 +295,85 @@ void ConstrainedSensitivity::differentiate_velocity(const MatrixXd& dv) {
   MatrixXd given = given_velocities(dv);
   set_derivatives(given, dual_state_.v);
   dual_state_.equations->set_velocity(dual_state_.v.data());
-  if (of_speeds_.dependent.empty() && sides_.empty()) return;
+  if (of_speeds_.dependent.empty() && sides_.empty() && !touches()) return;
   if (!of_speeds_.dependent.empty())
     given += of_speeds_.solve(derivative_columns(dual_state_.equations->row_rates(), dv.cols()), mechanism_.nv);
-  set_derivatives(stopped(given), dual_state_.v);
+  given = stopped(given);
+  set_derivatives(given, dual_state_.v);
+  dual_state_.equations->set_velocity(dual_state_.v.data());
+  if (!touches()) return;
+  contacts_->stop(contacts_->kept_speeds(*dual_state_.equations, dv.cols()), given);
+  set_derivatives(given, dual_state_.v);
   dual_state_.equations->set_velocity(dual_state_.v.data());
 }
 
 void ConstrainedSensitivity::differentiate_acceleration(const MatrixXd& null_multipliers) {
-  ResidualEvaluator<Dual>& e = *dual_state_.equations;
-  e.set_acceleration(dual_state_.u.data(), dual_state_.vdot.data(), dual_state_.lambda.data());
-  MatrixXd dvdot(mechanism_.nv, null_multipliers.cols());
-  MatrixXd dlambda(mechanism_.rows, null_multipliers.cols());
-  std::vector<Dual> holding(holding_.begin(), holding_.end());
-  VectorXd l;
-  VectorXd x;
-  for (Index k = 0; k < null_multipliers.cols(); ++k) {
-    VectorXd r = derivatives_along(e.force_residual(), static_cast<int>(k));
-    solve(r, derivatives_along(e.acceleration_residual(), static_cast<int>(k)), l, x);
-    dvdot.col(k) = r;
-    dlambda.col(k) = l + null_multipliers.col(k);
-    for (std::size_t i = 0; i < holding.size(); ++i) holding[i].derivatives()[k] = x[static_cast<Index>(i)];
+  const Index n = null_multipliers.cols();
+  MatrixXd dvdot = MatrixXd::Zero(mechanism_.nv, n);
+  MatrixXd dlambda = null_multipliers;
+  MatrixXd dholding = MatrixXd::Zero(dynamics_->switching_forces().locks(), n);
+  MatrixXd dx = MatrixXd::Zero(touches() ? contacts_->rows() : 0, n);
+  // One pass is exact, but for friction of joints that follows the forces of contacts.
+  const bool repeats = touches() && !dynamics_->switching_forces().loads().empty();
+  for (int pass = 0; pass < (repeats ? most_passes : 1); ++pass) {
+    const double change = correct_accelerations(dvdot, dlambda, dholding, dx, pass > 0);
+    if (change <= enough_passed) break;
   }
+  std::vector<Dual> holding(holding_.begin(), holding_.end());
+  for (std::size_t i = 0; i < holding.size(); ++i)
+    holding[i].derivatives().head(n) = dholding.row(static_cast<Index>(i)).transpose().array();
   if (dynamics_->switching_forces().is_redundant()) {
     dlambda.setConstant(undetermined);
     for (Dual& force : holding) force.derivatives().setConstant(undetermined);
   }
+  evaluate_accelerations(dvdot, dlambda, dx);
+  set_forces(dual_state_, holding);
+}
+
+void ConstrainedSensitivity::evaluate_accelerations(const MatrixXd& dvdot, const MatrixXd& dlambda,
+                                                    const MatrixXd& dx) {
+  ResidualEvaluator<Dual>& e = *dual_state_.equations;
   set_derivatives(dvdot, dual_state_.vdot);
   set_derivatives(dlambda, dual_state_.lambda);
+  e.apply_forces(nullptr);
+  dual_state_.contact_forces.clear();
+  if (touches()) {
+    contacts_->apply(e, dx);
+    dual_state_.contact_forces = contacts_->forces();
+  }
   e.set_acceleration(dual_state_.u.data(), dual_state_.vdot.data(), dual_state_.lambda.data());
-  set_forces(dual_state_, holding);
+}
+
+// Adds what the residuals lack; returns the largest change.
+double ConstrainedSensitivity::correct_accelerations(MatrixXd& dvdot, MatrixXd& dlambda, MatrixXd& dholding,
+                                                     MatrixXd& dx, bool again) {
+  ResidualEvaluator<Dual>& e = *dual_state_.equations;
+  if (again) {
+    evaluate_accelerations(dvdot, dlambda, dx);
+  } else {
+    evaluate_accelerations(dvdot, MatrixXd::Zero(dlambda.rows(), dlambda.cols()), dx);
+  }
+  const MatrixXd kept = touches() ? contacts_->kept_accelerations(e, dvdot.cols()) : MatrixXd();
+  double change = 0;
+  VectorXd l;
+  VectorXd x;
+  for (Index k = 0; k < dvdot.cols(); ++k) {
+    const VectorXd residual = derivatives_along(e.force_residual(), static_cast<int>(k));
+    const VectorXd c = derivatives_along(e.acceleration_residual(), static_cast<int>(k));
+    VectorXd r = residual;
+    solve(r, c, l, x);
+    if (touches()) {
+      const VectorXd forces = contacts_->change_of_forces(r, kept.col(k));
+      dx.col(k) += forces;
+      change = std::max(change, forces.size() > 0 ? forces.cwiseAbs().maxCoeff() : 0);
+      r = residual - contacts_->generalized(forces);
+      solve(r, c, l, x);
+    }
+    dvdot.col(k) += r;
+    dlambda.col(k) += l;
+    dholding.col(k) += x;
+  }
+  return change;
 }
 
 }  // namespace gelenk

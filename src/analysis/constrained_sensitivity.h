@@ -8,17 +8,18 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <Eigen/QR>
 #include <functional>
 #include <memory>
 #include <stdexcept>
 #include <utility>
 #include <vector>
 
+#include "analysis/dependent_unknowns.h"
 #include "analysis/mobility.h"
 #include "derivatives/residual_evaluator.h"
 #include "dynamics/dynamics.h"
 #include "element/constraints/motion_law.h"
+#include "event_driven/held_contacts.h"
 #include "kinematics/stages.h"
 #include "math/dual.h"
 #include "math/series.h"
@@ -29,17 +30,24 @@ namespace gelenk {
 class NotDifferentiablePoint : public std::runtime_error {
  public:
   // rows: the constraint Jacobian has lost rank; partition: the independent velocities do not determine the others;
-  // spring: the ends of a spring coincide; mode: the mode of friction or of a limit is about to change.
-  enum class What { rows, partition, spring, mode };
+  // spring: the ends of a spring coincide; mode: the mode of friction or of a limit is about to change; contact: that
+  // of a contact of shapes.
+  enum class What { rows, partition, spring, mode, contact };
   explicit NotDifferentiablePoint(What what, int force = -1)
       : std::runtime_error("derivatives do not exist"), what_(what), force_(force) {}
+  explicit NotDifferentiablePoint(const LawEdge& edge) : NotDifferentiablePoint(What::contact, edge.contact) {
+    edge_ = edge.of;
+  }
   What reason() const { return what_; }
-  // Index of the spring among the forces of the scene, or of the force among those with modes of its island.
+  // Index of the spring among the forces of the scene, of the force among those with modes of its island, or of the
+  // contact of the scene.
   int force() const { return force_; }
+  LawEdge::Of edge() const { return edge_; }
 
  private:
   What what_;
   int force_;
+  LawEdge::Of edge_ = LawEdge::Of::normal_force;
 };
 
 // Targets with two time derivatives each, in the layout of Dynamics::set_targets.
@@ -56,6 +64,9 @@ struct CarriedState {
   // of the multipliers then, are not a number: nothing determines them.
   std::vector<T> forces;
   const int* modes = nullptr;
+  // Of contacts of the scene, on the bodies with the first surface, along the axes of the root frame; empty: none is
+  // closed. The derivatives of redundant ones are not a number.
+  std::vector<Vector3<T>> contact_forces;
   std::unique_ptr<ResidualEvaluator<T>> equations;
 };
 
@@ -80,7 +91,8 @@ class ConstrainedSensitivity {
 
   // Holds the forces with modes in these (SwitchingForces::hold) from the next set_point() on; empty: in those of the
   // state. What they keep at rest remains at rest: the derivatives of its velocities are 0.
-  void hold(std::vector<int> sides);
+  // contacts: those that are closed, in their modes; other contacts do not act.
+  void hold(std::vector<int> sides, const ContactHold& contacts = {});
   // The present point: (q, v, vdot) stacked, and qdot.
   Eigen::VectorXd point() const;
   Eigen::VectorXd qdot() const;
@@ -104,29 +116,30 @@ class ConstrainedSensitivity {
  private:
   template <class T>
   void begin(CarriedState<T>& at);
-  // Solves the constraint equations `rows` for the unknowns `dependent`.
-  struct Partition {
-    std::vector<int> dependent;  // indices of velocities
-    std::vector<int> rows;
-    Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factor;
-
-    void compute(const Eigen::MatrixXd& J, int rank);
-    Eigen::MatrixXd solve(const Eigen::MatrixXd& residuals, Eigen::Index nv) const;
-  };
   template <class T, class Target>
   void set_targets(CarriedState<T>& at, Target target);
   Eigen::MatrixXd given_velocities(const Eigen::MatrixXd& dv) const;
   Eigen::MatrixXd stopped(Eigen::MatrixXd dv) const;
   void differentiate_targets(const Eigen::MatrixXd& du);
-  Eigen::MatrixXd changes_of_targets(int order, const Eigen::MatrixXd& du) const;
+  Eigen::MatrixXd changes_of_targets(int order, const Eigen::MatrixXd& du) const {
+    return gelenk::changes_of_targets(mechanism_, loads_, u_.data(), order, du);
+  }
   void expand_targets(const double* udot, const double* uddot);
   void update_partition();
   Eigen::MatrixXd complete_dq(const Eigen::MatrixXd& dq, const Eigen::MatrixXd& du) const;
   void differentiate_velocity(const Eigen::MatrixXd& dv);
   void differentiate_acceleration(const Eigen::MatrixXd& null_multipliers);
+  void evaluate_accelerations(const Eigen::MatrixXd& dvdot, const Eigen::MatrixXd& dlambda, const Eigen::MatrixXd& dx);
+  double correct_accelerations(Eigen::MatrixXd& dvdot, Eigen::MatrixXd& dlambda, Eigen::MatrixXd& dholding,
+                               Eigen::MatrixXd& dx, bool again);
+  void find_contact_forces(const double* u);
+  void find_multipliers();
   void expand_acceleration(int k);
   void find_rates(std::vector<Series>& rates);
   void solve(Eigen::VectorXd& r, const Eigen::VectorXd& c, Eigen::VectorXd& l, Eigen::VectorXd& holding) const;
+  MovedState state_derivative_in_contact(const Eigen::MatrixXd& dq, const Eigen::MatrixXd& dv,
+                                         const Eigen::MatrixXd& du);
+  bool touches() const { return contacts_ != nullptr && contacts_->any(); }
   template <class T>
   void set_forces(CarriedState<T>& at, const std::vector<T>& holding);
   void find_null_multipliers();
@@ -137,8 +150,9 @@ class ConstrainedSensitivity {
   const Loads& loads_;
   int inputs_;
   std::unique_ptr<Dynamics> dynamics_;
-  std::vector<int> sides_;       // held modes
-  std::vector<double> holding_;  // forces, by lock
+  std::unique_ptr<HeldContacts> contacts_;  // null: no shapes can touch
+  std::vector<int> sides_;                  // held modes
+  std::vector<double> holding_;             // forces, by lock
   std::vector<Series> holding_in_time_;
   Eigen::VectorXd q_, v_, u_, vdot_, lambda_, rates_;
   std::vector<double> cut_q_;
@@ -146,7 +160,7 @@ class ConstrainedSensitivity {
   Stages stages_;
   Computed partition_{Stage::position}, jacobians_known_{Stage::velocity};
   Jacobians jacobians_;
-  Partition of_positions_, of_speeds_;
+  DependentUnknowns of_positions_, of_speeds_;
   std::vector<MotionLaw::Derivatives> targets_;
   // For redundant constraints: the multipliers of minimum norm are lambda = J x. null_multipliers_: orthogonal
   // projector onto the null space of J^T; inverse_: pseudo-inverse of J.

@@ -22,6 +22,9 @@ class ResidualEvaluator : public Readings<T> {
   virtual void set_targets(const T* targets) = 0;
   // Holds the forces with modes in these (JointLoads::add), read at each evaluation; null: in those of the state.
   virtual void hold(const int* sides) = 0;
+  // Applies these wrenches to the links besides the loads (ContactRows::apply_forces), read at each evaluation; null:
+  // none.
+  virtual void apply_forces(const typename Readings<T>::Force* wrenches) = 0;
   // --- to be called in this order; each uses the results of the earlier ones, and any may be called again ---
   virtual void set_position(const T* q) = 0;
   virtual void set_velocity(const T* v) = 0;

@@ -55,6 +55,7 @@ class ResidualEvaluatorOf final : public WithReadings<A, ResidualEvaluator<typen
   }
 
   void hold(const int* sides) override { sides_ = sides; }
+  void apply_forces(const typename Readings<T>::Force* wrenches) override { wrenches_ = wrenches; }
 
   void set_targets(const T* targets) override { std::copy_n(targets, targets_.size(), targets_.begin()); }
 
@@ -71,6 +72,10 @@ class ResidualEvaluatorOf final : public WithReadings<A, ResidualEvaluator<typen
     kernels::link_loads(model_, loads_, u, ws_);
     const int* of_cuts = sides_ == nullptr ? nullptr : sides_ + loads_.tree.switching_count();
     kernels::cut_loads(model_, loads_, u, cut_reference_.data(), ws_, of_cuts);
+    if constexpr (!A::planar) {
+      for (std::size_t i = 1; i < model_.links.size() && wrenches_ != nullptr; ++i)
+        ws_.F_ext[i] += ws_.X_0L[i].to_child(wrenches_[i]);
+    }
     std::copy(lambda, lambda + model_.rows, ws_.lambda.begin());
     kernels::accelerations(model_, vdot, ws_);
     kernels::loop_accelerations(model_, ws_, c_.data());
@@ -145,6 +150,7 @@ class ResidualEvaluatorOf final : public WithReadings<A, ResidualEvaluator<typen
 
   std::vector<int> links_;
   const int* sides_ = nullptr;
+  const typename Readings<T>::Force* wrenches_ = nullptr;
   std::vector<T> r_, c_, qdot_, cut_q_;
   std::vector<FrictionLoad> friction_loads_;
   std::vector<std::vector<std::pair<int, T>>> turns_;  // by cut with such friction: the rate of its angle

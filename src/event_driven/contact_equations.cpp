@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "contact_geometry/contact_finder.h"
-#include "kinematics/loads.h"
 #include "mechanism/mechanism.h"
 
 namespace gelenk {
@@ -42,10 +41,11 @@ void drop_blocked(const ContactEquations::RowMatrix& R, const ContactEquations::
 
 }  // namespace
 
-ContactEquations::ContactEquations(const Mechanism& mechanism, Dynamics& dynamics, const Loads& loads, bool located)
+ContactEquations::ContactEquations(const Mechanism& mechanism, Dynamics& dynamics, const std::vector<ContactLaw>& laws,
+                                   bool located)
     : mechanism_(mechanism),
       dynamics_(dynamics),
-      loads_(loads),
+      laws_(laws),
       candidates_(mechanism, located),
       modes_(static_cast<std::size_t>(candidates_.count())),
       solved_modes_(modes_.size()),
@@ -56,7 +56,7 @@ ContactEquations::ContactEquations(const Mechanism& mechanism, Dynamics& dynamic
       closing_speeds_(rank_threshold) {}
 
 const ContactLaw& ContactEquations::law(int candidate) const {
-  return loads_.contacts[static_cast<std::size_t>(candidates_[candidate].contact)];
+  return laws_[static_cast<std::size_t>(candidates_[candidate].contact)];
 }
 
 double ContactEquations::coefficient(int candidate, int group, bool moves) const {

@@ -46,8 +46,8 @@ inline constexpr double slow_sliding = 1e-4;
 
 class ContactEquations {
  public:
-  // All must outlive it. loads: with the laws of contacts. located: otherwise there are no candidates.
-  ContactEquations(const Mechanism& mechanism, Dynamics& dynamics, const Loads& loads, bool located);
+  // All must outlive it. laws: by contact of the scene. located: otherwise there are no candidates.
+  ContactEquations(const Mechanism& mechanism, Dynamics& dynamics, const std::vector<ContactLaw>& laws, bool located);
 
   ContactCandidates& candidates() { return candidates_; }
   const ContactCandidates& candidates() const { return candidates_; }
@@ -123,14 +123,20 @@ class ContactEquations {
   const std::vector<CandidateForce>& forces() { return forces_of(shared()); }
   // The same of other multipliers x of the rows, with the same effect.
   const std::vector<CandidateForce>& forces_of(const Eigen::VectorXd& x);
-  // At the last accelerate(), by closed(): whether what is held permits no motion along the normal, so that the contact
-  // has no force.
-  bool is_blocked(std::size_t i) const { return G_(rows_.entries[i].first, rows_.entries[i].first) == 0; }
   // Whether those of the last accelerate() are unique; and whether a contact would have to pull or to hold more than it
   // can, too.
   bool are_unique() const { return closed_.empty() || least_norm_.was_unique(); }
   bool are_overloaded() const;
   const Rows& rows() const { return rows_; }
+  // Of the last accelerate(): its multipliers x, the responses K^-1 B to them, and the matrix R K^-1 B with the weights
+  // of the norm of x.
+  struct Solution {
+    const Eigen::VectorXd& x;
+    const RowMatrix& responses;
+    const Eigen::MatrixXd& G;
+    const Eigen::VectorXd& weights;
+  };
+  Solution last_solution() const { return {x_, Z_, G_, scale_}; }
   // Displaces q so that closed contacts have no gap; returns whether it was necessary.
   bool close_position(double* q);
   // Changes v by the least amount in the mass metric so that what is kept does not move; `dynamics` must be at the
@@ -153,7 +159,7 @@ class ContactEquations {
 
   const Mechanism& mechanism_;
   Dynamics& dynamics_;
-  const Loads& loads_;
+  const std::vector<ContactLaw>& laws_;
   ContactCandidates candidates_;
   std::vector<CandidateMode> modes_;
   std::vector<int> closed_;
@@ -196,6 +202,13 @@ class ContactEquations {
   std::vector<double> holding_;  // by lock
   std::vector<CandidateForce> forces_;
 };
+
+// At the last accelerate(), by closed(): whether what is held permits no motion along the normal, so that the contact
+// has no force.
+inline bool is_blocked(const ContactEquations& equations, std::size_t i) {
+  const int normal = equations.rows().entries[i].first;
+  return equations.last_solution().G(normal, normal) == 0;
+}
 
 // Adds forces of closed candidates to `out`, by link (ContactRows::apply_forces).
 void add_wrenches(const ContactEquations& contact_equations,

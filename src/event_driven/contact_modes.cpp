@@ -22,7 +22,7 @@ ContactModes::ContactModes(const Context& context)
     : mechanism_(context.mechanism),
       dynamics_(context.dynamics),
       equations_(context.equations),
-      contact_equations_(context.mechanism, context.dynamics, context.loads, context.located),
+      contact_equations_(context.mechanism, context.dynamics, context.loads.contacts, context.located),
       hidden_(context.mechanism, context.dynamics, contact_equations_),
       outputs_(context.mechanism, context.dynamics, contact_equations_, context.loads.contacts.size()),
       vdot_(static_cast<std::size_t>(context.mechanism.nv)) {

@@ -12,7 +12,9 @@
 #include "event/event_log.h"
 #include "event_driven/contact_equations.h"
 #include "event_driven/contact_outputs.h"
+#include "event_driven/friction_treatment.h"
 #include "event_driven/hidden_contacts.h"
+#include "event_driven/law_edge.h"
 #include "event_driven/mode_equations.h"
 #include "util/archive.h"
 
@@ -67,6 +69,11 @@ class ContactModes {
   // Speeds up to this are rest.
   double slow(const double* v) const;
 
+  // What the closed ones do where derivatives are taken with friction treated in this way.
+  ContactHold held(FrictionTreatment friction) const;
+  // The contact of which the present mode ends at any change of the state (t, y) or the inputs.
+  LawEdge edge(double t, const double* y);
+
   const CandidateMode& mode_of(int candidate) const {
     return contact_equations_.modes()[static_cast<std::size_t>(candidate)];
   }
@@ -77,6 +84,8 @@ class ContactModes {
 
  private:
   void find_penetration(double* g);
+  LawEdge edge_of_closed(double rest);
+  bool may_close(int candidate);
   void update_guards();
 
   const Mechanism& mechanism_;

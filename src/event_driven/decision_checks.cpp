@@ -65,7 +65,7 @@ bool ContactDecision::resolve_redundancy(std::vector<CandidateMode>& next) {
   if (problem_->locks.empty() || equations_.closed().empty() || !equations_.rows().any_moves()) return false;
   bool releases = false, opens = false;
   for (std::size_t i = 0; i < equations_.closed().size(); ++i) {
-    if (!equations_.rows().entries[i].any_moves() || !equations_.is_blocked(i)) continue;
+    if (!equations_.rows().entries[i].any_moves() || !is_blocked(equations_, i)) continue;
     const int candidate = equations_.closed()[i];
     releases = let_go_beyond_limits(candidate) || releases;
     if (releases) continue;
@@ -119,7 +119,7 @@ int ContactDecision::most_pulling() const {
   double least = -acceleration_tolerance * largest;
   int out = -1;
   for (std::size_t i = 0; i < forces.size(); ++i) {
-    const bool is_redundant = !equations_.are_unique() || equations_.is_blocked(i);
+    const bool is_redundant = !equations_.are_unique() || is_blocked(equations_, i);
     if (!(forces[i].normal < least) || (is_redundant && presses(equations_.closed()[i]))) continue;
     least = forces[i].normal;
     out = equations_.closed()[i];

@@ -191,10 +191,14 @@ void EventModes::change_mode(double t, double* y) {
 }
 
 EventModes::Present EventModes::present(double t, const double* y, FrictionTreatment friction) {
-  if (locks_.empty()) return {};
+  if (locks_.empty() && !contacts_->any()) return {};
   const ModePreview preview(*this, t, y);
-  const int boundary = locks_.treat(friction, t, y);
-  return {sides_, boundary};
+  Present out;
+  if (!locks_.empty()) out.boundary = locks_.treat(friction, t, y);
+  if (contacts_->any()) out.contacts = contacts_->held(friction);
+  if (friction == FrictionTreatment::present && out.boundary < 0) out.edge = contacts_->edge(t, y);
+  if (!locks_.empty()) out.sides = sides_;
+  return out;
 }
 
 void EventModes::remembered_mode(bool* positive) const {

@@ -12,6 +12,7 @@
 #include "event/event_source.h"
 #include "event_driven/hidden_changes.h"
 #include "event_driven/joint_outputs.h"
+#include "event_driven/law_edge.h"
 #include "event_driven/lock_modes.h"
 #include "event_driven/state_resets.h"
 #include "kinematics/placed_formulas.h"
@@ -85,10 +86,12 @@ class EventModes final : public EventSource {
   ContactModes& contacts() { return *contacts_; }
   ModeChanges& changes() { return *changes_; }
   // The modes of all forces with modes in which derivatives are taken at (t, y), the present state: those in which a
-  // step would begin; empty: those of the state. boundary: see LockModes::treat().
+  // step would begin; empty: those of the state. boundary: see LockModes::treat(); edge: ContactModes::edge().
   struct Present {
-    std::vector<int> sides;
+    std::vector<int> sides{};
     int boundary = -1;
+    ContactHold contacts{};
+    LawEdge edge{};
   };
   Present present(double t, const double* y, FrictionTreatment friction);
   // What outputs show.

@@ -9,14 +9,11 @@
 #include "dynamics/distributed_forces.h"
 #include "dynamics/dynamics.h"
 #include "event/event_log.h"
+#include "event_driven/friction_treatment.h"
 #include "event_driven/mode_equations.h"
 #include "util/archive.h"
 
 namespace gelenk {
-
-// What dry friction does where derivatives are taken: what it does there; nothing moves; everything moves, and what is
-// at rest moves against a constant friction; nothing.
-enum class FrictionTreatment { present, locked, sliding, off };
 
 class LockModes {
  public:

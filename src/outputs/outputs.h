@@ -35,6 +35,9 @@ struct ReadingOf {
   const T* forces = nullptr;
   const int* modes = nullptr;
   ContactReadings* contacts = nullptr;  // null: nothing touches
+  // For derivatives: by contact of the scene, its force on the bodies with the first surface, along the axes of the
+  // root frame; null: nothing touches.
+  const Vector3<T>* contact_forces = nullptr;
 };
 using Reading = ReadingOf<double>;
 

@@ -59,6 +59,13 @@ inline T Outputs::value_of(const Source& s, const ReadingOf<T>& reading) const {
     case Kind::constraint:
       return constraint_value<T>(s, reading.dynamics);
     case Kind::contact:
+      if constexpr (!std::is_same_v<T, double>) {
+        // Closed gaps remain 0.
+        if (reading.contact_forces == nullptr || s.group != 0) break;
+        const Vector3<T> force = reduced_.islands[static_cast<std::size_t>(s.island)].X_W0.R.template cast<T>() *
+                                 reading.contact_forces[s.index];
+        return force[s.component];
+      }
       if (reading.contacts == nullptr) break;
       return T(std::visit(
           [&](const auto& contact) {

@@ -6,7 +6,7 @@
 #include <set>
 
 #include "assembly/loop_closure.h"
-#include "contact_geometry/contact_finder.h"
+
 #include "kinematics/switching_force.h"
 #include "preparation/doubts.h"
 #include "scene/element_numbers.h"
@@ -379,14 +379,6 @@ std::string describe_exhausted_budget(double t, double end, long evaluations, co
 std::string describe_failed_step(const std::string& cause, double good_time) {
   return cause + ". The state is unchanged at t = " + text::rounded(good_time) +
          " s; the simulation can continue from there.";
-}
-
-std::string describe_closed_contact(const Scene& scene, const Mechanism& mechanism, const Dynamics& dynamics,
-                                    double t) {
-  const int closed = closed_contact(mechanism, dynamics.readings(), scene.contacts.size());
-  if (closed < 0) return {};
-  return "t = " + text::rounded(t) + " s: contacts." + scene.contacts[static_cast<std::size_t>(closed)].name +
-         " is closed: derivatives exist for open contacts only";
 }
 
 std::string describe_mode_boundary(const Scene& scene, const Loads& loads, int force, double t) {

@@ -9,6 +9,7 @@
 #include "analysis/singular_start.h"
 #include "assembly/assembly.h"
 #include "event/event_log.h"
+#include "event_driven/law_edge.h"
 #include "mechanism/mechanism.h"
 #include "scene/scene.h"
 #include "scene/signals.h"
@@ -77,9 +78,10 @@ std::string describe_failed_step(const std::string& cause, double good_time);
 // Describes an event with its time.
 std::string describe_event(const EventReport& event);
 
-// Why no derivatives exist at the present position of `dynamics`, after set_root_poses(): they do not know the forces
-// of contacts; empty: no contact is closed.
-std::string describe_closed_contact(const Scene& scene, const Mechanism& mechanism, const Dynamics& dynamics, double t);
+// Says something about a contact at t: "t = 0 s: contacts.c is ...".
+std::string describe_closed_contact(const Scene& scene, int contact, const std::string& what, double t);
+// Why no derivatives exist where the force of a contact is at the edge of its law.
+std::string describe_contact_edge(const Scene& scene, const LawEdge& edge, double t);
 
 // Why no derivatives exist where a force with modes (its index among those of the island) is between two of them.
 std::string describe_mode_boundary(const Scene& scene, const Loads& loads, int force, double t);

@@ -67,6 +67,7 @@ Sensitivity::Directions Sensitivity::directions_of(int island, const MatrixXd& d
 
 Eigen::VectorXd Sensitivity::displacement(int island, const Eigen::VectorXd& dx) {
   friction_ = FrictionTreatment::off;
+  holds_contacts_ = false;
   set_point(island);
   const Mechanism& mechanism = islands_[island]->prepared().mechanism;
   MatrixXd direction = MatrixXd::Zero(dx.size() + static_cast<Index>(u_.count()), 1);
@@ -85,7 +86,8 @@ ConstrainedSensitivity& Sensitivity::set_point(int island) {
   const double* y = from.reading().q;
   const EventModes::Present modes = from.formulation().modes().present(from.time(), y, friction_);
   if (modes.boundary >= 0) throw NotDifferentiablePoint(NotDifferentiablePoint::What::mode, modes.boundary);
-  sensitivities_[island]->hold(modes.sides);
+  if (modes.edge.contact >= 0 && holds_contacts_) throw NotDifferentiablePoint(modes.edge);
+  sensitivities_[island]->hold(modes.sides, holds_contacts_ ? modes.contacts : ContactHold{});
   Drives& drives = from.formulation().drives();
   drives.go_to(from.time(), y);
   sensitivities_[island]->set_point(y, y + from.prepared().mechanism.nq, drives.u().data(),
@@ -111,7 +113,8 @@ class Sensitivity::ReadIsland {
                 .signals = at.equations->all_signals(at.u.data()),
                 .formulas = of.islands_[i]->loads().values.data(),
                 .forces = at.forces.data(),
-                .modes = at.modes} {
+                .modes = at.modes,
+                .contact_forces = at.contact_forces.empty() ? nullptr : at.contact_forces.data()} {
     at.equations->state_rates(at.u.data(), rates.data());
     at.equations->expression_values(at.u.data(), values_.data());
     of.readings_.rates_of_forces(i, of.islands_[i]->loads().rates, reading, rates.data());
@@ -226,6 +229,7 @@ DirectionalDerivative zero_derivative(std::size_t outputs, std::size_t states, I
 
 DirectionalDerivative Sensitivity::along(const std::vector<double>& dx, const std::vector<double>& du) {
   friction_ = FrictionTreatment::present;
+  holds_contacts_ = true;
   DirectionalDerivative out = zero_derivative(signals_.size(), states_.size(), 1);
   MatrixXd direction(static_cast<Index>(dx.size() + du.size()), 1);
   std::copy(du.begin(), du.end(), std::copy(dx.begin(), dx.end(), direction.data()));
@@ -250,6 +254,7 @@ std::vector<int> Sensitivity::columns_of(int island) const {
 
 Linearization Sensitivity::linearize(FrictionTreatment friction) {
   friction_ = friction;
+  holds_contacts_ = true;
   const auto nx = static_cast<Index>(states_.size());
   const auto nu = static_cast<Index>(u_.count());
   DirectionalDerivative all = zero_derivative(signals_.size(), states_.size(), nx + nu);
@@ -275,8 +280,8 @@ Linearization Sensitivity::linearize(FrictionTreatment friction) {
   const Index coordinates = std::ranges::count(states_, 0, [this](int state) { return signals_[state].level; });
   for (Index s = 0; s < coordinates; ++s) {
     if (std::ranges::find(states_, signals_[states_[s]].derivative) == states_.end()) continue;
-    const auto by_velocities = all.rates.row(s).segment(coordinates, nx - coordinates);
-    if (by_velocities.cwiseAbs().maxCoeff() <= locked_rounding) out.locked.push_back(states_[s]);
+    // What rolls may move with its heading, which is a coordinate.
+    if (all.rates.row(s).head(nx).cwiseAbs().maxCoeff() <= locked_rounding) out.locked.push_back(states_[s]);
   }
   out.xdot = all.xdot;
   out.A = all.rates.leftCols(nx);
@@ -288,6 +293,7 @@ Linearization Sensitivity::linearize(FrictionTreatment friction) {
 
 Eigen::MatrixX2d Sensitivity::in_time(const std::vector<double>& udot, const std::vector<double>& uddot) {
   friction_ = FrictionTreatment::present;
+  holds_contacts_ = true;
   Eigen::MatrixX2d out = Eigen::MatrixX2d::Zero(static_cast<Index>(signals_.size()), 2);
   for (int i = 0; i < static_cast<int>(islands_.size()); ++i) {
     ConstrainedSensitivity& at = set_point(i);

@@ -51,8 +51,8 @@ class Sensitivity {
   // inputs.
   Eigen::MatrixX2d in_time(const std::vector<double>& udot, const std::vector<double>& uddot);
 
-  // The change (dq, dv) of an island if its states change by dx (states) to first order; friction and limits do not
-  // hold it. Throws as above.
+  // The change (dq, dv) of an island if its states change by dx (states) to first order; friction, limits and
+  // contacts do not hold it. Throws as above.
   Eigen::VectorXd displacement(int island, const Eigen::VectorXd& dx);
 
   int faulty_island() const { return current_island_; }
@@ -94,6 +94,7 @@ class Sensitivity {
   std::vector<std::unique_ptr<ConstrainedSensitivity>> sensitivities_;
   int current_island_ = 0;
   FrictionTreatment friction_ = FrictionTreatment::present;
+  bool holds_contacts_ = true;
 };
 
 }  // namespace gelenk

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "analysis/independent_columns.h"
+#include "contact_geometry/contact_finder.h"
 #include "preparation/report.h"
 #include "preparation/start.h"
 #include "simulation/simulation_impl.h"
@@ -167,16 +168,28 @@ void StateDerivatives::prepare() {
                                                 s.independent_by_island, s.u);
 }
 
+// Throws if a contact is closed of which derivatives are not known. in_time: those of outputs along the motion.
+void StateDerivatives::refuse_closed_contacts(bool in_time) {
+  Simulation::Impl& s = impl_;
+  for (const auto& island : s.islands) {
+    const ContactMotion& contacts = island->formulation().contacts();
+    const bool has_modes = contacts.located() != nullptr && !contacts.are_used();
+    if (has_modes && !in_time) continue;
+    island->realize(Stage::velocity);
+    const int closed =
+        closed_contact(island->prepared().mechanism, island->dynamics().readings(), s.scene.contacts.size());
+    if (closed < 0) continue;
+    const std::string why = has_modes ? "is closed: time derivatives of outputs exist for open contacts only"
+                                      : "is closed in time steps, in which contacts have no modes: derivatives exist "
+                                        "for open contacts only, or with located events";
+    throw NotDifferentiable(describe_closed_contact(s.scene, closed, why, s.time));
+  }
+}
+
 template <class Evaluate>
 auto StateDerivatives::differentiate(Evaluate evaluate) {
   Simulation::Impl& s = impl_;
   prepare();
-  for (const auto& island : s.islands) {
-    island->realize(Stage::velocity);
-    const std::string closed =
-        describe_closed_contact(s.scene, island->prepared().mechanism, island->dynamics(), s.time);
-    if (!closed.empty()) throw NotDifferentiable(closed);
-  }
   try {
     s.u.go_to(s.time);
     return evaluate(*s.sensitivity);
@@ -185,6 +198,8 @@ auto StateDerivatives::differentiate(Evaluate evaluate) {
       const Island& island = *s.islands[static_cast<std::size_t>(s.sensitivity->faulty_island())];
       throw NotDifferentiable(describe_mode_boundary(s.scene, island.loads(), fault.force(), s.time));
     }
+    if (fault.reason() == NotDifferentiablePoint::What::contact)
+      throw NotDifferentiable(describe_contact_edge(s.scene, {fault.force(), fault.edge()}, s.time));
     throw NotDifferentiable(
         describe_undetermined(s.scene, fault, s.time, s.names_of_coordinates(s.sensitivity->faulty_island())));
   } catch (const SingularMass& fault) {
@@ -193,6 +208,7 @@ auto StateDerivatives::differentiate(Evaluate evaluate) {
 }
 
 Linearization StateDerivatives::linearize(FrictionTreatment friction) {
+  refuse_closed_contacts(false);
   Linearization out = differentiate([&](Sensitivity& s) { return s.linearize(friction); });
   const Simulation::Impl& s = impl_;
   if (s.scene.units.is_si() && s.scene.states.empty()) return out;
@@ -220,6 +236,7 @@ DirectionalDerivative StateDerivatives::directional_derivative(const std::vector
   const Sizes x = s.sizes_of_states();
   const std::vector<double> along_x = natural(dx, x);
   const std::vector<double> along_u = natural(du, sizes(s.input_size));
+  refuse_closed_contacts(false);
   DirectionalDerivative out = differentiate([&](Sensitivity& of) { return of.along(along_x, along_u); });
   out.outputs = sizes(s.output_size).asDiagonal() * out.outputs;
   out.rates = x.asDiagonal() * out.rates;
@@ -242,6 +259,7 @@ Eigen::MatrixX2d StateDerivatives::output_derivatives(const std::vector<double>&
   };
   const std::vector<double> first = known("udot", udot, 1);
   const std::vector<double> second = known("uddot", uddot, 2);
+  refuse_closed_contacts(true);
   const Eigen::MatrixX2d out = differentiate([&](Sensitivity& s) { return s.in_time(first, second); });
   return sizes(impl_.output_size).asDiagonal() * out;
 }

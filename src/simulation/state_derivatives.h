@@ -42,6 +42,7 @@ class StateDerivatives {
   Eigen::MatrixX2d output_derivatives(const std::vector<double>& udot = {}, const std::vector<double>& uddot = {});
 
  private:
+  void refuse_closed_contacts(bool in_time);
   template <class Evaluate>
   auto differentiate(Evaluate evaluate);
 

@@ -9,13 +9,14 @@ dtheta~) the perturbed one, this follows to first order from dS/dt = S (w + dw)~
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gelenk.errors import GelenkError, UsageError
+from gelenk.linear.held_states import holds, independent, permitted, unchanged
 from gelenk.model.values import check_names, unknown
 from gelenk.simulation.derivatives import Derivatives, Quaternion
 
@@ -49,6 +50,7 @@ class MinimalRealization:
         names: names of the states, coordinates first: those of the plant with J.theta[1..3] for J.Q[1..4].
         C: derivatives of the readings with respect to the states, shape (readings, states).
         D: derivatives of the readings with respect to the inputs, shape (readings, inputs).
+        is_held: whether contacts hold some of the states of the plant, so that these are fewer.
     """
 
     def __init__(self, of: Derivatives) -> None:
@@ -66,9 +68,19 @@ class MinimalRealization:
             for i, theta in enumerate(rotation.of.theta)
             if theta not in self._row
         }
-        by_component = {Q: rotation for rotation in self._rotations for Q in rotation.of.Q}
-        columns: dict[str, Array] = {}  # of C
+        self.D = of.D
+        self._set_columns(self._columns(lambda rotation, column: _rotates(rotation, column)))
+        self.is_held = holds(self._projector()) or bool(self._immobile())
+        if self.is_held:
+            self._set_columns(self._columns(lambda _rotation, _column: True))
+            self._take_permitted()
+
+    def _columns(self, takes: Callable[[_Rotation, Array], bool]) -> dict[str, Array]:
+        """Return the columns of C for states, and for those rotation coordinates that are to be taken."""
+        columns: dict[str, Array] = {}
+        of = self.of
         own = dict(zip(of.states, of.C.T, strict=True))
+        by_component = {Q: rotation for rotation in self._rotations for Q in rotation.of.Q}
         for name in of.states:
             rotation = by_component.get(name)
             if rotation is None:
@@ -76,10 +88,57 @@ class MinimalRealization:
             elif name == rotation.of.Q[0]:
                 across = rotation.G.T @ np.array([own[Q] for Q in rotation.of.Q])
                 turns = zip(rotation.of.theta, across, strict=True)
-                columns |= {theta: column for theta, column in turns if _rotates(rotation, column)}
+                columns |= {theta: column for theta, column in turns if takes(rotation, column)}
+        return columns
+
+    def _set_columns(self, columns: dict[str, Array]) -> None:
         self.names = tuple(sorted(columns, key=lambda name: not self.is_coordinate(name)))
-        self.C: Array = np.array([columns[name] for name in self.names]).reshape(len(columns), len(of.C)).T
-        self.D = of.D
+        self.C: Array = (
+            np.array([columns[name] for name in self.names]).reshape(len(columns), len(self.of.C)).T
+        )
+
+    def _immobile(self) -> list[str]:
+        """Return the states that cannot change, and are not velocities of coordinates that could."""
+        free = dict(zip(self.names, np.diag(self._projector()) > 0.5, strict=True))
+        with_coordinates = {
+            self.speed(name) for name in self.names if self.is_coordinate(name) and free[name]
+        }
+        return [name for name in self.names if not free[name] and name not in with_coordinates]
+
+    def _projector(self) -> Array:
+        """Return the changes of the states by their changes, shape (states, states)."""
+        n = len(self.names)
+        return np.array([self.row(name) for name in self.names]).reshape(n, n)
+
+    def _take_permitted(self) -> None:
+        """Take as states those that determine all changes that contacts permit."""
+        names = self.names
+        coordinates = [name for name in names if self.is_coordinate(name)]
+        elements = [name for name in names if self.is_of_element(name)]
+        velocities = [name for name in names if self.is_velocity(name)]
+        by_coordinates, by_velocities, by_elements = permitted(
+            self._projector(), [name in coordinates for name in names], [name in elements for name in names]
+        )
+        locked = [names.index(name) for name in coordinates if name in self.of.locked]
+        by_coordinates = unchanged(by_coordinates, locked)
+        chosen = independent(by_coordinates, names, coordinates, lambda _name: True)
+        speeds = {self.speed(name) for name in chosen}
+        chosen += independent(by_velocities, names, velocities, lambda name: name in speeds)
+        chosen += elements
+        changes = np.hstack([by_coordinates, by_velocities, by_elements])
+        places = [names.index(name) for name in chosen]
+        self.C = np.linalg.solve(changes[places].T, (self.C @ changes).T).T
+        self.names = tuple(chosen)
+        # An input may move the states, as that of a motion on which something lies; they are given.
+        moved = np.array([self._by_inputs(name) for name in chosen]).reshape(len(chosen), self.D.shape[1])
+        self.D = self.D - self.C @ moved
+
+    def _by_inputs(self, name: str) -> Array:
+        """Return the derivatives of a reading or rotation coordinate with respect to the inputs."""
+        if name not in self._theta:
+            return np.asarray(self.D[self._row[name]])
+        rotation, i = self._theta[name]
+        return np.asarray(4 * rotation.G[:, i] @ self.D[rotation.Q])
 
     def _rotation(self, of: Quaternion) -> _Rotation:
         x, y, z, s = (self.of.values[n] for n in of.Q)
@@ -102,6 +161,8 @@ class MinimalRealization:
         included, nor the rate of another state.
         """
         idle: list[Sequence[str]] = []
+        if self.is_held:  # the spin of what rolls is no idle one
+            return idle
         for rotation in self._rotations:
             own = self._own(rotation.of.theta)
             if len(own) not in (1, 2):
@@ -219,6 +280,8 @@ def check_complete(minimal: MinimalRealization) -> None:
         GelenkError: a quaternion is only partly among the states.
     """
     found = minimal.of
+    if minimal.is_held:
+        return
     names, joints = ", ".join(minimal.names), ", ".join(minimal.incomplete_joints)
     sentence = (
         f"not all rotations of a joint with a quaternion are free{f' ({joints})' if joints else ''}, so that "

@@ -1,0 +1,290 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "event_driven/held_contacts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "contact_geometry/feature_states.h"
+#include "event_driven/force_margin.h"
+#include "kinematics/loads.h"
+#include "mechanism/mechanism.h"
+
+namespace gelenk {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+// Of the largest entry: effects that are rounding.
+constexpr double no_effect = 1e-9;
+// Speeds up to this are rest [natural units].
+constexpr double no_speed = 1e-9;
+// Iterations for friction of joints that follows the forces of contacts (ContactMotion::add_to).
+constexpr int most_load_iterations = 40;
+constexpr double settled_forces = 1e-13;
+
+// The inverse of what forces along the rows N do to these, zero in directions in which they do nothing.
+MatrixXd inverse_response(const ContactEquations::RowMatrix& N, const ContactEquations::RowMatrix& Z) {
+  MatrixXd G = N.lazyProduct(Z);
+  for (Index i = 0; i < G.rows(); ++i) {
+    // What locked joints or constraint equations do not permit to move has a response that is rounding.
+    if (std::abs(G(i, i)) > 1e-12 * N.row(i).norm() * Z.col(i).norm()) continue;
+    G.row(i).setZero();
+    G.col(i).setZero();
+  }
+  Eigen::CompleteOrthogonalDecomposition<MatrixXd> factor;
+  factor.setThreshold(redundancy);
+  factor.compute(G);
+  return factor.pseudoInverse();
+}
+
+Vector3<Dual> dual(const Vector3d& x) { return x.cast<Dual>(); }
+
+}  // namespace
+
+HeldContacts::HeldContacts(const Mechanism& mechanism, Dynamics& dynamics, const Loads& loads)
+    : mechanism_(mechanism),
+      dynamics_(dynamics),
+      loads_(loads),
+      laws_(loads.contacts),
+      equations_(mechanism, dynamics, laws_, true),
+      least_norm_(redundancy) {}
+
+void HeldContacts::hold(const ContactHold& how) {
+  laws_ = loads_.contacts;
+  for (ContactLaw& law : laws_) {
+    if (how.without_friction) law.sliding_friction = law.static_friction = law.rolling = law.spinning = 0;
+  }
+  const auto all = static_cast<std::size_t>(equations_.candidates().count());
+  equations_.set_modes(how.modes.empty() ? std::vector<CandidateMode>(all) : how.modes);
+}
+
+void HeldContacts::set_point(const double* v, const double* u, double* vdot) {
+  const auto apply_present = [&] {
+    wrenches_.assign(mechanism_.links.size(), Spatial::Force{});
+    add_wrenches(equations_, equations_.forces_of(equations_.last_solution().x), wrenches_);
+    dynamics_.switching_forces().contact_rows().apply_forces(wrenches_.data(), nullptr);
+    dynamics_.solve(u, vdot);
+  };
+  equations_.accelerate(vdot);
+  apply_present();
+  LoadDependence& loads = dynamics_.switching_forces().loads();
+  double change = loads.empty() ? 0 : INFINITY;
+  for (int k = 0; k < most_load_iterations && change > settled_forces; ++k) {
+    change = equations_.accelerate(vdot, true);
+    apply_present();
+  }
+  const ContactEquations::Rows& rows = equations_.rows();
+  const ContactEquations::Solution solved = equations_.last_solution();
+  R_ = rows.R;
+  x_ = solved.x;
+  B_ = rows.R;
+  for (std::size_t i = 0; i < rows.entries.size() && rows.any_moves(); ++i)
+    B_.row(rows.entries[i].first) += rows.D.row(static_cast<Index>(i));
+  const double fastest = Eigen::Map<const VectorXd>(v, mechanism_.nv).cwiseAbs().maxCoeff();
+  closing_ = rows.R;
+  if (!(fastest <= no_speed) || !rows.demanded.isZero(0)) {
+    closing_.resize(static_cast<Index>(rows.entries.size()), mechanism_.nv);
+    for (std::size_t i = 0; i < rows.entries.size(); ++i)
+      closing_.row(static_cast<Index>(i)) = rows.R.row(rows.entries[i].first);
+  }
+  equations_.respond(closing_, closing_responses_);
+  closing_inverse_ = inverse_response(closing_, closing_responses_);
+  equations_.respond(R_, stopping_responses_);
+  stopping_inverse_ = inverse_response(R_, stopping_responses_);
+  redundant_ = redundant_multipliers(solved.G);
+}
+
+void HeldContacts::withdraw() { dynamics_.switching_forces().contact_rows().apply_forces(nullptr, nullptr); }
+
+void HeldContacts::close(MatrixXd& displacements) const {
+  displacements -= closing_responses_ * (closing_inverse_ * (closing_ * displacements));
+}
+
+void HeldContacts::stop(const MatrixXd& kept, MatrixXd& dv) const {
+  dv -= stopping_responses_ * (stopping_inverse_ * kept);
+}
+
+// What a closed candidate keeps and exerts.
+template <class T>
+struct HeldContacts::Placed {
+  using Motion = typename SpatialAlgebra<T>::Motion;
+
+  CandidateStateOf<T> at;
+  Motion V, A;                      // of the tip's link relative to the core's, about the root frame
+  std::array<Vector3<T>, 2> along;  // tangential axes
+  Vector3<T> belt, belt_rate;
+
+  Vector3<T> velocity() const { return V.v + V.w.cross(at.p) + belt; }
+  Vector3<T> slip(int group) const {
+    const Vector3<T> of = group == 0 ? velocity() : V.w;
+    const Vector3<T> normal = of.dot(at.n) * at.n;
+    return group == 1 ? normal : Vector3<T>(of - normal);
+  }
+};
+
+// accelerates: with accelerations.
+template <class T>
+HeldContacts::Placed<T> HeldContacts::placed(const ResidualEvaluator<T>& of, const ContactEquations::Entry& entry,
+                                             bool accelerates) const {
+  const ContactCandidate& candidate = equations_.candidates()[entry.candidate];
+  using Motion = typename SpatialAlgebra<T>::Motion;
+  features::PairMotion<T> motion;
+  Motion A_tip, A_core;
+  const auto read = [&](int link, auto& X, Motion& V, Motion& A) {
+    if (link == 0) return;
+    X = of.link_pose(link);
+    V = X.to_parent(of.link_velocity(link));
+    if (accelerates) A = X.to_parent(of.link_acceleration(link));
+  };
+  read(candidate.tip_link, motion.tip, motion.V_tip, A_tip);
+  read(candidate.core_link, motion.core, motion.V_core, A_core);
+  const typename features::PairMotion<T>::Pose X_LS{candidate.X_LS.R.template cast<T>(),
+                                                    candidate.X_LS.p.template cast<T>()};
+  motion.S = motion.core * X_LS;
+  Placed<T> out{.at = features::state(candidate, motion),
+                .V = motion.V_tip - motion.V_core,
+                .A = A_tip - A_core,
+                .along = {},
+                .belt = Vector3<T>::Zero(),
+                .belt_rate = Vector3<T>::Zero()};
+  // They remain perpendicular to the normal.
+  for (Index k = 0; k < 2; ++k) {
+    const Vector3<T> axis = entry.axes.col(1 + k).template cast<T>();
+    out.along[static_cast<std::size_t>(k)] = axis - axis.dot(out.at.n) * out.at.n;
+  }
+  const Vector3d& belt = equations_.law(entry.candidate).belt_velocity;
+  if (belt.isZero(0)) return out;
+  const bool of_tip = candidate.sign > 0;
+  const Vector3d in_link = candidate.sign * (candidate.R_belt * belt);
+  out.belt = (of_tip ? motion.tip : motion.core).R * Vector3<T>(in_link.template cast<T>());
+  out.belt_rate = (of_tip ? motion.V_tip : motion.V_core).w.cross(out.belt);
+  return out;
+}
+
+namespace {
+
+void put(const Dual& from, Index row, MatrixXd& to) {
+  to.row(row) = from.derivatives().head(to.cols()).matrix().transpose();
+}
+
+}  // namespace
+
+MatrixXd HeldContacts::kept_speeds(const ResidualEvaluator<Dual>& of, Index directions) {
+  MatrixXd out(R_.rows(), directions);
+  for (const ContactEquations::Entry& entry : equations_.rows().entries) {
+    const Placed<Dual> here = placed(of, entry, false);
+    const Vector3<Dual> velocity = here.velocity();
+    put(here.at.n.dot(Vector3<Dual>(velocity - here.belt)), entry.first, out);
+    for (std::size_t k = 0; k < 2; ++k) {
+      const auto row = static_cast<Index>(k);
+      if (entry.rows[0] >= 0) put(here.along[k].dot(velocity), entry.rows[0] + row, out);
+      if (entry.rows[2] >= 0) put(here.along[k].dot(here.V.w), entry.rows[2] + row, out);
+    }
+    if (entry.rows[1] >= 0) put(here.at.n.dot(here.V.w), entry.rows[1], out);
+  }
+  return out;
+}
+
+MatrixXd HeldContacts::kept_accelerations(const ResidualEvaluator<Dual>& of, Index directions) {
+  MatrixXd out(R_.rows(), directions);
+  for (const ContactEquations::Entry& entry : equations_.rows().entries) {
+    const Placed<Dual> here = placed(of, entry, true);
+    const Vector3<Dual>& n = here.at.n;
+    const Vector3<Dual> at_point = here.A.v + here.A.w.cross(here.at.p) + here.V.w.cross(here.at.p_dot);
+    put(n.dot(at_point) + here.at.n_dot.dot(Vector3<Dual>(here.velocity() - here.belt)), entry.first, out);
+    const Vector3<Dual> with_belt = at_point + here.belt_rate - here.belt.dot(n) * here.at.n_dot;
+    for (std::size_t k = 0; k < 2; ++k) {
+      const auto row = static_cast<Index>(k);
+      if (entry.rows[0] >= 0) put(here.along[k].dot(with_belt), entry.rows[0] + row, out);
+      if (entry.rows[2] >= 0) put(here.along[k].dot(here.A.w), entry.rows[2] + row, out);
+    }
+    if (entry.rows[1] >= 0) put(n.dot(here.A.w) + here.at.n_dot.dot(here.V.w), entry.rows[1], out);
+  }
+  return out;
+}
+
+void HeldContacts::apply(ResidualEvaluator<Dual>& of, const MatrixXd& dx) {
+  using Force = typename SpatialAlgebra<Dual>::Force;
+  dual_wrenches_.assign(mechanism_.links.size(), Force{});
+  forces_.assign(laws_.size(), Vector3<Dual>::Zero());
+  std::vector<MatrixXd> undetermined(laws_.size(), MatrixXd::Zero(3, redundant_.cols()));
+  const auto multiplier = [&](Index row) {
+    Dual out(x_[row]);
+    out.derivatives().head(dx.cols()) = dx.row(row).transpose().array();
+    return out;
+  };
+  for (const ContactEquations::Entry& entry : equations_.rows().entries) {
+    const Placed<Dual> here = placed(of, entry, false);
+    const ContactCandidate& candidate = equations_.candidates()[entry.candidate];
+    const Dual normal = multiplier(entry.first);
+    Vector3<Dual> force = normal * here.at.n;
+    Vector3<Dual> moment = Vector3<Dual>::Zero();
+    for (int group = 0; group < contact_groups; ++group) {
+      const auto g = static_cast<std::size_t>(group);
+      Vector3<Dual>& on = group == 0 ? force : moment;
+      if (entry.rows[g] >= 0) {
+        for (int k = 0; k < entry.kept(group); ++k)
+          on += multiplier(entry.rows[g] + k) * (group == 1 ? here.at.n : here.along[static_cast<std::size_t>(k)]);
+      } else if (entry.moving[g] >= 0) {
+        Vector3<Dual> direction = dual(entry.along[g]);
+        if (entry.slip[g].norm() > rest_speed) {
+          const Vector3<Dual> slip = here.slip(group);
+          direction = slip / features::length(slip);
+        }
+        on -= Dual(equations_.coefficient(entry.candidate, group, true)) * normal * direction;
+      }
+    }
+    const Force on_tip{moment + here.at.p.cross(force), force};
+    dual_wrenches_[static_cast<std::size_t>(candidate.tip_link)] += on_tip;
+    dual_wrenches_[static_cast<std::size_t>(candidate.core_link)] -= on_tip;
+    const auto contact = static_cast<std::size_t>(candidate.contact);
+    forces_[contact] -= Dual(candidate.sign) * force;
+    for (Index k = 0; k < redundant_.cols(); ++k)
+      undetermined[contact].col(k) += candidate.sign * redundant_force(entry, redundant_.col(k));
+  }
+  for (std::size_t i = 0; i < forces_.size(); ++i) {
+    if (!(undetermined[i].size() > 0 && undetermined[i].cwiseAbs().maxCoeff() > no_effect)) continue;
+    for (Dual& x : forces_[i]) x.derivatives().setConstant(std::numeric_limits<double>::quiet_NaN());
+  }
+  of.apply_forces(dual_wrenches_.data());
+}
+
+// The force on the tip of multipliers.
+Vector3d HeldContacts::redundant_force(const ContactEquations::Entry& entry, const VectorXd& x) const {
+  Vector3d out = x[entry.first] * entry.at.n;
+  if (entry.rows[0] >= 0) {
+    for (Index k = 0; k < 2; ++k) out += x[entry.rows[0] + k] * entry.axes.col(1 + k);
+  } else if (entry.moving[0] >= 0) {
+    out -= equations_.coefficient(entry.candidate, 0, true) * x[entry.first] * entry.along[0];
+  }
+  return out;
+}
+
+VectorXd HeldContacts::change_of_forces(const VectorXd& a, const VectorXd& kept) {
+  const ContactEquations::Solution solved = equations_.last_solution();
+  VectorXd right = -kept - R_ * a;
+  for (Index i = 0; i < right.size(); ++i) {
+    if (solved.G(i, i) == 0) right[i] = 0;  // blocked by joints (drop_blocked)
+  }
+  VectorXd out;
+  least_norm_.solve_weighted(solved.G, right, solved.weights, out);
+  return out;
+}
+
+int HeldContacts::ambiguous_contact() const {
+  const ContactEquations::RowMatrix& Z = equations_.last_solution().responses;
+  if (redundant_.cols() == 0) return -1;
+  const MatrixXd effect = Z * redundant_;
+  if (!(effect.cwiseAbs().maxCoeff() > no_effect * Z.cwiseAbs().maxCoeff())) return -1;
+  for (const ContactEquations::Entry& entry : equations_.rows().entries) {
+    if (entry.any_moves() && redundant_.row(entry.first).cwiseAbs().maxCoeff() > no_effect)
+      return equations_.candidates()[entry.candidate].contact;
+  }
+  return -1;
+}
+
+}  // namespace gelenk

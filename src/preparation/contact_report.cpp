@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Messages about contacts where derivatives are taken.
+#include "preparation/report.h"
+#include "util/text.h"
+
+namespace gelenk {
+
+std::string describe_closed_contact(const Scene& scene, int contact, const std::string& what, double t) {
+  return "t = " + text::rounded(t) + " s: contacts." + scene.contacts[static_cast<std::size_t>(contact)].name + " " +
+         what;
+}
+
+std::string describe_contact_edge(const Scene& scene, const LawEdge& edge, double t) {
+  const auto what = [&]() -> std::string {
+    switch (edge.of) {
+      case LawEdge::Of::normal_force:
+        return "touches without a force, and any change of the state or the inputs may close or open it";
+      case LawEdge::Of::impact:
+        return "is about to be struck";
+      case LawEdge::Of::friction:
+        return "is between sticking and sliding, at the limit of its friction";
+      case LawEdge::Of::feature:
+        return "touches exactly at the end of a face or an edge, which it may leave";
+      case LawEdge::Of::redundant_normal_forces:
+        return "slides with a friction that depends on redundant normal forces, which the equations do not determine";
+    }
+    return {};
+  };
+  return describe_closed_contact(scene, edge.contact, what() + ": derivatives do not exist there", t);
+}
+
+}  // namespace gelenk
