@@ -89,7 +89,7 @@ def test_friction_of_the_linearization_page(root: Path, capsys: pytest.CaptureFi
 
 def test_steady_motion_of_the_linearization_page(root: Path, capsys: pytest.CaptureFixture[str]) -> None:
     names: dict[str, Any] = {"gelenk": gelenk}
-    block = blocks(root / "docs" / "linearization.md", "python")[4]
+    block = blocks(root / "docs" / "linearization.md", "python")[5]
     exec(compile(block, "linearization.md", "exec"), names)
     first, advancing, spin = capsys.readouterr().out.splitlines()
     tilt, torque = map(float, first.split())
@@ -98,6 +98,14 @@ def test_steady_motion_of_the_linearization_page(root: Path, capsys: pytest.Capt
     assert advancing == "{'shaft_bearing.phi': 5.0}"
     assert float(spin) == pytest.approx(4.48, abs=0.005)
     assert len(names["plant"].poles()) == 4
+
+
+def test_contacts_of_the_linearization_page(root: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for number, expected in ((4, [1 / 3, 4, 18.0]), (6, [6, 3.946, 10])):
+        block = blocks(root / "docs" / "linearization.md", "python")[number]
+        exec(compile(block, "linearization.md", "exec"), {"gelenk": gelenk})
+        found = [float(word) for word in capsys.readouterr().out.split()]
+        assert found == pytest.approx(expected, abs=5e-4)  # as the page says
 
 
 @pytest.mark.usefixtures("folder")

@@ -3,10 +3,12 @@
 #include "analysis/equilibrium.h"
 
 #include <nanobind/nanobind.h>
+#include <nanobind/stl/array.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include <array>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -24,15 +26,26 @@ namespace {
 
 // Of each coordinate with friction or a limit: its name, the unit of its forces, the force that keeps it at rest, the
 // limit of its friction, and the side of the bound that it touches; then whether these forces balance the load, and
-// whether friction and contact can exert them.
+// whether friction and contact can exert them. Of each point of contact: the names of its contact and of the bodies,
+// its position, the force on the first one, the normal force, friction and its limit; whether all of them push, and a
+// contact that is closed without points.
 using RestForce = std::tuple<std::string, std::string, double, double, int>;
-std::tuple<std::vector<RestForce>, bool, bool> rest_forces(SharedSimulation& plant) {
+using RestPoint = std::tuple<std::string, std::string, std::string, std::array<double, 3>, std::array<double, 3>,
+                             double, double, double>;
+std::tuple<std::vector<RestForce>, bool, bool, std::vector<RestPoint>, bool, std::string> rest_forces(
+    SharedSimulation& plant) {
   const gelenk::RestForces found = plant.with([](Simulation& s) { return s.rest_forces(); });
   std::vector<RestForce> out;
   for (const gelenk::RestForces::Of& of : found.coordinates) {
     out.emplace_back(of.coordinate, of.unit, of.force, of.limit, of.side);
   }
-  return {out, found.is_balanced, found.is_held};
+  const auto components = [](const Eigen::Vector3d& x) { return std::array<double, 3>{x[0], x[1], x[2]}; };
+  std::vector<RestPoint> points;
+  for (const gelenk::RestPoint& of : found.contacts.points) {
+    points.emplace_back(of.contact, of.first, of.second, components(of.position), components(of.force), of.normal,
+                        of.friction, of.limit);
+  }
+  return {out, found.is_balanced, found.is_held, points, found.contacts.can_push, found.contacts.undefined};
 }
 
 // How the search has ended, its steps, whether a prescribed motion may act, and the accelerations that remain.

@@ -62,6 +62,7 @@ class TrialStates {
   // Keeps coordinates with dry friction at rest from now on, by forces of any size.
   void hold_friction() { friction_holds_ = true; }
   int locks() { return forces().locks(); }
+  Dynamics& dynamics() { return *dynamics_; }
   SwitchingForces& forces() { return dynamics_->switching_forces(); }
 
   // Sets what depends on q, cut_q, v, u and contacts; cut_q is unwrapped, v made consistent.

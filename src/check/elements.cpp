@@ -177,10 +177,6 @@ void check_located_contacts(const Scene& scene, Faults& faults) {
 
 void check_contact_methods(const Scene& scene, Faults& faults) {
   const Solver& solver = scene.solver;
-  if (!scene.contacts.empty() && solver.start == "equilibrium") {
-    faults.add("solver.start", "'equilibrium' with contacts." + text::printable(scene.contacts.front().name),
-               "as_given: equilibria are found without contacts only");
-  }
   if (!steps_with_impulses(scene) && !scene.contacts.empty()) {
     check_located_contacts(scene, faults);
   } else if (steps_with_impulses(scene) && solver.formulation != "projection" && !solver.formulation.empty()) {

@@ -36,6 +36,9 @@ void RestForces::add(const Scene& scene, const EquilibriumProblem& of, const std
   poses.hold_friction();
   poses.evaluate(at);
   SwitchingForces& forces = poses.forces();
+  at.vdot /= of.time * of.time;
+  RestContacts touching = rest_contacts(scene, of, poses.dynamics(), at.vdot.data());
+  at.vdot *= of.time * of.time;
   std::vector<int> locks;
   for (int i = 0; i < poses.locks(); ++i) {
     if (at.contacts[static_cast<std::size_t>(i)] != 0 || forces.sticking_limit(i).largest() > 0) locks.push_back(i);
@@ -47,7 +50,14 @@ void RestForces::add(const Scene& scene, const EquilibriumProblem& of, const std
     const double slack = forces.slack(locks[static_cast<std::size_t>(i)]);
     is_held = is_held && x[i] <= bounds.upper[i] + slack && x[i] >= bounds.lower[i] - slack;
   }
-  is_balanced = gelenk::is_balanced(poses, at) && is_balanced;
+  is_held = is_held && touching.is_held;
+  is_balanced =
+      (touching.points.empty() ? gelenk::is_balanced(poses, at) : largest(at.vdot) <= equilibrium_rate_tolerance) &&
+      is_balanced;
+  contacts.points.insert(contacts.points.end(), touching.points.begin(), touching.points.end());
+  contacts.can_push = contacts.can_push && touching.can_push;
+  contacts.is_held = contacts.is_held && touching.is_held;
+  if (contacts.undefined.empty()) contacts.undefined = touching.undefined;
 
   const std::vector<SwitchingForce> places = switching_forces_of(of.loads);
   Index next = 0;

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What dry friction and hard limits have to do to keep a mechanism at rest.
+// What dry friction, hard limits and contacts of shapes have to do to keep a mechanism at rest.
 #pragma once
 
 #include <string>
 #include <vector>
 
 #include "analysis/equilibrium.h"
+#include "preparation/rest_contacts.h"
 #include "scene/scene.h"
 
 namespace gelenk {
@@ -19,8 +20,9 @@ struct RestForces {
     int side = 0;            // touches its upper (1) or its lower bound (-1), or none (0)
   };
   std::vector<Of> coordinates{};  // all with friction or a limit, in SI units
-  bool is_balanced = true;        // with these forces nothing accelerates
-  bool is_held = true;            // friction and contact can exert them
+  RestContacts contacts{};
+  bool is_balanced = true;  // with these forces nothing accelerates
+  bool is_held = true;      // friction and contact can exert them
 
   // Adds those of one of the mechanisms of the scene, in its units, at the closed position q and at rest. Where several
   // coordinates hold redundantly, the forces are distributed so that limits are used the least (linear/least_load.h).

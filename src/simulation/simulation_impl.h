@@ -97,6 +97,7 @@ struct Simulation::Impl {
   void make_islands();
   void find_independent();
   void start_at_equilibrium();  // moves the start to an equilibrium
+  void refuse_touching_equilibrium();
   Trim trim(const EquilibriumRequest& request);
   void add_residuals(int island, const EquilibriumRequest& request, const Equilibrium& here, Trim& out) const;
   Equilibrium found_from(const Island& island, const EquilibriumProblem& of,

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <utility>
 
+#include "contact_geometry/contact_finder.h"
 #include "preparation/report.h"
 #include "preparation/rest_forces.h"
 #include "scene/formulas.h"
@@ -183,6 +184,19 @@ Trim Simulation::trim(const EquilibriumRequest& request) {
   return out;
 }
 
+// The search does not know the forces of contacts.
+void Simulation::Impl::refuse_touching_equilibrium() {
+  for (const auto& island : islands) {
+    island->realize(Stage::velocity);
+    const int closed =
+        closed_contact(island->prepared().mechanism, island->dynamics().readings(), scene.contacts.size());
+    if (closed < 0) continue;
+    throw AssemblyError("contacts." + scene.contacts[static_cast<std::size_t>(closed)].name +
+                        " is closed at the equilibrium found (solver.start: equilibrium), expected it to be open: the "
+                        "search does not know the forces of contacts");
+  }
+}
+
 void Simulation::Impl::start_at_equilibrium() {
   for (const auto& island : islands) {
     const std::vector<MotionLaw::Derivatives> targets = island->targets();
@@ -193,7 +207,7 @@ void Simulation::Impl::start_at_equilibrium() {
   }
   try {
     const Trim found = trim({});
-    if (found.end == Equilibrium::End::found) return;
+    if (found.end == Equilibrium::End::found) return refuse_touching_equilibrium();
     const auto size = [&](const auto& of) {
       return std::abs(of.second / output_size[static_cast<std::size_t>(of.first)]);
     };

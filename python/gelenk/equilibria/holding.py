@@ -13,6 +13,8 @@ from gelenk.linear.operating_point import START, OperatingPoint
 from gelenk.model.values import Value, start_parameter, unknown
 from gelenk.simulation.scene_plant import ScenePlant
 
+# Gaps up to this are closed, in the mechanism's own units.
+TOUCH_TOLERANCE = 1e-10
 # Largest speed at rest, in the mechanism's own units: assembly leaves rounding.
 SPEED_TOLERANCE = 1e-9
 ONE_WAY = "one_way"
@@ -60,6 +62,41 @@ class Holding:
         return ", ".join([*parts, f"margin {self.margin:.6g}"])
 
 
+@dataclass(frozen=True)
+class ContactPoint:
+    """A point at which two shapes touch at rest, and what they exert there.
+
+    Attributes:
+        contact: name of the contact.
+        bodies: names of the bodies with its first and its second surface.
+        position: of the point in the world [m].
+        force: on the first body, in the world [N].
+        normal: normal force [N].
+        friction: size of the friction [N].
+        limit: the largest static friction under this normal force [N].
+    """
+
+    contact: str
+    bodies: tuple[str, str]
+    position: tuple[float, float, float]
+    force: tuple[float, float, float]
+    normal: float
+    friction: float
+    limit: float
+
+    @property
+    def margin(self) -> float:
+        """The part of static friction that is not used: 1 if none is used, 0 just before sliding begins."""
+        if self.friction == 0:
+            return 1.0
+        return max(0.0, 1 - self.friction / self.limit) if self.limit > 0 else 0.0
+
+    def __str__(self) -> str:
+        friction = f", friction {self.friction:.6g} of {self.limit:.6g} N" if self.limit > 0 else ""
+        at = ", ".join(f"{x:.6g}" for x in self.position)
+        return f"{' on '.join(self.bodies)} at ({at}) m: normal force {self.normal:.6g} N{friction}"
+
+
 def _spelled(unit: str) -> str:
     return unit.replace(".", " ")
 
@@ -83,6 +120,7 @@ class PosedScene:
         self.plant = plant
         self._joints = plant.scene.to_dict()["joints"]
         self._holds = plant.scene.has_friction_or_limits
+        self._contacts = list(plant.scene.to_dict().get("contacts", {}))
         settings = point.reach(plant).settings
         known, rates = set(plant.parameters), plant.rates
         starts = [name for name in plant.readings if start_parameter(name) in known]
@@ -95,6 +133,11 @@ class PosedScene:
         self._elements = [name for name in starts if rates.get(name) == f"{name}.rate"]
         self._velocities = [name for name in starts if name not in {*self._coordinates, *self._elements}]
         self._forces = plant.rest_forces()[0] if self._holds else []
+
+    @property
+    def has_contacts(self) -> bool:
+        """Whether shapes can touch."""
+        return bool(self._contacts)
 
     def starts(self, steady: bool = False) -> dict[str, Value]:
         """Return the present pose as start values, with its velocities in steady motion, else zero."""
@@ -165,6 +208,37 @@ class PosedScene:
             for contact, bound in [self._contact(name, force, side)]
         }
 
+    def contact_points(self) -> tuple[ContactPoint, ...]:
+        """Return all points at which shapes touch in the present pose, with the forces that hold it.
+
+        Raises:
+            EquilibriumError: a contact is closed of which the points are not known.
+        """
+        if not self.has_contacts:
+            return ()
+        *_, points, _, undefined = self.plant.rest_forces()
+        if undefined:
+            raise EquilibriumError(
+                f"contacts.{undefined} is closed between shapes whose points of contact are not located, so "
+                "that its forces at rest are not known"
+            )
+        return tuple(
+            ContactPoint(name, (first, second), tuple(at), tuple(force), normal, friction, limit)
+            for name, first, second, at, force, normal, friction, limit in points
+        )
+
+    def check_open(self) -> None:
+        """Raise EquilibriumError if shapes touch or overlap: no search knows the forces of contacts."""
+        values = self.plant.values
+        for name in self._contacts:
+            gap = values[f"{name}.gap"]
+            if gap <= TOUCH_TOLERANCE * self.plant.size(f"{name}.gap"):
+                raise EquilibriumError(
+                    f"contacts.{name} has a gap of {gap:.6g} m in the pose found, expected one above 0: the "
+                    "search does not know the forces of contacts; friction='present' asks whether they hold "
+                    "a given pose"
+                )
+
     def _contact(self, name: str, force: float, side: int) -> tuple[float, str]:
         """Return what a limit or a one-way clutch does of the force that is needed, and which it is."""
         if side == 0:
@@ -222,6 +296,29 @@ class PosedScene:
                 "start values at which they do not"
             )
 
+    def _check_points(self, pushes: bool) -> None:
+        """Raise EquilibriumError if contacts cannot exert the forces that would hold the pose.
+
+        Args:
+            pushes: whether no point has to pull.
+        """
+        points = self.contact_points()
+        if not pushes:
+            worst = min(points, key=lambda point: point.normal)
+            raise EquilibriumError(
+                f"contacts do not hold this pose: contacts.{worst.contact} would have to pull with "
+                f"{-worst.normal:.6g} N between {' and '.join(worst.bodies)}"
+            )
+        beyond = [point for point in points if point.friction > point.limit]
+        if not beyond:
+            return
+        worst = max(beyond, key=lambda point: point.friction - point.limit)
+        raise EquilibriumError(
+            f"contacts do not hold this pose: contacts.{worst.contact} would need a friction of "
+            f"{worst.friction:.6g} N between {' and '.join(worst.bodies)}, and its limit is "
+            f"{worst.limit:.6g} N"
+        )
+
     def check_held(self, holding: Mapping[str, Holding]) -> None:
         """Raise EquilibriumError if friction and contact cannot hold the present pose.
 
@@ -229,11 +326,13 @@ class PosedScene:
             holding: what has to hold it.
         """
         self.check_elements()
-        _, balanced, held = self.plant.rest_forces()
+        _, balanced, held, _, pushes, _ = self.plant.rest_forces()
         if balanced and held:
             return
         name, value = self.largest(self.accelerations())
         moves = f"; {name} = {self.spelled(name, value)}" if name else ""
+        if balanced and self.has_contacts:
+            self._check_points(pushes)
         worst = max(holding, key=lambda name: holding[name].fraction, default="")
         needed = holding.get(worst)
         if not balanced or needed is None or needed.fraction <= 1:

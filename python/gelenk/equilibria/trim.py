@@ -6,11 +6,11 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from os import PathLike
 from typing import Any
 
-from gelenk.equilibria.holding import Holding, PosedScene
+from gelenk.equilibria.holding import ContactPoint, Holding, PosedScene
 from gelenk.equilibria.steady import (
     advancing,
     check_prescribed_motions,
@@ -57,16 +57,25 @@ class Equilibrium:
     units: Mapping[str, str]
     advancing: Mapping[str, float] = field(default_factory=dict)
     held: Mapping[str, Holding] = field(default_factory=dict)
+    contact_points: Sequence[ContactPoint] = ()
 
     @property
     def margin(self) -> float:
-        """The smallest unused part of static friction: 1 if none is used, 0 just before break-away."""
-        return min((holding.margin for holding in self.held.values()), default=1.0)
+        """The smallest unused part of static friction, of joints and contacts.
+
+        1 if none is used, 0 just before something slips.
+        """
+        of_points = [point.margin for point in self.contact_points]
+        return min((*(holding.margin for holding in self.held.values()), *of_points), default=1.0)
 
     @property
     def load_factor(self) -> float:
-        """The factor by which all loads can be multiplied before a joint slips; infinite without friction."""
-        return 1 / (1 - self.margin) if self.margin < 1 else math.inf
+        """The factor by which all loads can be multiplied before a joint slips; infinite without friction.
+
+        The friction of contacts grows with the loads.
+        """
+        margin = min((holding.margin for holding in self.held.values()), default=1.0)
+        return 1 / (1 - margin) if margin < 1 else math.inf
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain data for JSON."""
@@ -75,7 +84,13 @@ class Equilibrium:
         }
         if self.held:
             held = {name: asdict(holding) | {"margin": holding.margin} for name, holding in self.held.items()}
-            out |= {"held": held, "margin": self.margin}
+            out |= {"held": held}
+        if self.contact_points:
+            out["contact_points"] = [
+                asdict(point) | {"margin": point.margin} for point in self.contact_points
+            ]
+        if self.held or self.contact_points:
+            out["margin"] = self.margin
         return {"name": self.name, "residual": self.residual, "iterations": self.iterations, **out}
 
     def __str__(self) -> str:
@@ -94,6 +109,9 @@ class Equilibrium:
         if self.held:
             width = max(map(len, self.held))
             lines += ["", "held", *(f"  {name:{width}}  {holding}" for name, holding in self.held.items())]
+        if self.contact_points:
+            width = max(len(point.contact) for point in self.contact_points)
+            lines += ["", "contacts", *(f"  {p.contact:{width}}  {p}" for p in self.contact_points)]
         return "\n".join(lines)
 
     def _repr_html_(self) -> str:
@@ -160,10 +178,6 @@ def equilibrium(
     plant = _plant_of(point.source)
     check_names(solve_for, plant.inputs, "input")
     wanted = {name: number(name, value, "real") for name, value in (hold or {}).items()}
-    if plant.scene.to_dict().get("contacts"):
-        raise UsageError(
-            "found a scene with contacts, expected one without: they are not part of equilibria yet"
-        )
     if steady is not None and friction == "off":
         plant = ScenePlant(plant.scene.without_friction())
     elif steady is None and friction == "present" and solve_for:
@@ -180,6 +194,7 @@ def equilibrium(
     steps, _ = _search(posed, kept, solve_for, list(speeds))
     minimal = realization(plant)
     check_steady(minimal, list(speeds))
+    posed.check_open()
     found = _result(posed, steps, advancing(minimal), [plant.rates[name] for name in speeds])
     check_prescribed_motions(plant, minimal, list(speeds))
     return found
@@ -207,6 +222,7 @@ def _at_rest(
     plant = posed.plant
     if not held_by_friction:
         steps, is_driven = _search(posed, hold, solve_for, None)
+        posed.check_open()
         holding = {name: of for name, of in posed.holding().items() if of.bound}
         if not is_driven:
             return _result(posed, steps, {}, None, holding)
@@ -222,8 +238,9 @@ def _at_rest(
     else:
         posed.put(posed.starts(), posed.inputs)
     holding = posed.holding()
+    points = posed.contact_points()
     posed.check_held(holding)
-    return _result(posed, steps, {}, None, holding)
+    return replace(_result(posed, steps, {}, None, holding), contact_points=points)
 
 
 def _search(
@@ -267,6 +284,11 @@ def _search(
     if end != "found":
         name, value = posed.largest(residual)
         left = f"the largest residual acceleration is {name} = {value:.6g} {posed.plant.unit(name)}"
+        if posed.has_contacts:
+            left += (
+                "; the search does not know the forces of contacts, friction='present' asks whether they "
+                "hold a given pose"
+            )
         what = "steady motion" if is_steady else "equilibrium"
         if end == "not_converged":
             raise EquilibriumError(f"no {what} found in {steps} steps; {left}")

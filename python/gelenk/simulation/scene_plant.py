@@ -22,6 +22,10 @@ LONGEST_CALL = 0.1  # s; longer ones could not be interrupted from the keyboard
 _ERRORS = {error.__name__: error for error in (StepBudgetError, StepError, UsageError)}
 
 
+type Vector = tuple[float, float, float]
+type RestPoint = tuple[str, str, str, Vector, Vector, float, float, float]
+
+
 class ScenePlant(Plant):
     """A scene as a plant; see `gelenk.simulation.plant.Plant`."""
 
@@ -226,13 +230,18 @@ class ScenePlant(Plant):
         )  # fmt: skip
         return end, steps, is_driven, {self.readings[i]: value for i, value in residual}
 
-    def rest_forces(self) -> tuple[list[tuple[str, str, float, float, int]], bool, bool]:
-        """Return what dry friction and hard limits have to do to keep the present pose at rest.
+    def rest_forces(
+        self,
+    ) -> tuple[list[tuple[str, str, float, float, int]], bool, bool, list[RestPoint], bool, str]:
+        """Return what dry friction, hard limits and contacts have to do to keep the present pose at rest.
 
         Returns:
             Of each coordinate with friction or a limit its name, the unit of its forces, the force along it,
             the largest static friction, and the bound that it touches: 1 for the upper, -1 for the lower one;
             whether nothing accelerates under these forces; and whether friction and contact can exert them.
+            Of each point at which shapes touch the names of its contact and of the bodies, its position, the
+            force on the first one, its normal part, its friction and the largest friction; whether no point
+            has to pull; and a contact that is closed without such points, or "".
         """
         return self._simulation._core._rest_forces()
 
