@@ -65,7 +65,7 @@ def test_tutorial_with_wheels_stands_and_follows_the_line(wheels: dict[str, Any]
     assert lines[0] == str(wheels["plant"].names.states)
     assert float(lines[1]) == pytest.approx(7.3, abs=0.05)
     ranks = [line for line in lines if line in {"6", "7"}]
-    assert ranks == ["6", "6", "7"]
+    assert ranks == ["6", "6", "7", "6"]  # the last one are the states on contacts
     pushed, near = wheels["pushed"], wheels["near"]
     assert np.degrees(abs(pushed["pitch.phi"]).max()) == pytest.approx(14, abs=0.5)
     assert np.degrees(abs(pushed["ride.phi"]).max()) == pytest.approx(6, abs=0.5)
@@ -81,8 +81,16 @@ def test_tutorial_with_wheels_stands_and_follows_the_line(wheels: dict[str, Any]
     assert 0 < near["ride.s_y"][-1] < 1e-5
     poles = np.sort(np.log(wheels["poles"]).real / wheels["step"])
     assert poles == pytest.approx([-60.7, -14.6, -10.7, -4.91, -2.06, -1.66], rel=5e-3)
-    seen = float(lines[-3])
+    seen = float(lines[-8])
     assert seen == pytest.approx(poles[-2], rel=1e-3)
+
+
+def test_tutorial_with_wheels_balances_on_contacts(wheels: dict[str, Any]) -> None:
+    same, _, loads, lean, falls = wheels["told"].splitlines()[-5:]
+    assert max(map(float, same.split())) <= 1e-11
+    assert [float(load) for load in loads.strip("[]").split(",")] == pytest.approx([45.1, 45.1], abs=0.05)
+    assert float(lean) == pytest.approx(0.0039, abs=5e-5)
+    assert falls == "True"
 
 
 def test_tutorial_with_wheels_shows_when_one_lifts_off(wheels: dict[str, Any]) -> None:

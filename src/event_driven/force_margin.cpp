@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "event_driven/force_margin.h"
 
-#include <Eigen/Cholesky>
 #include <cmath>
 #include <limits>
 
@@ -76,7 +75,8 @@ ForceMargin force_margin(const VectorXd& x, const MatrixXd& redundant, const std
       gradient -= first / distance;
       hessian += first * first.transpose() / (distance * distance) - curvature / distance;
     }
-    const VectorXd dw = -hessian.ldlt().solve(gradient);
+    const SingularValues factors(hessian);
+    const VectorXd dw = -factors.solve(gradient, factors.rank(0));
     if (!dw.allFinite()) break;
     // Damped, so that it remains inside.
     const double decrement = std::sqrt(std::max(0.0, -gradient.dot(dw)));

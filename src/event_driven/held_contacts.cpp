@@ -8,6 +8,7 @@
 #include "contact_geometry/feature_states.h"
 #include "event_driven/force_margin.h"
 #include "kinematics/loads.h"
+#include "linear/singular_values.h"
 #include "mechanism/mechanism.h"
 
 namespace gelenk {
@@ -35,10 +36,10 @@ MatrixXd inverse_response(const ContactEquations::RowMatrix& N, const ContactEqu
     G.row(i).setZero();
     G.col(i).setZero();
   }
-  Eigen::CompleteOrthogonalDecomposition<MatrixXd> factor;
-  factor.setThreshold(redundancy);
-  factor.compute(G);
-  return factor.pseudoInverse();
+  const SingularValues found(G);
+  const Index rank = found.rank(redundancy);
+  return found.V.leftCols(rank) * found.sigma.head(rank).cwiseInverse().asDiagonal() *
+         found.U.leftCols(rank).transpose();
 }
 
 Vector3<Dual> dual(const Vector3d& x) { return x.cast<Dual>(); }
