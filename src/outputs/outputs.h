@@ -38,6 +38,7 @@ struct ReadingOf {
   // For derivatives: by contact of the scene, its force on the bodies with the first surface, along the axes of the
   // root frame; null: nothing touches.
   const Vector3<T>* contact_forces = nullptr;
+  const T* contact_gaps = nullptr;  // for derivatives, by contact of the scene
 };
 using Reading = ReadingOf<double>;
 

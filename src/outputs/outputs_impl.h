@@ -60,7 +60,7 @@ inline T Outputs::value_of(const Source& s, const ReadingOf<T>& reading) const {
       return constraint_value<T>(s, reading.dynamics);
     case Kind::contact:
       if constexpr (!std::is_same_v<T, double>) {
-        // Closed gaps remain 0.
+        if (s.group == 1 && reading.contact_gaps != nullptr) return reading.contact_gaps[s.index];
         if (reading.contact_forces == nullptr || s.group != 0) break;
         const Vector3<T> force = reduced_.islands[static_cast<std::size_t>(s.island)].X_W0.R.template cast<T>() *
                                  reading.contact_forces[s.index];

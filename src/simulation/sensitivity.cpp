@@ -88,6 +88,13 @@ ConstrainedSensitivity& Sensitivity::set_point(int island) {
   if (modes.boundary >= 0) throw NotDifferentiablePoint(NotDifferentiablePoint::What::mode, modes.boundary);
   if (modes.edge.contact >= 0 && holds_contacts_) throw NotDifferentiablePoint(modes.edge);
   sensitivities_[island]->hold(modes.sides, holds_contacts_ ? modes.contacts : ContactHold{});
+  nearest_.clear();
+  if (const Mechanism& mechanism = from.prepared().mechanism; !mechanism.shapes.empty()) {
+    Dynamics& dynamics = islands_[island]->dynamics();
+    dynamics.set_position(y);
+    dynamics.set_velocity(y + mechanism.nq);
+    nearest_.find(mechanism, dynamics, from.loads().contacts.size());
+  }
   Drives& drives = from.formulation().drives();
   drives.go_to(from.time(), y);
   sensitivities_[island]->set_point(y, y + from.prepared().mechanism.nq, drives.u().data(),
@@ -101,6 +108,7 @@ class Sensitivity::ReadIsland {
  public:
   ReadIsland(const Sensitivity& of, int i, CarriedState<T>& at)
       : values_(of.islands_[i]->prepared().mechanism.expressions.size()),
+        gaps_(of.nearest_.gaps(of.islands_[i]->prepared().mechanism, *at.equations)),
         rates(of.islands_[i]->prepared().states.size()),
         reading{.dynamics = *at.equations,
                 .q = at.q.data(),
@@ -114,14 +122,15 @@ class Sensitivity::ReadIsland {
                 .formulas = of.islands_[i]->loads().values.data(),
                 .forces = at.forces.data(),
                 .modes = at.modes,
-                .contact_forces = at.contact_forces.empty() ? nullptr : at.contact_forces.data()} {
+                .contact_forces = at.contact_forces.empty() ? nullptr : at.contact_forces.data(),
+                .contact_gaps = gaps_.empty() ? nullptr : gaps_.data()} {
     at.equations->state_rates(at.u.data(), rates.data());
     at.equations->expression_values(at.u.data(), values_.data());
     of.readings_.rates_of_forces(i, of.islands_[i]->loads().rates, reading, rates.data());
   }
 
  private:
-  std::vector<T> values_;
+  std::vector<T> values_, gaps_;
 
  public:
   std::vector<T> rates;

@@ -12,6 +12,7 @@
 #include "analysis/constrained_sensitivity.h"
 #include "outputs/outputs.h"
 #include "scene/signals.h"
+#include "simulation/contact_gaps.h"
 #include "simulation/island.h"
 #include "simulation/states.h"
 
@@ -95,6 +96,7 @@ class Sensitivity {
   int current_island_ = 0;
   FrictionTreatment friction_ = FrictionTreatment::present;
   bool holds_contacts_ = true;
+  NearestPoints nearest_;  // of the island at which the point was set
 };
 
 }  // namespace gelenk

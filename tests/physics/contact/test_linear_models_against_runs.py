@@ -157,3 +157,17 @@ def test_linear_models_are_those_of_runs(scene: str) -> None:
     if scene == "ball on a cart at its limit":  # pushed against it
         source = {**source, "gravity": [-0.5, 0, -G]}
     assert_model_is_that_of_runs(source)
+
+
+def test_open_gaps_have_derivatives() -> None:
+    """A ball above a plane and beside a box: the gaps follow the nearest points."""
+    source = ball(at=[0.3, 0.1, 0.4], gravity=(0, 0, 0))
+    source["ground"]["shapes"]["post"] = {"box": [0.1, 0.1, 2.0], "surface": "post"}
+    source["contacts"]["beside"] = {"between": ["wood", "post"]}
+    model = assert_model_is_that_of_runs(source)
+    row = model.C[model.outputs.index("beside.gap")]
+    at = model.states.index("J.r[1]")
+    assert row[at] == pytest.approx(0.25 / np.hypot(0.25, 0.05), rel=1e-9)
+    assert model.C[model.outputs.index("floor.gap"), model.states.index("J.r[3]")] == pytest.approx(
+        1, rel=1e-12
+    )
