@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from gelenk.errors import EquilibriumError, SceneError, UsageError
@@ -95,6 +95,10 @@ class ContactPoint:
         friction = f", friction {self.friction:.6g} of {self.limit:.6g} N" if self.limit > 0 else ""
         at = ", ".join(f"{x:.6g}" for x in self.position)
         return f"{' on '.join(self.bodies)} at ({at}) m: normal force {self.normal:.6g} N{friction}"
+
+
+def _vector(x: Sequence[float]) -> tuple[float, float, float]:
+    return (x[0], x[1], x[2])
 
 
 def _spelled(unit: str) -> str:
@@ -223,7 +227,7 @@ class PosedScene:
                 "that its forces at rest are not known"
             )
         return tuple(
-            ContactPoint(name, (first, second), tuple(at), tuple(force), normal, friction, limit)
+            ContactPoint(name, (first, second), _vector(at), _vector(force), normal, friction, limit)
             for name, first, second, at, force, normal, friction, limit in points
         )
 

@@ -46,6 +46,8 @@ class Equilibrium:
         held: by coordinate, what keeps it at rest: contact with a hard limit and, with `friction="present"`,
             dry friction. Several joints of a loop may hold redundantly; then no distribution of their
             friction has a smaller largest fraction of a limit than this one.
+        contact_points: with `friction="present"`, all points at which shapes touch, with their forces; where
+            these are redundant, those of least norm if they are within the laws.
     """
 
     name: str
@@ -140,7 +142,8 @@ def equilibrium(
     inputs in `solve_for`, if there are any.
 
     With `friction="present"` nothing is searched: the initial pose is returned, with what holds it and the
-    margin until a joint slips, if dry friction and contact with limits can hold it.
+    margin until something slips, if dry friction, contact with limits, and contacts of shapes can hold it.
+    The search does not know the forces of contacts of shapes: what it finds is refused where one is closed.
 
     Args:
         source: an FMU that Gelenk has exported (.fmu), anything `gelenk.load` accepts, or an operating point,

@@ -72,9 +72,10 @@ def linearize(
             omitted: those of a rod between two ball joints about its axis, if nothing depends on them.
         parameters: values by FMU parameter name.
         tolerance: relative tolerance of the integrator, if `at` is a time.
-        friction: what joints with dry friction do. "present": what they do at the operating point; what is at
-            rest, or in contact with a limit, is locked and not among the states. "locked": none moves.
-            "sliding": all move, those at rest against a constant friction. "off": there is no friction.
+        friction: what joints and contacts with dry friction do. "present": what they do at the operating
+            point; what is at rest, sticks, or is in contact with a limit, is locked and not among the states.
+            "locked": none moves. "sliding": all move, those at rest against a constant friction. "off": there
+            is no friction. Closed contacts remain closed.
 
     Returns:
         control.StateSpace: the labels of its states, inputs and outputs have "_" for "." (drive_f); its

@@ -22,8 +22,7 @@ LONGEST_CALL = 0.1  # s; longer ones could not be interrupted from the keyboard
 _ERRORS = {error.__name__: error for error in (StepBudgetError, StepError, UsageError)}
 
 
-type Vector = tuple[float, float, float]
-type RestPoint = tuple[str, str, str, Vector, Vector, float, float, float]
+type RestPoint = tuple[str, str, str, list[float], list[float], float, float, float]
 
 
 class ScenePlant(Plant):

@@ -56,7 +56,6 @@ def test_shapes_are_written_back(kind: str) -> None:
         ({"contacts": {"c": {"between": ["wood", "stone"]}}}, "stone"),
         ({"contacts": {"c": {"between": ["wood"]}}}, "two surfaces"),
         ({"solver": {"integrator": "rk4", "formulation": "baumgarte"}}, "the formulation projection"),
-        ({"solver": {"start": "equilibrium"}}, "as_given"),
         ({"solver": {"formulation": "baumgarte"}}, "projection"),
     ],
 )
