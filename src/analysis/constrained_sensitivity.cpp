@@ -326,19 +326,19 @@ void ConstrainedSensitivity::differentiate_acceleration(const MatrixXd& null_mul
     dlambda.setConstant(undetermined);
     for (Dual& force : holding) force.derivatives().setConstant(undetermined);
   }
-  evaluate_accelerations(dvdot, dlambda, dx);
+  evaluate_accelerations(dvdot, dlambda, dx, true);
   set_forces(dual_state_, holding);
 }
 
-void ConstrainedSensitivity::evaluate_accelerations(const MatrixXd& dvdot, const MatrixXd& dlambda,
-                                                    const MatrixXd& dx) {
+void ConstrainedSensitivity::evaluate_accelerations(const MatrixXd& dvdot, const MatrixXd& dlambda, const MatrixXd& dx,
+                                                    bool shows_redundant) {
   ResidualEvaluator<Dual>& e = *dual_state_.equations;
   set_derivatives(dvdot, dual_state_.vdot);
   set_derivatives(dlambda, dual_state_.lambda);
   e.apply_forces(nullptr);
   dual_state_.contact_forces.clear();
   if (touches()) {
-    contacts_->apply(e, dx);
+    contacts_->apply(e, dx, shows_redundant);
     dual_state_.contact_forces = contacts_->forces();
   }
   e.set_acceleration(dual_state_.u.data(), dual_state_.vdot.data(), dual_state_.lambda.data());
@@ -348,11 +348,8 @@ void ConstrainedSensitivity::evaluate_accelerations(const MatrixXd& dvdot, const
 double ConstrainedSensitivity::correct_accelerations(MatrixXd& dvdot, MatrixXd& dlambda, MatrixXd& dholding,
                                                      MatrixXd& dx, bool again) {
   ResidualEvaluator<Dual>& e = *dual_state_.equations;
-  if (again) {
-    evaluate_accelerations(dvdot, dlambda, dx);
-  } else {
-    evaluate_accelerations(dvdot, MatrixXd::Zero(dlambda.rows(), dlambda.cols()), dx);
-  }
+  const MatrixXd none = MatrixXd::Zero(dlambda.rows(), dlambda.cols());
+  evaluate_accelerations(dvdot, again ? dlambda : none, dx, false);
   const MatrixXd kept = touches() ? contacts_->kept_accelerations(e, dvdot.cols()) : MatrixXd();
   double change = 0;
   VectorXd l;

@@ -129,7 +129,8 @@ class ConstrainedSensitivity {
   Eigen::MatrixXd complete_dq(const Eigen::MatrixXd& dq, const Eigen::MatrixXd& du) const;
   void differentiate_velocity(const Eigen::MatrixXd& dv);
   void differentiate_acceleration(const Eigen::MatrixXd& null_multipliers);
-  void evaluate_accelerations(const Eigen::MatrixXd& dvdot, const Eigen::MatrixXd& dlambda, const Eigen::MatrixXd& dx);
+  void evaluate_accelerations(const Eigen::MatrixXd& dvdot, const Eigen::MatrixXd& dlambda, const Eigen::MatrixXd& dx,
+                              bool shows_redundant);
   double correct_accelerations(Eigen::MatrixXd& dvdot, Eigen::MatrixXd& dlambda, Eigen::MatrixXd& dholding,
                                Eigen::MatrixXd& dx, bool again);
   void find_contact_forces(const double* u);

@@ -2,6 +2,7 @@
 // Time derivatives along the motion: the part of ConstrainedSensitivity that uses power series.
 #include "analysis/constrained_sensitivity_impl.h"
 #include "analysis/dual_columns.h"
+#include "kinematics/loads.h"
 #include "mechanism/mechanism.h"
 
 namespace gelenk {

@@ -96,7 +96,7 @@ void HeldContacts::set_point(const double* v, const double* u, double* vdot) {
   closing_inverse_ = inverse_response(closing_, closing_responses_);
   equations_.respond(R_, stopping_responses_);
   stopping_inverse_ = inverse_response(R_, stopping_responses_);
-  redundant_ = redundant_multipliers(solved.G);
+  find_redundant_forces();
 }
 
 void HeldContacts::withdraw() { dynamics_.switching_forces().contact_rows().apply_forces(nullptr, nullptr); }
@@ -208,61 +208,95 @@ MatrixXd HeldContacts::kept_accelerations(const ResidualEvaluator<Dual>& of, Ind
   return out;
 }
 
-void HeldContacts::apply(ResidualEvaluator<Dual>& of, const MatrixXd& dx) {
-  using Force = typename SpatialAlgebra<Dual>::Force;
-  dual_wrenches_.assign(mechanism_.links.size(), Force{});
-  forces_.assign(laws_.size(), Vector3<Dual>::Zero());
-  std::vector<MatrixXd> undetermined(laws_.size(), MatrixXd::Zero(3, redundant_.cols()));
+HeldContacts::Exerted<Dual> HeldContacts::exerted(const ContactEquations::Entry& entry, const Placed<Dual>& here,
+                                                  const MatrixXd& dx) const {
   const auto multiplier = [&](Index row) {
     Dual out(x_[row]);
     out.derivatives().head(dx.cols()) = dx.row(row).transpose().array();
     return out;
   };
+  const Dual normal = multiplier(entry.first);
+  Exerted<Dual> out{normal * here.at.n, Vector3<Dual>::Zero()};
+  for (int group = 0; group < contact_groups; ++group) {
+    const auto g = static_cast<std::size_t>(group);
+    Vector3<Dual>& on = group == 0 ? out.force : out.moment;
+    for (int k = 0; entry.rows[g] >= 0 && k < entry.kept(group); ++k)
+      on += multiplier(entry.rows[g] + k) * (group == 1 ? here.at.n : here.along[static_cast<std::size_t>(k)]);
+    if (entry.moving[g] < 0) continue;
+    Vector3<Dual> direction = dual(entry.along[g]);
+    if (entry.slip[g].norm() > rest_speed) {
+      const Vector3<Dual> slip = here.slip(group);
+      direction = slip / features::length(slip);
+    }
+    on -= Dual(equations_.coefficient(entry.candidate, group, true)) * normal * direction;
+  }
+  return out;
+}
+
+// Of other multipliers.
+HeldContacts::Exerted<double> HeldContacts::exerted(const ContactEquations::Entry& entry, const VectorXd& x) const {
+  const double normal = x[entry.first];
+  Exerted<double> out{normal * entry.at.n, Vector3d::Zero()};
+  for (int group = 0; group < contact_groups; ++group) {
+    const auto g = static_cast<std::size_t>(group);
+    Vector3d& on = group == 0 ? out.force : out.moment;
+    for (int k = 0; entry.rows[g] >= 0 && k < entry.kept(group); ++k)
+      on += x[entry.rows[g] + k] * entry.axes.col((group == 1 ? 0 : 1) + k);
+    if (entry.moving[g] >= 0) on -= equations_.coefficient(entry.candidate, group, true) * normal * entry.along[g];
+  }
+  return out;
+}
+
+// The links and the contacts of the scene of which the sum of forces is redundant.
+void HeldContacts::find_redundant_forces() {
+  redundant_ = redundant_multipliers(equations_.last_solution().G);
+  redundant_links_.assign(mechanism_.links.size(), false);
+  redundant_contacts_.assign(laws_.size(), false);
+  for (Index k = 0; k < redundant_.cols(); ++k) {
+    std::vector<Spatial::Force> on_links(mechanism_.links.size());
+    std::vector<Vector3d> of_contacts(laws_.size(), Vector3d::Zero());
+    for (const ContactEquations::Entry& entry : equations_.rows().entries) {
+      const ContactCandidate& candidate = equations_.candidates()[entry.candidate];
+      const Exerted<double> on = exerted(entry, redundant_.col(k));
+      const Spatial::Force wrench{on.moment + entry.at.p.cross(on.force), on.force};
+      on_links[static_cast<std::size_t>(candidate.tip_link)] += wrench;
+      on_links[static_cast<std::size_t>(candidate.core_link)] -= wrench;
+      of_contacts[static_cast<std::size_t>(candidate.contact)] += candidate.sign * on.force;
+    }
+    for (std::size_t i = 1; i < on_links.size(); ++i) {
+      const double size = std::max(on_links[i].f.cwiseAbs().maxCoeff(), on_links[i].n.cwiseAbs().maxCoeff());
+      redundant_links_[i] = redundant_links_[i] || size > no_effect;
+    }
+    for (std::size_t i = 0; i < of_contacts.size(); ++i)
+      redundant_contacts_[i] = redundant_contacts_[i] || of_contacts[i].cwiseAbs().maxCoeff() > no_effect;
+  }
+}
+
+void HeldContacts::apply(ResidualEvaluator<Dual>& of, const MatrixXd& dx, bool shows_redundant) {
+  using Force = typename SpatialAlgebra<Dual>::Force;
+  dual_wrenches_.assign(mechanism_.links.size(), Force{});
+  forces_.assign(laws_.size(), Vector3<Dual>::Zero());
   for (const ContactEquations::Entry& entry : equations_.rows().entries) {
     const Placed<Dual> here = placed(of, entry, false);
     const ContactCandidate& candidate = equations_.candidates()[entry.candidate];
-    const Dual normal = multiplier(entry.first);
-    Vector3<Dual> force = normal * here.at.n;
-    Vector3<Dual> moment = Vector3<Dual>::Zero();
-    for (int group = 0; group < contact_groups; ++group) {
-      const auto g = static_cast<std::size_t>(group);
-      Vector3<Dual>& on = group == 0 ? force : moment;
-      if (entry.rows[g] >= 0) {
-        for (int k = 0; k < entry.kept(group); ++k)
-          on += multiplier(entry.rows[g] + k) * (group == 1 ? here.at.n : here.along[static_cast<std::size_t>(k)]);
-      } else if (entry.moving[g] >= 0) {
-        Vector3<Dual> direction = dual(entry.along[g]);
-        if (entry.slip[g].norm() > rest_speed) {
-          const Vector3<Dual> slip = here.slip(group);
-          direction = slip / features::length(slip);
-        }
-        on -= Dual(equations_.coefficient(entry.candidate, group, true)) * normal * direction;
-      }
-    }
-    const Force on_tip{moment + here.at.p.cross(force), force};
-    dual_wrenches_[static_cast<std::size_t>(candidate.tip_link)] += on_tip;
-    dual_wrenches_[static_cast<std::size_t>(candidate.core_link)] -= on_tip;
-    const auto contact = static_cast<std::size_t>(candidate.contact);
-    forces_[contact] -= Dual(candidate.sign) * force;
-    for (Index k = 0; k < redundant_.cols(); ++k)
-      undetermined[contact].col(k) += candidate.sign * redundant_force(entry, redundant_.col(k));
+    const Exerted<Dual> on = exerted(entry, here, dx);
+    const Force wrench{on.moment + here.at.p.cross(on.force), on.force};
+    dual_wrenches_[static_cast<std::size_t>(candidate.tip_link)] += wrench;
+    dual_wrenches_[static_cast<std::size_t>(candidate.core_link)] -= wrench;
+    forces_[static_cast<std::size_t>(candidate.contact)] -= Dual(candidate.sign) * on.force;
   }
+  const auto undetermine = [](Vector3<Dual>& x) {
+    for (Dual& component : x) component.derivatives().setConstant(std::numeric_limits<double>::quiet_NaN());
+  };
   for (std::size_t i = 0; i < forces_.size(); ++i) {
-    if (!(undetermined[i].size() > 0 && undetermined[i].cwiseAbs().maxCoeff() > no_effect)) continue;
-    for (Dual& x : forces_[i]) x.derivatives().setConstant(std::numeric_limits<double>::quiet_NaN());
+    if (redundant_contacts_[i]) undetermine(forces_[i]);
+  }
+  for (std::size_t i = 0; i < dual_wrenches_.size() && shows_redundant; ++i) {
+    if (!redundant_links_[i]) continue;
+    undetermine(dual_wrenches_[i].f);
+    undetermine(dual_wrenches_[i].n);
   }
   of.apply_forces(dual_wrenches_.data());
-}
-
-// The force on the tip of multipliers.
-Vector3d HeldContacts::redundant_force(const ContactEquations::Entry& entry, const VectorXd& x) const {
-  Vector3d out = x[entry.first] * entry.at.n;
-  if (entry.rows[0] >= 0) {
-    for (Index k = 0; k < 2; ++k) out += x[entry.rows[0] + k] * entry.axes.col(1 + k);
-  } else if (entry.moving[0] >= 0) {
-    out -= equations_.coefficient(entry.candidate, 0, true) * x[entry.first] * entry.along[0];
-  }
-  return out;
 }
 
 VectorXd HeldContacts::change_of_forces(const VectorXd& a, const VectorXd& kept) {

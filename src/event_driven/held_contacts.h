@@ -37,14 +37,15 @@ class HeldContacts {
   // --- at that point; directions are columns ---
   // Changes displacements by the least amounts in the mass metric along which contacts remain closed.
   void close(Eigen::MatrixXd& displacements) const;
-  // The derivatives of the velocities that are kept, where those of q and v are set in `at`; and changes velocities by
+  // The derivatives of the velocities that are kept, where those of q and v are set in `of`; and changes velocities by
   // the least amounts that remove them.
-  Eigen::MatrixXd kept_speeds(const ResidualEvaluator<Dual>& at, Eigen::Index directions);
+  Eigen::MatrixXd kept_speeds(const ResidualEvaluator<Dual>& of, Eigen::Index directions);
   void stop(const Eigen::MatrixXd& kept, Eigen::MatrixXd& dv) const;
-  // Applies the forces to `at`, with the derivatives dx of their multipliers.
-  void apply(ResidualEvaluator<Dual>& at, const Eigen::MatrixXd& dx);
+  // Applies the forces to `of`, with the derivatives dx of their multipliers. shows_redundant: those of forces on links
+  // that are redundant are not a number, nor are those of reactions, then.
+  void apply(ResidualEvaluator<Dual>& of, const Eigen::MatrixXd& dx, bool shows_redundant);
   // The derivatives of the accelerations that are kept, after set_acceleration().
-  Eigen::MatrixXd kept_accelerations(const ResidualEvaluator<Dual>& at, Eigen::Index directions);
+  Eigen::MatrixXd kept_accelerations(const ResidualEvaluator<Dual>& of, Eigen::Index directions);
   // a: derivatives of vdot without the change of the forces, kept: those of kept accelerations with none of vdot. dx <-
   // the change of the multipliers that keep them zero, of least norm.
   Eigen::VectorXd change_of_forces(const Eigen::VectorXd& a, const Eigen::VectorXd& kept);
@@ -62,8 +63,16 @@ class HeldContacts {
   template <class T>
   struct Placed;
   template <class T>
-  Placed<T> placed(const ResidualEvaluator<T>& at, const ContactEquations::Entry& entry, bool accelerates) const;
-  Eigen::Vector3d redundant_force(const ContactEquations::Entry& entry, const Eigen::VectorXd& x) const;
+  Placed<T> placed(const ResidualEvaluator<T>& of, const ContactEquations::Entry& entry, bool accelerates) const;
+  // On the tip, at the point of contact.
+  template <class T>
+  struct Exerted {
+    Vector3<T> force, moment;
+  };
+  Exerted<Dual> exerted(const ContactEquations::Entry& entry, const Placed<Dual>& here,
+                        const Eigen::MatrixXd& dx) const;
+  Exerted<double> exerted(const ContactEquations::Entry& entry, const Eigen::VectorXd& x) const;
+  void find_redundant_forces();
 
   const Mechanism& mechanism_;
   Dynamics& dynamics_;
@@ -73,7 +82,8 @@ class HeldContacts {
   ContactEquations::RowMatrix R_, B_, closing_, closing_responses_, stopping_responses_;
   Eigen::MatrixXd closing_inverse_, stopping_inverse_;
   Eigen::VectorXd x_;
-  Eigen::MatrixXd redundant_;  // multipliers without effect on what is kept, in columns
+  Eigen::MatrixXd redundant_;                               // multipliers without effect on what is kept, in columns
+  std::vector<bool> redundant_links_, redundant_contacts_;  // that these act on, and of the scene
   std::vector<Spatial::Force> wrenches_;
   std::vector<typename SpatialAlgebra<Dual>::Force> dual_wrenches_;
   std::vector<Vector3<Dual>> forces_;

@@ -275,3 +275,39 @@ def test_modes_of_what_rolls_are_told() -> None:
     omega = sqrt(m * G * e / (inertia + m * (r - e) ** 2))
     frequencies = sorted(mode.natural_frequency for mode in found.modes)
     assert frequencies[-2:] == pytest.approx([omega] * 2, rel=CLOSED_FORM)
+
+
+def test_redundant_forces_have_no_derivatives() -> None:
+    """A box between two fingers: how they share its weight is not determined, their motion is."""
+    finger = {"box": [0.02, 0.1, 0.1], "surface": "rubber"}
+    source = {
+        "gelenk": 1,
+        "gravity": [0, 0, -G],
+        "bodies": {
+            **{k: {"mass": 0.2, "inertia": [1e-3] * 3, "shapes": {"pad": finger}} for k in "ab"},
+            "part": {
+                "mass": 0.5, "inertia": [1e-3] * 3,
+                "shapes": {"skin": {"box": [0.06] * 3, "surface": "steel"}},
+            },
+        },
+        "joints": {
+            **{
+                f"slide_{k}": {
+                    "type": "prismatic", "axis": [sign, 0, 0], "parent": "ground", "child": k,
+                    "stiffness": 50.0, "start": {"s": -0.04, "fixed": True},
+                }
+                for k, sign in (("a", 1), ("b", -1))
+            },
+            "J": {
+                "type": "free", "parent": "ground", "child": "part", "start": {"r": [0, 0, 0], "fixed": True}
+            },
+        },
+        "motors": {f"grip_{k}": {"joint": f"slide_{k}"} for k in "ab"},
+        "contacts": {"pads": {"between": ["rubber", "steel"], "friction": 0.8}},
+        "sensors": {"load_a": {"type": "reaction", "joint": "slide_a"}},
+    }  # fmt: skip
+    found = model(source, input_values={"grip_a.f": 10.0, "grip_b.f": 10.0})
+    # Both fingers move with the part along x, against their springs.
+    omega = sqrt(2 * 50 / (2 * 0.2 + 0.5))
+    assert_poles(poles(found.A), [omega * 1j, -omega * 1j])
+    assert not [name for name in found.outputs if name.startswith("load_a.")]
