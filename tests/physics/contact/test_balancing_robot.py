@@ -95,3 +95,10 @@ def test_a_controller_made_from_it_has_its_poles_in_the_run(turn: float) -> None
         plant.step_to((k + 1) * step)
     assert np.abs(x).max() > 1e-5  # it still moves
     assert deviation <= 20 * pitch**2  # wrong friction, or wheels that slip, differ by parts of `pitch`
+
+
+def test_it_is_the_same_without_reductions() -> None:
+    scene = gelenk.load(robot())
+    own, whole = (gelenk.linear.linear_model(of, states=STATES) for of in (scene, scene.without(["all"])))
+    assert np.abs(own.A - whole.A).max() <= 1e-10 * np.abs(own.A).max()
+    assert np.abs(own.B - whole.B).max() <= 1e-10 * np.abs(own.B).max()

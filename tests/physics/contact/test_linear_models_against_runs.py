@@ -119,7 +119,29 @@ def crossed_capsules(**given: Any) -> dict[str, Any]:
     return free_body(shape, 2.0, [0.02, 0.16, 0.16], [0, 0, 0.18], on={"rail": other}, **given)
 
 
+def crossed_edges(**given: Any) -> dict[str, Any]:
+    """A box on an edge along x, on the edge along y of a fixed box; both are turned by 45 degrees."""
+    up = {"box": [0.3, 1.0, 0.3], "turn": Rotation.from_euler("y", np.pi / 4)}
+    own = Rotation.from_euler("x", np.pi / 4)
+    height = 0.3 / np.sqrt(2) + 0.2 / np.sqrt(2)
+    return free_body(
+        {"box": [1.0, 0.2, 0.2]},
+        2.0,
+        [0.02, 0.16, 0.17],
+        [0.02, 0.03, height],
+        own=own,
+        on={"rail": up},
+        **given,
+    )
+
+
+def lying(shape: dict[str, Any], **given: Any) -> dict[str, Any]:
+    """A cylinder or a capsule on its side, which rolls along x or slides."""
+    return free_body({**shape, **ACROSS}, 2.0, [0.05, 0.009, 0.05], [0, 0, 0.1], **given)
+
+
 LEVEL = Rotation.identity()
+GUIDE = {"coulomb": 0, "bearing": {"coefficient": 0.2}}
 SCENES = {
     "ball rolls on a ball": on_a_ball(0.1),
     "ball rolls on a ball, turned": on_a_ball(0.1, turn=TURNED),
@@ -146,6 +168,12 @@ SCENES = {
         friction={"coulomb": 0.5}, start={"v": 0.3, "fixed": True}
     ),
     "ball on a cart at its limit": ball_on_a_cart(limit={"lower": 0.0}),
+    "ball rolls on a cart in a guide": ball_on_a_cart(friction=GUIDE, start={"v": 0.3, "fixed": True}),
+    "box across an edge": crossed_edges(),
+    "box slides across an edge": crossed_edges(v=[0.2, 0.3, 0], friction=0.3),
+    "capsule rolls": lying({"capsule": {"radius": 0.1, "length": 0.6}}, v=[0.5, 0, 0], w=[0, 5.0, 0]),
+    "cylinder rolls": lying({"cylinder": {"radius": 0.1, "length": 0.6}}, v=[0.5, 0, 0], w=[0, 5.0, 0]),
+    "cylinder slides": lying({"cylinder": {"radius": 0.1, "length": 0.6}}, v=[0.5, 0.2, 0], friction=0.2),
     "capsules across": crossed_capsules(),
     "capsules slide across": crossed_capsules(v=[0.3, 0.2, 0], friction=0.3),
 }
