@@ -340,7 +340,8 @@ class PosedScene:
         worst = max(holding, key=lambda name: holding[name].fraction, default="")
         needed = holding.get(worst)
         if not balanced or needed is None or needed.fraction <= 1:
-            raise EquilibriumError(f"friction and limits do not hold this pose{moves}")
+            what = "friction, limits and contacts" if self.has_contacts else "friction and limits"
+            raise EquilibriumError(f"{what} do not hold this pose{moves}")
         if not needed.limit:
             leaves = (
                 "overruns its one-way clutch"

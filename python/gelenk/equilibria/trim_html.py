@@ -24,6 +24,9 @@ def trim_html(found: Equilibrium) -> str:
     if found.held:
         rows = [(name, str(holding)) for name, holding in found.held.items()]
         parts.append(_html.table(("held", "by"), rows, (False, False)))
+    if found.contact_points:
+        rows = [(point.contact, str(point)) for point in found.contact_points]
+        parts.append(_html.table(("contact", "point"), rows, (False, False)))
     return _html.joined(parts)
 
 
