@@ -55,6 +55,11 @@ LawEdge ContactModes::edge(double t, const double* y) {
 LawEdge ContactModes::edge_of_closed(double rest) {
   if (contact_equations_.closed().empty()) return {};
   const ContactEquations::Solution solved = contact_equations_.last_solution();
+  const Eigen::MatrixXd redundant = redundant_multipliers(solved.G);
+  // Where nothing can move, no point of contact leaves its feature, as of boxes that are stacked exactly.
+  const bool nothing_moves =
+      solved.G.cols() - redundant.cols() == mechanism_.nv - dynamics_.rank() &&
+      std::ranges::all_of(contact_equations_.rows().entries, &ContactEquations::Entry::is_at_rest);
   std::vector<ForceCone> cones;
   std::vector<int> contacts;
   double sum = 0;
@@ -74,10 +79,9 @@ LawEdge ContactModes::edge_of_closed(double rest) {
     }
     const bool sticks_on_face =
         entry.rows[0] >= 0 && contact_equations_.candidates()[entry.candidate].kind == ContactCandidate::Kind::corner;
-    if (!sticks_on_face && contact_equations_.candidates().margin(entry.candidate) <= touch_tolerance)
+    if (!nothing_moves && !sticks_on_face && contact_equations_.candidates().margin(entry.candidate) <= touch_tolerance)
       return {contact, LawEdge::Of::feature};
   }
-  const Eigen::MatrixXd redundant = redundant_multipliers(solved.G);
   const ForceMargin least = force_margin(solved.x, redundant, cones, edge_fraction * sum);
   if (least.margin >= edge_fraction * sum && sum > 0) return {};
   // Without a normal force there is no friction either.

@@ -311,3 +311,16 @@ def test_redundant_forces_have_no_derivatives() -> None:
     omega = sqrt(2 * 50 / (2 * 0.2 + 0.5))
     assert_poles(poles(found.A), [omega * 1j, -omega * 1j])
     assert not [name for name in found.outputs if name.startswith("load_a.")]
+
+
+def test_boxes_stacked_exactly_are_at_rest() -> None:
+    """Corners on corners and edges on edges: nothing can move, so that none leaves the other."""
+    source = free_body({"box": [0.4, 0.3, 0.2]}, 2.0, [0.1] * 3, [0, 0, 0.1], friction=0.5)
+    source["bodies"]["top"] = {**source["bodies"]["body"], "shapes": {"shape": {"box": [0.4, 0.3, 0.2]}}}
+    source["bodies"]["top"]["shapes"]["shape"]["surface"] = "floor"
+    start = {"r": [0, 0, 0.3], "fixed": True}
+    source["joints"]["K"] = {"type": "free", "parent": "ground", "child": "top", "start": start}
+    assert model(source).states == ()
+    source["joints"]["K"]["start"]["v"] = [0.1, 0, 0]
+    with pytest.raises(gelenk.UsageError, match=r"contacts.floor touches exactly at the end of a face"):
+        model(source)
