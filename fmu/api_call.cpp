@@ -63,11 +63,20 @@ fmi2Status discard(Instance& instance, const char* function, const std::string& 
   return log_status(instance, Category::discard, fmi2Discard, function, why);
 }
 
+bool is_of_kind(Instance& instance, const char* function, Plant::Kind kind) noexcept {
+  if (instance.kind() == kind) return true;
+  const bool exchanges = kind == Plant::Kind::model_exchange;
+  log_status(instance, Category::error, fmi2Error, function,
+             exchanges ? "is a function for model exchange; this instance is for co-simulation"
+                       : "is a function for co-simulation; this instance is for model exchange");
+  return false;
+}
+
 bool allowed(Instance& instance, const char* function, unsigned modes) noexcept {
   if ((modes & static_cast<unsigned>(instance.mode())) != 0) return true;
   try {
     std::string where;
-    for (unsigned bit = 1; bit <= static_cast<unsigned>(Mode::error); bit *= 2) {
+    for (unsigned bit = 1; bit <= static_cast<unsigned>(last_mode); bit *= 2) {
       if ((modes & bit) != 0) where += (where.empty() ? "" : " or ") + std::string(describe(static_cast<Mode>(bit)));
     }
     refuse(instance, function, std::string("called ") + describe(instance.mode()) + ", expected " + where);

@@ -16,9 +16,9 @@ namespace gelenk {
 
 inline constexpr unsigned any_mode = ~0U;
 inline constexpr unsigned before_steps = Mode::instantiated | Mode::initialization;
-inline constexpr unsigned between_steps = Mode::step_complete | Mode::step_failed;
+inline constexpr unsigned running = between_steps | exchanging;
 // Modes in which computed values can be read.
-inline constexpr unsigned assembled = between_steps | Mode::initialization | Mode::terminated;
+inline constexpr unsigned assembled = running | Mode::initialization | Mode::terminated;
 
 // Converts the current exception to a status and one log message. function: name of the FMI function.
 fmi2Status report_exception(Instance& instance, const char* function) noexcept;
@@ -34,6 +34,9 @@ fmi2Status discard(Instance& instance, const char* function, const std::string& 
 
 // Whether the instance is in one of the modes; if not, logs an error.
 bool allowed(Instance& instance, const char* function, unsigned modes) noexcept;
+
+// Whether the instance is of the kind whose function this is; if not, logs an error.
+bool is_of_kind(Instance& instance, const char* function, Plant::Kind kind) noexcept;
 
 // The number of an enumeration item. C callers may pass any number, and reading one that is not an item is undefined
 // behavior in C++.
@@ -60,6 +63,14 @@ fmi2Status call(fmi2Component component, const char* function, unsigned modes, B
   } catch (...) {
     return report_exception(*instance, function);
   }
+}
+
+// The same for functions of one kind of FMU.
+template <class Body>
+fmi2Status call(fmi2Component component, const char* function, Plant::Kind kind, unsigned modes, Body&& body) noexcept {
+  auto* instance = static_cast<Instance*>(component);
+  if (instance != nullptr && !is_of_kind(*instance, function, kind)) return fmi2Error;
+  return call(component, function, modes, std::forward<Body>(body));
 }
 
 }  // namespace gelenk

@@ -47,11 +47,14 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReferenc
   });
 }
 
-// FMI permits this call only after steps; Maestro also makes it in initialization mode, where the values are known,
-// too.
+// A function of co-simulation. FMI permits this call only after steps; Maestro also makes it in initialization mode,
+// where the values are known, too.
 fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
                                         const fmi2Integer order[], fmi2Real value[]) {
-  return gelenk::differentiate(c, "fmi2GetRealOutputDerivatives", gelenk::assembled, [&](Plant& plant) {
+  constexpr const char* name = "fmi2GetRealOutputDerivatives";
+  if (c != nullptr && !gelenk::is_of_kind(*static_cast<gelenk::Instance*>(c), name, Plant::Kind::co_simulation))
+    return fmi2Error;
+  return gelenk::differentiate(c, name, gelenk::assembled, [&](Plant& plant) {
     gelenk::expect("value references", nvr, vr);
     gelenk::expect("orders", nvr, order);
     gelenk::expect("values", nvr, value);

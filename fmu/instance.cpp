@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 #include <utility>
 
 #include "preparation/report.h"
@@ -31,14 +32,18 @@ const char* describe(Mode mode) {
       return "after a discarded step";
     case Mode::terminated:
       return "after fmi2Terminate";
+    case Mode::event:
+      return "in event mode";
+    case Mode::continuous_time:
+      return "in continuous-time mode";
     case Mode::error:
       break;
   }
   return "after an internal error of the FMU";
 }
 
-Instance::Instance(std::shared_ptr<const PlantModel> model, Log log)
-    : model_(std::move(model)), log_(std::move(log)), plant_(model_), stop_(no_stop) {}
+Instance::Instance(std::shared_ptr<const PlantModel> model, Log log, Plant::Kind kind)
+    : model_(std::move(model)), log_(std::move(log)), plant_(model_, kind), stop_(no_stop) {}
 
 void Instance::setup_experiment(std::optional<double> tolerance, double start, std::optional<double> stop) {
   if (!std::isfinite(start))
@@ -63,16 +68,30 @@ void Instance::exit_initialization() {
   if (!report.empty()) log_.write(Category::events, report);
   for (const std::string& warning : plant_.start_warnings()) log_.write(Category::warning, warning);
   memory_.emplace();
-  enter(Mode::step_complete);
+  enter(kind() == Plant::Kind::model_exchange ? Mode::event : Mode::step_complete);
+}
+
+void Instance::enter_continuous_time_mode() {
+  if (!has_passed_events_)
+    throw UsageError("called before fmi2NewDiscreteStates, which finds the modes in which the motion continues");
+  mode_ = Mode::continuous_time;
+}
+
+ModelExchange::Event Instance::pass_event() {
+  const ModelExchange::Event event = plant_.exchange().pass_event();
+  has_passed_events_ = true;
+  log_events();
+  return event;
 }
 
 void Instance::terminate() { enter(Mode::terminated); }
 
 void Instance::reset() {
-  plant_ = Plant(model_);
+  plant_ = Plant(model_, plant_.kind());
   memory_.reset();
   clock_ = {};
   stop_ = no_stop;
+  has_passed_events_ = false;
   enter(Mode::instantiated);
 }
 
@@ -109,6 +128,10 @@ void Instance::step(double current, double h) {
   }
   clock_ = next;
   mode_ = Mode::step_complete;
+  log_events();
+}
+
+void Instance::log_events() {
   for (const EventReport& event : plant_.events(!log_.is_enabled(Category::events))) {
     log_.write(event.is_doubtful ? Category::warning : Category::events, describe_event(event));
   }
@@ -132,7 +155,7 @@ SavedState* Instance::find(fmi2FMUstate state) const {
 }
 
 void Instance::restore(SavedState& state) {
-  if (mode_ == Mode::error) plant_ = Plant(model_);  // its members may be inconsistent
+  if (mode_ == Mode::error) plant_ = Plant(model_, plant_.kind());  // its members may be inconsistent
   if (state.own) return read(state.archive);
   Archive before;
   write(before);
@@ -156,14 +179,26 @@ void Instance::read(Archive& archive) {
   archive.finish();
 }
 
+// The mode is followed by the kind, as a summand: the same layout as without model exchange.
 void Instance::serialize(Archive& archive) {
-  constexpr int last = std::countr_zero(static_cast<unsigned>(Mode::terminated));
-  int bit = std::countr_zero(static_cast<unsigned>(mode_));
-  archive.serialize_in_range(bit, 0, last);
+  constexpr int kinds = 16;
+  const bool exchanges = kind() == Plant::Kind::model_exchange;
+  int code = std::countr_zero(static_cast<unsigned>(mode_)) + (exchanges ? kinds : 0);
+  archive.serialize_in_range(code, 0, kinds + std::countr_zero(static_cast<unsigned>(last_mode)));
+  if ((code >= kinds) != exchanges) {
+    throw std::invalid_argument(std::string("found a state of an instance for ") +
+                                (exchanges ? "co-simulation, expected one for model exchange"
+                                           : "model exchange, expected one for co-simulation"));
+  }
+  const auto mode = static_cast<Mode>(1U << static_cast<unsigned>(code % kinds));
+  const unsigned others = exchanges ? between_steps : exchanging;
+  if (mode == Mode::error || (static_cast<unsigned>(mode) & others) != 0)
+    throw std::invalid_argument("found a mode in which states cannot be saved");
   archive.serialize(stuck_, stop_);
+  if (exchanges) archive.serialize(has_passed_events_);
   clock_.serialize(archive);
   plant_.serialize(archive);
-  mode_ = static_cast<Mode>(1U << static_cast<unsigned>(bit));
+  mode_ = mode;
 }
 
 void Instance::fail_step(bool stuck) {

@@ -16,7 +16,8 @@
 
 namespace gelenk {
 
-// State machine of a slave, FMI 2.0, section 4.2.4. Bits, so that sets of modes can be formed.
+// State machines of co-simulation, FMI 2.0, section 4.2.4, and of model exchange, section 3.2.3. Bits, so that sets of
+// modes can be formed.
 enum class Mode : unsigned {
   instantiated = 1,
   initialization = 2,
@@ -24,18 +25,25 @@ enum class Mode : unsigned {
   step_failed = 8,  // a step was discarded: the plant is at the time reached and can continue from there
   terminated = 16,
   error = 32,  // internal error: only reset and free are allowed
+  event = 64,
+  continuous_time = 128,
 };
+inline constexpr Mode last_mode = Mode::continuous_time;
 constexpr unsigned operator|(Mode a, Mode b) { return static_cast<unsigned>(a) | static_cast<unsigned>(b); }
 constexpr unsigned operator|(unsigned a, Mode b) { return a | static_cast<unsigned>(b); }
+
+inline constexpr unsigned between_steps = Mode::step_complete | Mode::step_failed;
+inline constexpr unsigned exchanging = Mode::event | Mode::continuous_time;
 
 // A phrase such as "in initialization mode", which completes "fmi2DoStep: called ...".
 const char* describe(Mode mode);
 
 class Instance {
  public:
-  Instance(std::shared_ptr<const PlantModel> model, Log log);
+  Instance(std::shared_ptr<const PlantModel> model, Log log, Plant::Kind kind);
 
   Mode mode() const { return mode_; }
+  Plant::Kind kind() const { return plant_.kind(); }
   Log& log() { return log_; }
   Plant& plant() { return plant_; }
 
@@ -45,6 +53,11 @@ class Instance {
   void exit_initialization();
   void terminate();
   void reset();
+  // Of model exchange.
+  void enter_event_mode() { mode_ = Mode::event; }
+  void enter_continuous_time_mode();
+  // Throws StepError; nothing is then changed.
+  ModelExchange::Event pass_event();
   void fail() { mode_ = Mode::error; }
 
   // Serves this thread from the memory for steps, after initialization, for the lifetime of the result.
@@ -71,6 +84,7 @@ class Instance {
   void serialize(Archive& archive);
   void fail_step(bool stuck);
   void enter(Mode mode);
+  void log_events();
 
   std::shared_ptr<const PlantModel> model_;
   Log log_;
@@ -78,8 +92,9 @@ class Instance {
   Plant plant_;
   Clock clock_;
   Mode mode_ = Mode::instantiated;
-  bool stuck_ = false;  // in mode step_failed: see stuck()
-  double stop_;         // stop time [s]; infinite: none given
+  bool stuck_ = false;              // in mode step_failed: see stuck()
+  bool has_passed_events_ = false;  // of model exchange: the one at the start
+  double stop_;                     // stop time [s]; infinite: none given
   std::map<const void*, std::unique_ptr<SavedState>> states_;
 };
 

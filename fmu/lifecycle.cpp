@@ -61,10 +61,16 @@ std::shared_ptr<const PlantModel> load(const char* location, const std::string& 
 }
 
 std::string refusal(fmi2Type type, const char* guid) {
-  if (number_of(type) != fmi2CoSimulation)
-    return "type: found model exchange, expected co-simulation, the only type that this FMU supports";
+  if (const int number = number_of(type); number != fmi2CoSimulation && number != fmi2ModelExchange) {
+    return "type: found " + std::to_string(number) + ", expected fmi2ModelExchange (0) or fmi2CoSimulation (1)";
+  }
   if (guid == nullptr) return "GUID: found a null pointer, expected the one in modelDescription.xml";
   return {};
+}
+
+void refuse_exchange(const PlantModel& model) {
+  if (const std::string why = ModelExchange::refusal(model.scene); !why.empty())
+    throw UsageError("type: found model exchange, expected co-simulation: " + why);
 }
 
 fmi2Component instantiate(const Log& log, fmi2Type type, const char* guid, const char* location) {
@@ -74,7 +80,11 @@ fmi2Component instantiate(const Log& log, fmi2Type type, const char* guid, const
     why = refusal(type, guid);
     if (why.empty()) {
       const MemoryReserve memory;
-      auto instance = std::make_unique<Instance>(load(location, guid), log);
+      const bool exchanges = number_of(type) == fmi2ModelExchange;
+      const std::shared_ptr<const PlantModel> model = load(location, guid);
+      if (exchanges) refuse_exchange(*model);
+      auto instance =
+          std::make_unique<Instance>(model, log, exchanges ? Plant::Kind::model_exchange : Plant::Kind::co_simulation);
       if (!memory.was_used()) return instance.release();
       why = "out of memory";
     }
@@ -156,7 +166,7 @@ fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
 }
 
 fmi2Status fmi2Terminate(fmi2Component c) {
-  return gelenk::call(c, "fmi2Terminate", gelenk::between_steps, [](Instance& instance) {
+  return gelenk::call(c, "fmi2Terminate", gelenk::running, [](Instance& instance) {
     instance.terminate();
     return fmi2OK;
   });

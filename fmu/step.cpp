@@ -11,7 +11,7 @@ constexpr unsigned stepped = between_steps | Mode::terminated;
 template <class T, class Value>
 fmi2Status get_status(fmi2Component c, const char* function, fmi2StatusKind kind, fmi2StatusKind known, T* value,
                       Value&& compute) noexcept {
-  return call(c, function, stepped, [&](Instance& instance) {
+  return call(c, function, Plant::Kind::co_simulation, stepped, [&](Instance& instance) {
     if (value == nullptr)
       return refuse(instance, function, "value: found a null pointer, expected a place for the result");
     if (number_of(kind) != number_of(known))
@@ -23,7 +23,7 @@ fmi2Status get_status(fmi2Component c, const char* function, fmi2StatusKind kind
 
 // Status functions for slaves with asynchronous steps.
 fmi2Status nothing_pending(fmi2Component c, const char* function) noexcept {
-  return call(c, function, stepped, [function](Instance& instance) {
+  return call(c, function, Plant::Kind::co_simulation, stepped, [function](Instance& instance) {
     return discard(instance, function, "no step is running: fmi2DoStep returns when it is done");
   });
 }
@@ -32,19 +32,20 @@ fmi2Status nothing_pending(fmi2Component c, const char* function) noexcept {
 }  // namespace gelenk
 
 using gelenk::Instance;
+using gelenk::Plant;
 
 extern "C" {
 
 fmi2Status fmi2DoStep(fmi2Component c, fmi2Real currentCommunicationPoint, fmi2Real communicationStepSize,
                       fmi2Boolean /*noSetFMUStatePriorToCurrentPoint*/) {
-  return gelenk::call(c, "fmi2DoStep", gelenk::between_steps, [&](Instance& instance) {
+  return gelenk::call(c, "fmi2DoStep", Plant::Kind::co_simulation, gelenk::between_steps, [&](Instance& instance) {
     instance.step(currentCommunicationPoint, communicationStepSize);
     return fmi2OK;
   });
 }
 
 fmi2Status fmi2CancelStep(fmi2Component c) {
-  return gelenk::call(c, "fmi2CancelStep", gelenk::any_mode, [](Instance& instance) {
+  return gelenk::call(c, "fmi2CancelStep", Plant::Kind::co_simulation, gelenk::any_mode, [](Instance& instance) {
     return gelenk::refuse(instance, "fmi2CancelStep", "no step is running: fmi2DoStep returns when it is done");
   });
 }

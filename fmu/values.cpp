@@ -66,24 +66,28 @@ fmi2Status get(fmi2Component c, const char* function, ParameterType type, const 
 template <class T>
 fmi2Status set(fmi2Component c, const char* function, ParameterType type, const fmi2ValueReference* references,
                size_t count, const T* values) noexcept {
-  return call(c, function, before_steps | between_steps, [&](Instance& instance) {
+  return call(c, function, before_steps | running, [&](Instance& instance) {
     const StepMemory::InUse memory = instance.use_step_memory();
     Plant& plant = instance.plant();
     const std::string why = fault(plant.catalog(), type, references, count, values);
     if (!why.empty()) return refuse(instance, function, why);
-    const bool running = (between_steps & static_cast<unsigned>(instance.mode())) != 0;
+    const bool runs = (running & static_cast<unsigned>(instance.mode())) != 0;
     for (size_t i = 0; i < count; ++i) {
       const Variable& v = plant.catalog().variables()[references[i]];
-      if (running && v.variability == Variability::fixed) {
+      if (runs && v.variability == Variability::fixed) {
         return refuse(instance, function,
                       v.name + " is a fixed parameter: it can be set only before fmi2ExitInitializationMode");
       }
+      if (instance.mode() == Mode::continuous_time && v.variability == Variability::tunable)
+        return refuse(instance, function, v.name + " is a tunable parameter: it can be set only in event mode");
+      if (!runs && v.source != Source::input && v.source != Source::parameter)
+        return refuse(instance, function, v.name + " is computed by the plant and cannot be set");
       plant.check(static_cast<int>(references[i]), static_cast<double>(values[i]));
     }
     for (size_t i = 0; i < count; ++i) {
       const int variable = static_cast<int>(references[i]);
       const auto value = static_cast<double>(values[i]);
-      running ? plant.tune(variable, value) : plant.set(variable, value);
+      runs ? plant.tune(variable, value) : plant.set(variable, value);
     }
     return fmi2OK;
   });
@@ -91,7 +95,7 @@ fmi2Status set(fmi2Component c, const char* function, ParameterType type, const 
 
 fmi2Status set_derivatives(fmi2Component c, const char* function, const fmi2ValueReference* references, size_t count,
                            const fmi2Integer* orders, const fmi2Real* values) noexcept {
-  return call(c, function, before_steps | between_steps, [&](Instance& instance) {
+  return call(c, function, Plant::Kind::co_simulation, before_steps | between_steps, [&](Instance& instance) {
     const StepMemory::InUse memory = instance.use_step_memory();
     Plant& plant = instance.plant();
     const std::string why = fault(plant.catalog(), ParameterType::real, references, count, values);

@@ -11,12 +11,13 @@ namespace gelenk {
 struct Capability {
   const char* name;
   bool supported;
+  bool of_both = true;  // kinds of FMU; otherwise of co-simulation alone
 };
 
 inline constexpr std::array<Capability, 8> capabilities = {{
-    {"canHandleVariableCommunicationStepSize", true},
-    {"canInterpolateInputs", true},
-    {"canRunAsynchronuously", false},
+    {"canHandleVariableCommunicationStepSize", true, false},
+    {"canInterpolateInputs", true, false},
+    {"canRunAsynchronuously", false, false},
     {"canBeInstantiatedOnlyOncePerProcess", false},
     {"canNotUseMemoryManagementFunctions", true},
     {"canGetAndSetFMUstate", true},
@@ -36,7 +37,7 @@ enum class Category : unsigned { events, warning, discard, error };
 inline constexpr std::array<LogCategory, 4> log_categories = {{
     {"logEvents", "results of the assembly, events, changes of the instance's mode"},
     {"logStatusWarning", "singular configurations crossed, from which the mechanism could continue on another branch"},
-    {"logStatusDiscard", "failed steps, derivatives that do not exist"},
+    {"logStatusDiscard", "failed steps, states that do not determine the mechanism, derivatives that do not exist"},
     {"logStatusError", "invalid calls and the reasons why they were rejected"},
 }};
 inline constexpr std::string_view log_all = "logAll";

@@ -49,21 +49,7 @@ Catalog::Catalog(const Scene& scene) {
   add_inputs(scene);
   add_outputs(scene);
   add_parameters(scene);
-  rates_begin_ = static_cast<int>(variables_.size());
-  for (std::size_t j = 0; j < kinds_.size(); ++j) {
-    for (int i = 0; i < kinds_[j]->nq; ++i) {
-      if (!kinds_[j]->is_of_quaternion(i)) continue;
-      const Variable& coordinate = variables_[static_cast<std::size_t>(output_variable(first_output_[j] + i))];
-      Variable v;
-      v.name = "der(" + coordinate.name + ")";
-      v.description = scene.joints[j].name + ": time derivative of the " + std::string(kinds_[j]->q[i].description);
-      v.unit = "1/s";
-      v.source = Source::rate;
-      v.index = static_cast<int>(rates_.size());
-      variables_.push_back(std::move(v));
-      rates_.push_back({static_cast<int>(j), i});
-    }
-  }
+  add_rates(scene);
   add_diagnostics();
   add_nominals(scene);
   if (!scene.outputs.empty()) hide_unwanted(scene);
@@ -99,7 +85,6 @@ void Catalog::add_outputs(const Scene& scene) {
   }
   for (std::size_t i = 0; i < signals.size(); ++i) {
     variables_.push_back(described(signals[i], Causality::output, Source::output, i));
-    joint_of_.push_back(signals[i].joint);
   }
 }
 
@@ -122,6 +107,40 @@ void Catalog::add_parameters(const Scene& scene) {
     v.min = p.min;
     v.max = p.max;
     variables_.push_back(std::move(v));
+  }
+}
+
+// Those of quaternions are always shown, others as far as their states are declared.
+void Catalog::add_rates(const Scene& scene) {
+  rates_begin_ = static_cast<int>(variables_.size());
+  const std::vector<Signal> signals = output_signals(scene);
+  for (std::size_t i = 0; i < signals.size(); ++i) {
+    const Signal& of = signals[i];
+    const bool can_be_state = of.level == 0 || of.level == 1 || (of.section == sections::states && of.group == 0);
+    if (!can_be_state) continue;
+    const JointKind* kind = of.joint < 0 ? nullptr : kinds_[static_cast<std::size_t>(of.joint)];
+    const bool is_of_quaternion = kind != nullptr && of.level == 0 && kind->is_of_quaternion(of.component);
+    if (!is_of_quaternion && of.derivative < 0) continue;
+    Rate rate{.of = static_cast<int>(i), .same_as = of.derivative};
+    Variable v;
+    v.name = "der(" + of.name + ")";
+    if (is_of_quaternion) {
+      rate.joint = of.joint;
+      rate.component = of.component;
+      v.description = scene.joints[static_cast<std::size_t>(of.joint)].name + ": time derivative of the " +
+                      std::string(kind->q[static_cast<std::size_t>(of.component)].description);
+      v.unit = "1/s";
+    } else {
+      const Signal& same = signals[static_cast<std::size_t>(of.derivative)];
+      v = described(same, Causality::local, Source::rate, 0);
+      v.name = "der(" + of.name + ")";
+      v.description = "time derivative of " + of.name + "; equal to " + same.name;
+      v.hidden = true;
+    }
+    v.source = Source::rate;
+    v.index = static_cast<int>(rates_.size());
+    variables_.push_back(std::move(v));
+    rates_.push_back(rate);
   }
 }
 
@@ -159,38 +178,22 @@ void Catalog::add_nominals(const Scene& scene) {
   }
 }
 
-void Catalog::declare(int state, int derivative) {
-  variables_[static_cast<std::size_t>(derivative)].derivative_of = state;
-  for (const int shown : {state, derivative}) variables_[static_cast<std::size_t>(shown)].hidden = false;
-  states_.push_back({state, derivative});
-}
-
 void Catalog::declare_states(const IndependentOutputs& independent) {
-  states_.clear();
-  for (Variable& v : variables_) v.derivative_of = -1;
-  const auto among = [](const std::vector<int>& outputs, int output) {
-    return std::ranges::find(outputs, output) != outputs.end();
-  };
-  for (std::size_t j = 0; j < kinds_.size(); ++j) {
-    const JointKind& kind = *kinds_[j];
-    const int q = first_output_[j];
-    const int v = q + kind.nq;
-    const int a = v + kind.nv;
-    for (int i = 0; i < kind.nq; ++i) {
-      if (kind.is_of_quaternion(i) || !among(independent.coordinates, q + i)) continue;
-      declare(output_variable(q + i), output_variable(v + i));
-    }
-    for (int i = 0; i < kind.nv; ++i) {
-      if (among(independent.speeds, v + i)) declare(output_variable(v + i), output_variable(a + i));
-    }
-    for (std::size_t r = 0; r < rates_.size(); ++r) {
-      const int coordinate = q + rates_[r].component;
-      if (rates_[r].joint != static_cast<int>(j) || !among(independent.coordinates, coordinate)) continue;
-      declare(output_variable(coordinate), rates_begin_ + static_cast<int>(r));
-    }
+  for (const State& state : states_) {
+    Variable& former = variables_[static_cast<std::size_t>(state.derivative)];
+    former.derivative_of = -1;
+    former.hidden = former.hidden || rates_[static_cast<std::size_t>(former.index)].same_as >= 0;
   }
-  for (const int state : independent.elements) declare(output_variable(state), output_variable(state + 1));
-  std::ranges::sort(states_, {}, &State::derivative);
+  states_.clear();
+  const std::vector<int> states = independent.states();
+  for (std::size_t r = 0; r < rates_.size(); ++r) {
+    if (std::ranges::find(states, rates_[r].of) == states.end()) continue;
+    const State declared{.variable = output_variable(rates_[r].of), .derivative = rates_begin_ + static_cast<int>(r)};
+    variables_[static_cast<std::size_t>(declared.derivative)].derivative_of = declared.variable;
+    for (const int shown : {declared.variable, declared.derivative})
+      variables_[static_cast<std::size_t>(shown)].hidden = false;
+    states_.push_back(declared);
+  }
 }
 
 }  // namespace gelenk

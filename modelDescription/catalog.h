@@ -46,10 +46,13 @@ struct Variable {
   int derivative_of = -1;  // index of the state variable whose time derivative this is; -1: none
 };
 
-// The time derivative of a coordinate that is not a joint velocity: der(Q[i]) of a quaternion.
+// The time derivative of what can be a state: a variable of its own, since importers such as CasADi do not accept an
+// output as the derivative of another variable.
 struct Rate {
-  int joint = 0;      // in scene.joints
-  int component = 0;  // of the joint's coordinates
+  int of = 0;         // output
+  int same_as = -1;   // output with the same value; -1: none, of a quaternion
+  int joint = -1;     // of a quaternion: in scene.joints
+  int component = 0;  // among the joint's coordinates
 };
 
 // A continuous state and its time derivative, as indices of variables.
@@ -73,11 +76,12 @@ class Catalog {
   const std::vector<Parameter>& parameters() const { return parameters_; }
   const std::vector<Rate>& rates() const { return rates_; }
 
+  int output_variable(int output) const { return outputs_begin_ + output; }
   // Index, among the outputs, of the first coordinate of a joint; the velocities follow the coordinates.
   int first_output(int joint) const { return first_output_[static_cast<std::size_t>(joint)]; }
 
-  // Declares these outputs as states (StateDerivatives::independent), with their rates and accelerations as
-  // derivatives. States that are not wanted as outputs are also in the description, as local variables, since a linear
+  // Declares these outputs as states (StateDerivatives::independent), with rates as derivatives, in the order of the
+  // outputs. States that are not wanted as outputs are also in the description, as local variables, since a linear
   // model requires all of them.
   void declare_states(const IndependentOutputs& independent);
   const std::vector<State>& states() const { return states_; }
@@ -86,11 +90,10 @@ class Catalog {
   void add_inputs(const Scene& scene);
   void add_outputs(const Scene& scene);
   void add_parameters(const Scene& scene);
+  void add_rates(const Scene& scene);
   void add_diagnostics();
   void add_nominals(const Scene& scene);
-  void declare(int state, int derivative);
   void hide_unwanted(const Scene& scene);
-  int output_variable(int output) const { return outputs_begin_ + output; }
 
   std::vector<Variable> variables_;
   std::vector<Parameter> parameters_;
@@ -98,7 +101,6 @@ class Catalog {
   std::vector<State> states_;
   std::vector<int> first_output_;        // per joint
   std::vector<const JointKind*> kinds_;  // per joint
-  std::vector<int> joint_of_;            // per output; -1: not of a joint
   int outputs_begin_ = 0;
   int rates_begin_ = 0;
 };

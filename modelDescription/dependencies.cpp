@@ -90,7 +90,7 @@ class DependencyAnalysis {
     std::vector<Knowns> out(catalog_.variables().size(), no_knowns_);
     for (std::size_t i = 0; i < out.size(); ++i) {
       const Variable& v = catalog_.variables()[i];
-      if (v.source == Source::rate) out[i] = of_rate(catalog_.rates()[static_cast<std::size_t>(v.index)]);
+      if (v.source == Source::rate) out[i] = of_rate(catalog_.rates()[static_cast<std::size_t>(v.index)], out);
       if (v.source != Source::output) continue;
       const Signal& signal = signals_[static_cast<std::size_t>(v.index)];
       const auto variable = static_cast<int>(i);
@@ -219,8 +219,9 @@ class DependencyAnalysis {
     return listed({first, first + 1, first + 2, first + 3});
   }
 
-  // The rate of a component of a quaternion depends on the states of the joint.
-  Knowns of_rate(const Rate& rate) const {
+  // The rate of a component of a quaternion depends on the states of the joint. found: of all outputs.
+  Knowns of_rate(const Rate& rate, const std::vector<Knowns>& found) const {
+    if (rate.same_as >= 0) return found[static_cast<std::size_t>(catalog_.output_variable(rate.same_as))];
     const JointPlace& place = reduced_.joints[static_cast<std::size_t>(rate.joint)];
     return structure_is_known_ ? knowns_of(place.role == JointPlace::Role::merged ? -1 : place.island).of_states
                                : all_knowns_;

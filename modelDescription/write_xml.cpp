@@ -72,6 +72,14 @@ class Writer {
 };
 
 void write_capabilities(Writer& w, const FmuFacts& facts) {
+  if (facts.event_indicators) {
+    w.open(1, "ModelExchange").attribute("modelIdentifier", facts.model_identifier);
+    w.attribute("completedIntegratorStepNotNeeded", false);
+    for (const Capability& c : capabilities) {
+      if (c.of_both) w.attribute(c.name, c.supported);
+    }
+    w.end();
+  }
   w.open(1, "CoSimulation").attribute("modelIdentifier", facts.model_identifier);
   for (const Capability& c : capabilities) w.attribute(c.name, c.supported);
   w.attribute("maxOutputDerivativeOrder", max_output_derivative_order).end();
@@ -302,7 +310,9 @@ std::string write_model_description(const Scene& scene, const Catalog& catalog, 
   w.attribute("guid", facts.guid);
   write_metadata(w, scene);
   w.attribute("generationTool", "Gelenk " + std::string(gelenk_version()));
-  w.attribute("variableNamingConvention", "structured").attribute("numberOfEventIndicators", 0).inside();
+  w.attribute("variableNamingConvention", "structured")
+      .attribute("numberOfEventIndicators", facts.event_indicators.value_or(0));
+  w.inside();
   write_capabilities(w, facts);
   write_units(w, catalog);
   write_types(w, catalog);

@@ -2,6 +2,7 @@
 // modelDescription.xml of FMI 2.0, generated from the catalog.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -15,7 +16,8 @@ namespace gelenk {
 struct FmuFacts {
   std::string model_identifier;  // names the binary
   std::string guid;
-  int order = 0;  // number of states of the mechanism, counting three for a quaternion
+  int order = 0;                          // number of states of the mechanism, counting three for a quaternion
+  std::optional<int> event_indicators{};  // none: the FMU is for co-simulation only
 };
 
 // Returns the XML text. dependencies: those of dependencies_of().

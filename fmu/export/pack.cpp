@@ -24,6 +24,7 @@
 #include "modelDescription/fingerprint.h"
 #include "modelDescription/write_xml.h"
 #include "scene_file/read.h"
+#include "simulation/model_exchange.h"
 #include "simulation/simulation.h"
 #include "simulation/state_derivatives.h"
 
@@ -136,7 +137,8 @@ void export_fmu(const Scene& scene, const std::vector<Runtime>& runtimes, const 
   simulation.assemble();
   catalog.declare_states(StateDerivatives(simulation).independent());
 
-  const FmuFacts facts{model_identifier(carried.name), fingerprint(json), simulation.size().states()};
+  FmuFacts facts{model_identifier(carried.name), fingerprint(json), simulation.size().states()};
+  if (ModelExchange::refusal(carried).empty()) facts.event_indicators = ModelExchange::indicators_of(carried);
   const Picture picture = draw(simulation);
   Zip zip(compress);
   zip.add("modelDescription.xml",

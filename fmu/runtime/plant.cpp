@@ -37,32 +37,47 @@ const PlantModel::States& PlantModel::states() const {
   std::call_once(states_once_, [this] {
     Simulation simulation(scene);
     simulation.assemble();
-    States found{catalog, StateDerivatives(simulation).independent()};
+    States found{catalog, StateDerivatives(simulation).independent(), {}, {}};
     found.catalog.declare_states(found.independent);
+    found.index_of.assign(catalog.variables().size(), -1);
+    found.index_of_derivative = found.index_of;
+    int index = 0;
+    for (const State& state : found.catalog.states()) {
+      found.index_of[static_cast<std::size_t>(state.variable)] = index;
+      found.index_of_derivative[static_cast<std::size_t>(state.derivative)] = index++;
+    }
     states_ = std::move(found);
   });
   return *states_;
 }
 
-Plant::Plant(std::shared_ptr<const PlantModel> model)
+Plant::Plant(std::shared_ptr<const PlantModel> model, Kind kind)
     : model_(std::move(model)),
       scene_(model_->scene),
       settings_(model_->catalog, scene_),
       assembled_(settings_),
       inputs_(inputs_of(model_->catalog)),
-      first_inputs_(inputs_) {
+      first_inputs_(inputs_),
+      kind_(kind) {
   take_starts(model_->catalog, inputs_);
 }
 
 void Plant::set_experiment(double start, double tolerance) {
   start_ = start;
   tolerance_ = tolerance;
+  discard_simulation();
+}
+
+void Plant::discard_simulation() {
+  exchange_.reset();
   simulation_.reset();
 }
 
 void Plant::assemble() {
   if (simulation_) return;
-  Simulation fresh(settings_ == Settings(catalog(), model_->scene) ? scene_ : checked(scene_));
+  const Scene& own = settings_ == Settings(catalog(), model_->scene) ? scene_ : checked(scene_);
+  const bool exchanges = kind_ == Kind::model_exchange;
+  Simulation fresh(exchanges ? ModelExchange::prepared(own) : own);
   for (int i = 0; i < static_cast<int>(inputs_.count()); ++i) {
     fresh.set_input(i, inputs_.value(i));
     for (int order = 1; order <= Inputs::highest_order; ++order) {
@@ -73,6 +88,16 @@ void Plant::assemble() {
   first_inputs_ = inputs_;
   simulation_.emplace(std::move(fresh));
   assembled_ = settings_;
+  if (exchanges) make_exchange();
+}
+
+void Plant::make_exchange() {
+  const PlantModel::States& declared = model_->states();
+  StateDerivatives(*simulation_).take_states(declared.independent);
+  std::vector<int> outputs;
+  for (const State& state : declared.catalog.states())
+    outputs.push_back(catalog().variables()[static_cast<std::size_t>(state.variable)].index);
+  exchange_ = std::make_unique<ModelExchange>(*simulation_, std::move(outputs));
 }
 
 double Plant::requested_tolerance() const {
@@ -91,7 +116,19 @@ std::vector<std::string> Plant::start_warnings() const {
 
 Simulation& Plant::simulation() {
   assemble();
+  if (exchange_) exchange_->show();
   return *simulation_;
+}
+
+ModelExchange& Plant::exchange() {
+  assemble();
+  return *exchange_;
+}
+
+double Plant::nominal(std::size_t state) const {
+  const State& of = model_->states().catalog.states()[state];
+  const double known = catalog().variables()[static_cast<std::size_t>(of.variable)].nominal;
+  return known > 0 ? known : 1;
 }
 
 double Plant::get(int variable) {
@@ -103,25 +140,28 @@ double Plant::get(int variable) {
     case Source::parameter:
       return catalog().parameters()[index].get(scene_);
     case Source::output:
-      assemble();
-      return simulation_->output(v.index);
+      return simulation().output(v.index);
     case Source::diagnostic:
-      assemble();
-      return simulation_->diagnostic(v.index);
+      return simulation().diagnostic(v.index);
     case Source::rate:
-      assemble();
-      return rate(catalog().rates()[index]);
+      return rate(variable, catalog().rates()[index]);
   }
   return 0;
 }
 
-double Plant::rate(const Rate& rate) {
+double Plant::rate(int variable, const Rate& rate) {
+  if (kind_ == Kind::model_exchange) {
+    const int state = model_->states().index_of_derivative[static_cast<std::size_t>(variable)];
+    if (state >= 0) return exchange().rates()[static_cast<std::size_t>(state)];
+  }
+  Simulation& present = simulation();
+  if (rate.same_as >= 0) return present.output(rate.same_as);
   std::array<double, 13> state{};  // the free joint has the most coordinates and velocities
   std::array<double, 7> qdot{};
   const AnyJoint& joint = *scene_.joints[static_cast<std::size_t>(rate.joint)].is;
   const JointKind& kind = kind_of(joint);
   const int first = catalog().first_output(rate.joint);
-  for (int i = 0; i < kind.nq + kind.nv; ++i) state[static_cast<std::size_t>(i)] = simulation_->output(first + i);
+  for (int i = 0; i < kind.nq + kind.nv; ++i) state[static_cast<std::size_t>(i)] = present.output(first + i);
   coordinate_rates(joint, state.data(), state.data() + kind.nq, qdot.data());
   return qdot[static_cast<std::size_t>(rate.component)];
 }
@@ -130,13 +170,22 @@ void Plant::check(int variable, double value) const {
   const Variable& v = catalog().variables()[static_cast<std::size_t>(variable)];
   if (v.source == Source::parameter) {
     check_parameter(catalog().parameters()[static_cast<std::size_t>(v.index)], value);
-  } else if (v.source != Source::input) {
+  } else if (v.source != Source::input && !is_settable_state(variable)) {
     throw std::invalid_argument(v.name + " is computed by the plant and cannot be set");
   } else if (!std::isfinite(value)) {
-    throw std::invalid_argument(v.name + ": found " + text::number(value) +
-                                ", expected a finite number; the value remains " + text::number(input(v.index)) + " " +
-                                v.unit);
+    throw std::invalid_argument(
+        v.name + ": found " + text::number(value) + ", expected a finite number; the value remains " +
+        text::number(v.source == Source::input ? input(v.index) : present_state(variable)) + " " + v.unit);
   }
+}
+
+// With model exchange the importer sets states after initialization, also by fmi2SetReal.
+bool Plant::is_settable_state(int variable) const {
+  return exchange_ != nullptr && model_->states().index_of[static_cast<std::size_t>(variable)] >= 0;
+}
+
+double Plant::present_state(int variable) const {
+  return exchange_->states()[static_cast<std::size_t>(model_->states().index_of[static_cast<std::size_t>(variable)])];
 }
 
 void Plant::check_input_derivative(int variable, int order, double value) const {
@@ -161,18 +210,23 @@ void Plant::set(int variable, double value) {
   if (v.source == Source::input) {
     inputs_.set(v.index, value);
     if (simulation_) simulation_->set_input(v.index, value);
+    if (exchange_) exchange_->inputs_changed();
     return;
+  }
+  if (v.source == Source::output) {
+    const int state = model_->states().index_of[static_cast<std::size_t>(variable)];
+    return exchange_->set_state(static_cast<std::size_t>(state), value);
   }
   const Parameter& parameter = catalog().parameters()[index];
   if (parameter.name == "solver.tolerance") {
     const double requested = requested_tolerance();
     tolerance_confirmed_ = true;
-    if (requested_tolerance() != requested) simulation_.reset();
+    if (requested_tolerance() != requested) discard_simulation();
   }
   if (value == parameter.get(scene_)) return;
   set_parameter(scene_, parameter, value);
   settings_ = Settings(catalog(), scene_);
-  simulation_.reset();
+  discard_simulation();
 }
 
 void Plant::tune(int variable, double value) {
@@ -184,6 +238,7 @@ void Plant::tune(int variable, double value) {
   set_parameter(scene_, parameter, value);
   settings_.values[static_cast<std::size_t>(v.index)] = value;
   simulation_->tune(scene_);
+  if (exchange_) exchange_->inputs_changed();
 }
 
 void Plant::serialize(Archive& archive) {
@@ -203,7 +258,7 @@ void Plant::serialize(Archive& archive) {
     tolerance = std::abs(tolerance);
     const bool same = start == start_ && tolerance == tolerance_ && confirmed == tolerance_confirmed_ &&
                       when_assembled == assembled_ && first == first_inputs_;
-    if (!assembled || !same) simulation_.reset();
+    if (!assembled || !same) discard_simulation();
     start_ = start;
     tolerance_ = tolerance;
     tolerance_confirmed_ = confirmed;
@@ -216,7 +271,7 @@ void Plant::serialize(Archive& archive) {
       settings_ = std::move(present);
     }
   }
-  if (assembled) simulation_->serialize(archive);
+  if (assembled) exchange_ ? exchange_->serialize(archive) : simulation_->serialize(archive);
 }
 
 // Adopts the settings of a run that was assembled with `assembled` and tuned to `present`.

@@ -13,6 +13,7 @@
 #include "fmu/runtime/settings.h"
 #include "formulation/inputs.h"
 #include "modelDescription/catalog.h"
+#include "simulation/model_exchange.h"
 #include "simulation/simulation.h"
 
 namespace gelenk {
@@ -30,6 +31,8 @@ struct PlantModel {
   struct States {
     Catalog catalog;  // with these states declared
     IndependentOutputs independent;
+    // By variable: index of the state that it is, or of which it is the derivative; -1: none.
+    std::vector<int> index_of, index_of_derivative;
   };
   const States& states() const;
 
@@ -38,9 +41,14 @@ struct PlantModel {
   mutable std::optional<States> states_;
 };
 
+// Movable before it is assembled.
 class Plant {
  public:
-  explicit Plant(std::shared_ptr<const PlantModel> model);
+  // What advances its states: its own integrator (co-simulation), or that of the importer (model exchange).
+  enum class Kind { co_simulation, model_exchange };
+  explicit Plant(std::shared_ptr<const PlantModel> model, Kind kind = Kind::co_simulation);
+
+  Kind kind() const { return kind_; }
 
   const PlantModel& model() const { return *model_; }
   const Catalog& catalog() const { return model_->catalog; }
@@ -77,19 +85,27 @@ class Plant {
   // the plant must then not be used.
   void serialize(Archive& archive);
 
-  // The assembled simulation; assembles it if necessary.
+  // The assembled simulation, at the present states; assembles it if necessary.
   Simulation& simulation();
+  // With model exchange; assembles it if necessary. Its states are those of PlantModel::states(), in that order.
+  ModelExchange& exchange();
+  // The expected magnitude of a state.
+  double nominal(std::size_t state) const;
 
   // See Simulation; require an assembled plant.
   void step_to(double end) { simulation_->step_to(end); }
-  double time() const { return simulation_ ? simulation_->time() : start_; }
+  double time() const { return exchange_ ? exchange_->time() : simulation_ ? simulation_->time() : start_; }
   std::vector<EventReport> events(bool only_doubtful) const { return simulation_->events(only_doubtful); }
   std::string assembly_report() const;
   std::vector<std::string> start_warnings() const;
 
  private:
   double input(int index) const { return simulation_ ? simulation_->input(index) : inputs_.value(index); }
-  double rate(const Rate& rate);
+  double rate(int variable, const Rate& rate);
+  void make_exchange();
+  bool is_settable_state(int variable) const;
+  double present_state(int variable) const;
+  void discard_simulation();
   double requested_tolerance() const;  // 0: the scene's
   void adopt(const Settings& assembled, const Settings& present);
 
@@ -100,6 +116,8 @@ class Plant {
   Inputs inputs_;        // as set so far
   Inputs first_inputs_;  // when simulation_ was assembled
   std::optional<Simulation> simulation_;
+  std::unique_ptr<ModelExchange> exchange_;  // of simulation_
+  Kind kind_;
   double start_ = 0;
   double tolerance_ = 0;
   bool tolerance_confirmed_ = false;  // whether solver.tolerance was set

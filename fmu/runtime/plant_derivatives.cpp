@@ -69,8 +69,10 @@ class Directions {
     const DirectionalDerivative derivative = derivatives_.directional_derivative(dx_, du_);
     for (const Eigen::Index r : rows) {
       const bool of_output = r < derivative.outputs.rows();
-      *out = of_output ? derivative.outputs(r, 0) : derivative.rates(r - derivative.outputs.rows(), 0);
-      if (of_output) check_determined(simulation_, static_cast<int>(r), *out);
+      const Eigen::Index state = r - derivative.outputs.rows();
+      *out = of_output ? derivative.outputs(r, 0) : derivative.rates(state, 0);
+      const int named = of_output ? static_cast<int>(r) : derivatives_.states()[static_cast<std::size_t>(state)];
+      check_determined(simulation_, named, *out);
       ++out;
     }
   }

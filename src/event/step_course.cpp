@@ -80,4 +80,9 @@ double StepCourse::touch(std::size_t count) const {
   return first;
 }
 
+void StepCourse::serialize(Archive& archive) {
+  archive.serialize(start_t_, start_g_, start_gdot_);
+  for (std::size_t i = 0; i < size(); ++i) archive.serialize(before_[i]);
+}
+
 }  // namespace gelenk

@@ -9,6 +9,7 @@
 
 #include "event/cubic.h"
 #include "event/event_source.h"
+#include "util/archive.h"
 
 namespace gelenk {
 
@@ -55,6 +56,9 @@ class StepCourse {
   // s: earliest time at which one of the first indicators with the same sign at both ends may have reached zero;
   // infinite: none.
   double touch(std::size_t count) const;
+
+  // Where the step began.
+  void serialize(Archive& archive);
 
  private:
   static constexpr std::size_t none = std::numeric_limits<std::size_t>::max();

@@ -12,9 +12,8 @@ namespace {
 // Error of the constraint equations relative to the length of the mechanism: some tens of roundings.
 constexpr double closure_tolerance = 1e-14;
 constexpr int most_projections = 30;
-// Ratio of successive errors above which an iteration makes no progress; and above which old factors are renewed.
+// Ratio of successive errors above which an iteration makes no progress.
 constexpr double stall_ratio = 0.5;
-constexpr double refactorization_ratio = 0.1;
 // Limit on the corrections of a driven mechanism, as a fraction of its length [m], or in rad per meter of it: beyond it
 // lies another assembly, reached when a prescribed motion leads where the loops cannot follow.
 constexpr double max_correction_fraction = 0.3;
@@ -63,7 +62,7 @@ bool ConstraintProjector::close_position(double* q) {
     if (gap <= floor) return true;
     // No progress: rounding, or the old factors are too inaccurate.
     if (gap > stall_ratio * before && gap <= slack() * floor) return true;
-    if (!has_factors_ || gap > refactorization_ratio * before) refactorize();
+    if (!has_factors_ || gap > renewal_ratio() * before) refactorize();
     before = gap;
     min_norm_displacement(dynamics_.Phi().data(), dv_.data());
     moved += largest_size(dv_);
@@ -86,7 +85,7 @@ bool ConstraintProjector::close_velocity(double* v) {
     const double floor = closure_tolerance * length_ * speed;
     if (gap <= floor) return true;
     if (gap > stall_ratio * before && gap <= slack() * floor) return true;
-    if (!has_factors_ || gap > refactorization_ratio * before) refactorize();
+    if (!has_factors_ || gap > renewal_ratio() * before) refactorize();
     before = gap;
     min_norm_displacement(dynamics_.row_rates().data(), dv_.data());
     for (int k = 0; k < mechanism_.nv; ++k) v[k] += dv_[k];

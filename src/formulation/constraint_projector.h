@@ -39,6 +39,8 @@ class ConstraintProjector {
   virtual void refactor() { dynamics_.factorize(); }
   // Factor on the rounding error up to which a stalled iteration counts as converged.
   virtual double slack() const { return 1e3; }
+  // Ratio of successive errors of an iteration above which its factors are renewed.
+  virtual double renewal_ratio() const { return 0.1; }
 
   const Mechanism& mechanism_;
   Dynamics& dynamics_;

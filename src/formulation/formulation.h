@@ -96,7 +96,7 @@ class Formulation : public Equations, private ModeEquations {
   Drives& drives() { return drives_; }
   RatesOfForces& rates_of_forces() { return rates_of_forces_; }
   // Full turns of the cut joints at the last accepted state.
-  const RevolutionCounter& revolutions() const { return revolutions_; }
+  RevolutionCounter& revolutions() { return revolutions_; }
 
  protected:
   // Evaluates f at y with the present inputs. Returns false as rhs() does.

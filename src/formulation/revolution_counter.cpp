@@ -26,7 +26,8 @@ RevolutionCounter::RevolutionCounter(const Mechanism& mechanism, Dynamics& dynam
       dynamics_(dynamics),
       q_(mechanism.cut_nq),
       v_(mechanism.cut_nv),
-      v_last_(mechanism.cut_nv) {}
+      v_last_(mechanism.cut_nv),
+      kept_{q_, v_last_} {}
 
 void RevolutionCounter::count_from(const std::vector<double>& cut_q, double t, const double* y) {
   q_ = cut_q;
@@ -37,6 +38,19 @@ void RevolutionCounter::count_from(const std::vector<double>& cut_q, double t, c
 
 void RevolutionCounter::serialize(Archive& archive) {
   archive.serialize(q_, v_last_, last_time_);
+  dynamics_.set_cut_reference(q_.data());
+}
+
+void RevolutionCounter::keep() {
+  kept_.q = q_;
+  kept_.v = v_last_;
+  kept_.time = last_time_;
+}
+
+void RevolutionCounter::return_to_kept() {
+  q_ = kept_.q;
+  v_last_ = kept_.v;
+  last_time_ = kept_.time;
   dynamics_.set_cut_reference(q_.data());
 }
 

@@ -23,12 +23,21 @@ class RevolutionCounter {
   void serialize(Archive& archive);
   // Updates the counts after a step to (t, y); the velocities at both ends of the step identify the turn.
   void count(double t, const double* y);
+  // Keeps the last count, and returns to the one kept last: trial states are counted from there.
+  void keep();
+  void return_to_kept();
+  void serialize_kept(Archive& archive) { archive.serialize(kept_.q, kept_.v, kept_.time); }
 
  private:
   const Mechanism& mechanism_;
   Dynamics& dynamics_;
   std::vector<double> q_, v_, v_last_;
   double last_time_ = 0;
+  struct Count {
+    std::vector<double> q, v;
+    double time = 0;
+  };
+  Count kept_;
 };
 
 }  // namespace gelenk

@@ -95,6 +95,7 @@ class Island {
  private:
   friend class Probe;
   friend class Placement;
+  friend class ExchangedIsland;
 
   // Changes the state by (dq, dv) at `time`, and closes the loops there by the smallest change in the mass metric.
   // Returns false if that fails; the island must then be placed elsewhere. Steps cannot be made afterwards.

@@ -145,6 +145,7 @@ class Simulation {
   friend class SteppingReport;    // stepping_report.h
   friend class Probe;             // probe.h
   friend class Placement;         // placement.h
+  friend class ModelExchange;     // model_exchange.h
 
   struct Impl;
   std::unique_ptr<Impl> impl_;

@@ -8,12 +8,12 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from fmu import derivatives, hosts, runs, states, wrong_calls
+from fmu import derivatives, exchange_calls, hosts, runs, states, wrong_calls
 from fmu.host import Fmu
 
 SCENARIOS = {
     name: function
-    for module in (wrong_calls, runs, states, hosts, derivatives)
+    for module in (wrong_calls, runs, states, hosts, derivatives, exchange_calls)
     for name, function in vars(module).items()
     if getattr(function, "__module__", "") == module.__name__
     and getattr(function, "__annotations__", {}).get("fmu") == "Fmu"

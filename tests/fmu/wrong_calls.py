@@ -8,7 +8,7 @@ import math
 from ctypes import c_double, c_int, c_size_t, c_uint
 from typing import Any
 
-from fmu.host import ERROR, LAST_SUCCESSFUL_TIME, MODEL_EXCHANGE, OK, Fmu, Slave, expect
+from fmu.host import ERROR, LAST_SUCCESSFUL_TIME, OK, Fmu, Slave, expect
 
 
 def refused_instance(slave: Slave, *words: str) -> None:
@@ -22,7 +22,9 @@ def instantiation_refuses_what_does_not_fit(fmu: Fmu) -> None:
     refused_instance(Slave(fmu, guid=None), "GUID: found a null pointer")
     refused_instance(Slave(fmu, name=""), "instance name: found none")
     refused_instance(Slave(fmu, name=None), "instance name: found none")
-    refused_instance(Slave(fmu, kind=MODEL_EXCHANGE), "model exchange")
+    refused_instance(
+        Slave(fmu, kind=7), "type: found 7, expected fmi2ModelExchange (0) or fmi2CoSimulation (1)"
+    )
     refused_instance(Slave(fmu, resources=None), "resource location: found a null pointer")
     refused_instance(Slave(fmu, resources="http://example.org/x"), "expected a path or a file: URI")
     refused_instance(Slave(fmu, resources="file://server/x"), "expected a file on this machine")
@@ -213,7 +215,7 @@ def functions_not_offered_say_so(fmu: Fmu) -> None:
     s = Slave(fmu).start()
     real, one = (c_double * 1)(), c_size_t(1)
     calls: dict[str, tuple[tuple[Any, ...], ...]] = {
-        "model exchange": (
+        "is a function for model exchange; this instance is for co-simulation": (
             ("fmi2EnterEventMode",),
             ("fmi2EnterContinuousTimeMode",),
             ("fmi2SetTime", c_double(0)),
