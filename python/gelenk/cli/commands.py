@@ -79,7 +79,7 @@ def export(
     ] = True,
     assembly_tolerance: AssemblyTolerance = None,
 ) -> Report:
-    """Export a scene as an FMU (FMI 2.0 co-simulation).
+    """Export a scene as an FMU (FMI 2.0, co-simulation and model exchange).
 
     Libraries for platforms other than this one are built by `make runtimes`.
     """

@@ -40,7 +40,7 @@ def export_fmu(
     *,
     view: bool = True,
 ) -> Path:
-    """Write an FMI 2.0 co-simulation FMU; no incomplete file remains after an error.
+    """Write an FMI 2.0 FMU for co-simulation and model exchange; no incomplete file remains after an error.
 
     Args:
         scene: anything `gelenk.load` accepts.

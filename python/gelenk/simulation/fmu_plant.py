@@ -22,6 +22,7 @@ from typing import Any, override
 import fmpy
 import fmpy.fmi1
 import numpy as np
+from fmpy.fmi2 import FMU2Slave
 from numpy.typing import NDArray
 
 from gelenk import _core
@@ -45,19 +46,23 @@ LOCKED_ROUNDING = 1e-10  # of the change of a velocity with itself where frictio
 class FmuPlant(Plant):
     """An FMI 2.0 co-simulation FMU as a plant; see `gelenk.simulation.plant.Plant`."""
 
+    instance_type: type = FMU2Slave
+    part = "coSimulation"  # of fmpy's description
+
     def __init__(self, path: Path) -> None:
         self._file = existing(path)
         self._messages: list[str] = []
         self._warnings: list[str] = []
         self._warnings_in_steps: list[str] = []
-        self._description = _description(path)
+        self._description = _description(path, self.part)
         self._variables = {v.name: v for v in self._description.modelVariables}
         self.name = str(self._description.modelName)
         self.stop, self.step = _experiment(path, self._description.defaultExperiment)
         self.inputs = self._names("input")
         self.outputs = self._names("output")
         self.parameters = self._names("parameter")
-        interpolates = bool(getattr(self._description.coSimulation, "canInterpolateInputs", False))
+        self._interface = getattr(self._description, self.part)
+        interpolates = bool(getattr(self._interface, "canInterpolateInputs", False))
         self.held = frozenset(
             name for name in self.inputs if not interpolates or self._variables[name].type != "Real"
         )
@@ -74,8 +79,9 @@ class FmuPlant(Plant):
             self._annotations = _annotations(path, self._folder)
             with self._reporting(UsageError):
                 self._slave = instantiated(
-                    self._folder, self._description, self._log, verbose=log.isEnabledFor(logging.INFO)
-                )
+                    self.instance_type, self._folder, self._description.guid, self._interface.modelIdentifier,
+                    self._log, verbose=log.isEnabledFor(logging.INFO),
+                )  # fmt: skip
         except BaseException:
             self.close()
             raise
@@ -103,7 +109,7 @@ class FmuPlant(Plant):
     @cached_property
     def _rates(self) -> dict[str, str]:
         """Outputs that are time derivatives, by the names of what they differentiate, as far as known."""
-        scene, known = self.scene, {*self._real(self.outputs)}
+        scene, known = self.scene, {*self._real(self.readings)}
         rates = {} if scene is None else rates_of(_core.output_signals(scene._core))
         return {name: rate for name, rate in rates.items() if rate in known and name in self._variables}
 
@@ -224,11 +230,14 @@ class FmuPlant(Plant):
             raise UsageError(
                 f"friction: found {friction!r} with an FMU, expected 'present'; others require the scene"
             )
-        if not getattr(self._description.coSimulation, "providesDirectionalDerivative", False):
+        if not getattr(self._interface, "providesDirectionalDerivative", False):
             raise UsageError(
                 f"{self._file}: this FMU provides no directional derivatives, which linearization requires"
             )
-        declared = {u.variable.derivative.name: u.variable.name for u in self._description.derivatives}
+        own = {u.variable.derivative.name: u.variable.name for u in self._description.derivatives}
+        declared = {
+            name: self._rates.get(name, rate) for name, rate in own.items()
+        }  # an output, if there is one
         states = [name for name in self._variables if name in declared]  # in the order of declaration
         inputs, outputs = self._real(self.inputs), self._real(self.outputs)
         unknowns = [*dict.fromkeys([*outputs, *declared.values()])]
@@ -334,7 +343,10 @@ class FmuPlant(Plant):
         self._collect_messages()
 
 
-def _description(path: Path) -> Any:
+_KINDS = {"coSimulation": "co-simulation", "modelExchange": "model exchange"}
+
+
+def _description(path: Path, part: str) -> Any:
     text = text_in(path, DESCRIPTION)
     if b"<!ENTITY" in text or b"\0" in text:
         raise UsageError(f"{path}: its modelDescription.xml is not plain UTF-8 text without entities")
@@ -348,8 +360,12 @@ def _description(path: Path) -> Any:
         raise UsageError(
             f"{path}: its modelDescription.xml cannot be read: {' '.join(str(e).split())}"
         ) from None
-    if found.fmiVersion != "2.0" or found.coSimulation is None:
-        raise UsageError(f"{path}: found an FMU of FMI {found.fmiVersion}, expected FMI 2.0 co-simulation")
+    kinds = [name for key, name in _KINDS.items() if getattr(found, key) is not None]
+    if found.fmiVersion != "2.0" or getattr(found, part) is None:
+        raise UsageError(
+            f"{path}: found an FMU of FMI {found.fmiVersion} for {' and '.join(kinds)}, expected FMI 2.0 "
+            f"{_KINDS[part]}"
+        )
     return found
 
 

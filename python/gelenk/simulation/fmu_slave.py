@@ -22,7 +22,9 @@ def _library(folder: str, identifier: str) -> str | None:
     return None
 
 
-def instantiated(folder: str, description: Any, log: _core.FmuLog, *, verbose: bool) -> Any:
+def instantiated(
+    kind: type, folder: str, guid: str, identifier: str, log: _core.FmuLog, *, verbose: bool
+) -> Any:
     """Load and instantiate an FMU.
 
     fmpy's own logger is not used: `instantiate_fmu(logger=...)` stores it in one pointer for the whole
@@ -30,24 +32,26 @@ def instantiated(folder: str, description: Any, log: _core.FmuLog, *, verbose: b
     uses freed memory.
 
     Args:
+        kind: fmpy's FMU2Slave or FMU2Model.
         folder: folder with the extracted FMU.
-        description: fmpy's model description of an FMI 2.0 co-simulation FMU.
+        guid: identifier of the FMU.
+        identifier: name of its library.
         log: receives the messages of the FMU; must live as long as the instance.
         verbose: whether the FMU logs all of its messages, or only errors and warnings.
 
     Returns:
-        Any: fmpy's FMU2Slave.
+        Any: an instance of `kind`.
 
     Raises:
         Exception: the library cannot be loaded or returns no instance.
     """
     # fmpy changes to the library's directory and remains there if the library cannot be loaded.
     with chdir(Path.cwd()):
-        slave = fmi2.FMU2Slave(
-            guid=description.guid,
+        slave = kind(
+            guid=guid,
             unzipDirectory=folder,
-            modelIdentifier=description.coSimulation.modelIdentifier,
-            libraryPath=_library(folder, description.coSimulation.modelIdentifier),
+            modelIdentifier=identifier,
+            libraryPath=_library(folder, identifier),
         )
     callbacks = fmi2.fmi2CallbackFunctions(
         logger=fmi2.fmi2CallbackLoggerTYPE(log.logger),

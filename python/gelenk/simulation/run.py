@@ -48,6 +48,7 @@ def simulate(
     assembly_tolerance: float | None = None,
     hold: Sequence[str] | bool = False,
     progress: Callable[[float, float], None] | bool | None = None,
+    kind: str = "cs",
 ) -> Result:
     """Simulate a scene or an FMU from t = 0.
 
@@ -76,6 +77,8 @@ def simulate(
             inputs; True: all but motion inputs (`NAME.phi_ref`), which cannot be held.
         progress: called after every step with the time reached and `stop` [s]. True: a progress bar, in
             notebooks a widget, which requires tqdm.
+        kind: "cs", or "me" for model exchange, of an FMU: CVODE outside the FMU advances its states, with
+            `tolerance`; `integrator` and `formulation` then have no effect.
 
     Returns:
         Result: `time` and the outputs.
@@ -95,7 +98,7 @@ def simulate(
     >>> bool(result["A.phi"][-1] > result["A.phi"][0])
     True
     """
-    opened = open_plant(plant, without, outputs)
+    opened = open_plant(plant, without, outputs, kind=kind)
     try:
         settings = opened.by_parameter(parameters or {})
         if assembly_tolerance is not None:
@@ -134,7 +137,7 @@ def simulate(
         result.run = (plant, {
             "stop": stop, "step": step, "tolerance": tolerance, "integrator": integrator,
             "formulation": formulation, "inputs": inputs, "parameters": parameters, "outputs": outputs,
-            "without": without, "assembly_tolerance": assembly_tolerance, "hold": hold,
+            "without": without, "assembly_tolerance": assembly_tolerance, "hold": hold, "kind": kind,
         })  # fmt: skip
         return result
     finally:
@@ -195,6 +198,7 @@ def open_plant(
     outputs: Sequence[str] | None = None,
     *,
     whole: bool = False,
+    kind: str = "cs",
 ) -> Plant:
     """Open a scene or an FMU as a plant.
 
@@ -204,19 +208,28 @@ def open_plant(
         outputs: names and patterns of the outputs; parts of a scene on which none of them depends are
             omitted. None: those that the scene lists.
         whole: whether to omit nothing.
+        kind: "cs" or "me", as for `simulate`.
 
     Raises:
         SceneError, UsageError: the scene or FMU, or a name, is invalid.
         OSError: a file cannot be read.
     """
+    if kind not in ("cs", "me"):
+        raise UsageError(f"kind: found {kind!r}, expected 'cs' (co-simulation) or 'me' (model exchange)")
     if isinstance(plant, ScenePlant):
         return plant
     if isinstance(plant, str | PathLike) and str(plant).lower().endswith(".fmu"):
         if without:
             raise UsageError("without: reductions of an FMU cannot be changed after its export")
+        if kind == "me":
+            from gelenk.simulation.exchange_plant import ExchangedFmuPlant
+
+            return ExchangedFmuPlant(Path(plant))
         from gelenk.simulation.fmu_plant import FmuPlant
 
         return FmuPlant(Path(plant))
+    if kind == "me":
+        raise UsageError("kind: found 'me' with a scene, expected a .fmu file; export the scene first")
     scene = load(plant).without(without)
     return ScenePlant(scene.with_outputs(None) if whole else _narrowed(scene, outputs))
 
