@@ -235,10 +235,7 @@ class DynamicsOf final : public WithKinematics<A, AllOfDynamics> {
     ws_.J.write(J_, model_.nv);
     return {J_.data(), model_.rows, model_.nv};
   }
-  const SparseRows& rows_of_J() override {
-    if (!factors_.holds(stages_) && model_.rows > 0) fill_jacobian();
-    return ws_.J;
-  }
+  const SparseRows& rows_of_J() override { return model_.rows > 0 ? fill_jacobian() : ws_.J; }
   StateReadings& readings() override { return *this; }
   const StateReadings& readings() const override { return *this; }
   SwitchingForces& switching_forces() override { return modes_; }
@@ -298,9 +295,12 @@ class DynamicsOf final : public WithKinematics<A, AllOfDynamics> {
     this->loaded_friction_ = modes_.loads().torque();
   }
 
-  void fill_jacobian() {
+  const SparseRows& fill_jacobian() {
+    if (jacobian_.holds(stages_)) return ws_.J;
     kernels::loop_jacobian(model_, ws_);
     kernels::coordinate_row_jacobian(model_, ws_);
+    jacobian_.set(stages_);
+    return ws_.J;
   }
 
   // Solves the equations for vdot, given the generalized forces f in its place. Returns whether coordinates are locked;
@@ -365,10 +365,10 @@ class DynamicsOf final : public WithKinematics<A, AllOfDynamics> {
   // The workspace has the position of q_ and targets_, and the velocity of v_ and gravity_. They are reused: a step
   // ends at the state at which outputs are read and the next step begins.
   Stages stages_;
-  Computed factors_{Stage::position};   // valid for any inputs
-  bool link_loads_are_zero_ = false;    // in the workspace
-  bool link_loads_are_others_ = false;  // than those of last_
-  std::vector<double> added_inertia_;   // in the factors, on the diagonal of M
+  Computed jacobian_{Stage::position}, factors_{Stage::position};  // valid for any inputs
+  bool link_loads_are_zero_ = false;                               // in the workspace
+  bool link_loads_are_others_ = false;                             // than those of last_
+  std::vector<double> added_inertia_;                              // in the factors, on the diagonal of M
   Eigen::Vector3d gravity_{0, 0, 0};
   long velocities_ = 0;  // how often v_ or gravity_ has changed
   bool compute_all_outputs_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "formulation/dependent_coordinates.h"
 
+#include <Eigen/LU>
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
@@ -17,6 +18,11 @@ using Eigen::VectorXd;
 // Smallest pivot over the largest, below which the independent coordinates count as not determining the others: errors
 // of closing the loops, 1e-14, would become larger than tolerances.
 constexpr double least_pivot_ratio = 1e-6;
+// Fraction of its value when the equations were chosen, below which others are.
+constexpr double rechoice_fraction = 0.3;
+// Velocities are linear in each other: each correction with factors of a position nearby adds as many digits again.
+constexpr int most_corrections = 10;
+constexpr double speed_rounding = 1e-16;
 
 }  // namespace
 
@@ -26,6 +32,7 @@ DependentCoordinates::DependentCoordinates(const Mechanism& mechanism, Dynamics&
       base_(static_cast<std::size_t>(mechanism.nq)),
       J_(mechanism.rows, mechanism.nv),
       x_(mechanism.nv),
+      row_(mechanism.nv),
       residual_(mechanism.rows),
       dv_(mechanism.nv) {
   levels_[0].permitted = mechanism.position_rows();
@@ -36,28 +43,32 @@ DependentCoordinates::DependentCoordinates(const Mechanism& mechanism, Dynamics&
     for (int k = 0; k < mechanism.nv; ++k) {
       if (std::ranges::find(level.independent, k) == level.independent.end()) level.dependent.push_back(k);
     }
-    const auto n = static_cast<Index>(level.dependent.size());
     level.rows.reserve(level.dependent.size());
-    level.J_d.resize(n, n);
+    level.factor = SquareFactor(static_cast<int>(level.dependent.size()));
   }
   are_same_ = levels_[0].permitted == levels_[1].permitted && levels_[0].dependent == levels_[1].dependent;
+  const auto dependent = static_cast<Index>(levels_[0].dependent.size());
+  const auto independent = static_cast<Index>(levels_[0].independent.size());
+  tangent_.setZero(dependent, independent);
+  speeds_.setZero(independent);
+  accelerations_.setZero(dependent);
 }
 
-void DependentCoordinates::set_base(const double* q) {
-  std::copy_n(q, base_.size(), base_.begin());
-  dynamics_.set_position(q);
+void DependentCoordinates::set_base(const double* y) {
+  std::copy_n(y, base_.size(), base_.begin());
+  dynamics_.set_position(y);
+  is_determined_ = keep_rows(levels_[0]) && (are_same_ || keep_rows(levels_[1]));
+  if (is_determined_) find_course(y);
+}
+
+// Chooses others if necessary. Returns false if there are none; the factors of those kept are at the base.
+bool DependentCoordinates::keep_rows(Level& level) {
+  if (level.rows.size() == level.dependent.size() && factorize(level) >= rechoice_fraction * level.ratio_when_chosen)
+    return true;
   read_jacobian();
-  is_determined_ = choose_rows(levels_[0]) && (are_same_ || choose_rows(levels_[1]));
-  if (!is_determined_) return;
-  if (are_same_) levels_[1].rows = levels_[0].rows;
-  Level& level = levels_[0];
-  factorize(level);
-  tangent_.resize(static_cast<Index>(level.rows.size()), static_cast<Index>(level.independent.size()));
-  for (Index k = 0; k < tangent_.cols(); ++k) {
-    for (Index r = 0; r < tangent_.rows(); ++r)
-      tangent_(r, k) = -J_(level.rows[static_cast<std::size_t>(r)], level.independent[static_cast<std::size_t>(k)]);
-  }
-  tangent_ = level.lu.solve(tangent_).eval();
+  if (!choose_rows(level)) return false;
+  level.ratio_when_chosen = factorize(level);
+  return level.ratio_when_chosen > least_pivot_ratio;
 }
 
 // At the position of `dynamics`.
@@ -117,55 +128,70 @@ void DependentCoordinates::find_blocked(const Level& level) {
   }
 }
 
+// With the factors at the base. Where constraints move with time, their part is left to Newton's method.
+void DependentCoordinates::find_course(const double* y) {
+  const Level& level = levels_[0];
+  const SparseRows& rows = dynamics_.rows_of_J();
+  const double* const v = y + mechanism_.nq;
+  for (std::size_t r = 0; r < level.rows.size(); ++r) {
+    row_.setZero();
+    rows.scatter(level.rows[r], row_.data());
+    for (std::size_t k = 0; k < level.independent.size(); ++k)
+      tangent_(static_cast<Index>(r), static_cast<Index>(k)) = -row_[level.independent[k]];
+  }
+  for (Index k = 0; k < tangent_.cols(); ++k) level.factor.solve(tangent_.col(k).data());
+  for (Index k = 0; k < speeds_.size(); ++k) speeds_[k] = v[level.independent[static_cast<std::size_t>(k)]];
+  dynamics_.set_velocity(v);
+  for (std::size_t r = 0; r < level.rows.size(); ++r)
+    accelerations_[static_cast<Index>(r)] = dynamics_.gamma()[static_cast<std::size_t>(level.rows[r])];
+  level.factor.solve(accelerations_.data());
+}
+
 void DependentCoordinates::displace_base(Eigen::Ref<VectorXd> change, double* q) {
   const Level& level = levels_[0];
-  std::copy(base_.begin(), base_.end(), q);
-  x_.head(tangent_.rows()).setZero();
-  for (Index k = 0; k < tangent_.cols(); ++k)
-    x_.head(tangent_.rows()) += tangent_.col(k) * change[level.independent[static_cast<std::size_t>(k)]];
-  for (Index k = 0; k < tangent_.rows(); ++k) change[level.dependent[static_cast<std::size_t>(k)]] = x_[k];
+  std::ranges::copy(base_, q);
+  double along = 0;  // sums of products with the velocities at the base
+  double square = 0;
+  auto dependent = x_.head(tangent_.rows());
+  dependent.setZero();
+  for (Index k = 0; k < tangent_.cols(); ++k) {
+    const double displacement = change[level.independent[static_cast<std::size_t>(k)]];
+    dependent += tangent_.col(k) * displacement;
+    along += displacement * speeds_[k];
+    square += speeds_[k] * speeds_[k];
+  }
+  if (const double time = along / square; std::isfinite(time)) dependent += time * time / 2 * accelerations_;
+  for (Index k = 0; k < tangent_.rows(); ++k) change[level.dependent[static_cast<std::size_t>(k)]] = dependent[k];
   dynamics_.displace(q, change.data());
 }
 
-// At the position of `dynamics`. Returns false if the matrix is singular.
-bool DependentCoordinates::factorize(Level& level) {
-  const auto n = static_cast<Index>(level.rows.size());
-  if (n == 0) return true;
+// At the position of `dynamics`. Returns the ratio of the pivots.
+double DependentCoordinates::factorize(Level& level) {
   const SparseRows& rows = dynamics_.rows_of_J();
-  for (Index r = 0; r < n; ++r) {
-    x_.setZero();
-    rows.scatter(level.rows[static_cast<std::size_t>(r)], x_.data());
-    for (Index k = 0; k < n; ++k) level.J_d(r, k) = x_[level.dependent[static_cast<std::size_t>(k)]];
+  const int n = level.factor.size();
+  for (int r = 0; r < n; ++r) {
+    row_.setZero();
+    rows.scatter(level.rows[static_cast<std::size_t>(r)], row_.data());
+    for (int k = 0; k < n; ++k) level.factor(r, k) = row_[level.dependent[static_cast<std::size_t>(k)]];
   }
-  level.lu.compute(level.J_d);
-  const auto pivots = level.lu.matrixLU().diagonal().cwiseAbs();
-  return pivots.minCoeff() > least_pivot_ratio * pivots.maxCoeff();
+  return level.factor.factorize();
 }
 
 void DependentCoordinates::refactor() {
-  if (factorize(levels_[0])) return;
+  if (factorize(levels_[0]) > least_pivot_ratio) return;
   is_lost_ = true;
   read_jacobian();
   find_blocked(levels_[0]);
 }
 
-// One more evaluation of the loops costs as much as new factors.
+// One more evaluation of the loops costs more than new factors.
 double DependentCoordinates::renewal_ratio() const { return 1e-4; }
-
-void DependentCoordinates::min_norm_displacement(const double* residual, double* dv) {
-  solve(levels_[0], residual, dv);
-}
 
 void DependentCoordinates::solve(const Level& level, const double* residual, double* dv) {
   std::fill_n(dv, mechanism_.nv, 0.0);
-  const auto n = static_cast<Index>(level.rows.size());
-  if (n == 0) return;
-  auto x = x_.head(n);  // lu.solve() would allocate memory
-  for (Index k = 0; k < n; ++k)
-    x[level.lu.permutationP().indices()[k]] = residual[level.rows[static_cast<std::size_t>(k)]];
-  level.lu.matrixLU().triangularView<Eigen::UnitLower>().solveInPlace(x);
-  level.lu.matrixLU().triangularView<Eigen::Upper>().solveInPlace(x);
-  for (Index k = 0; k < n; ++k) dv[level.dependent[static_cast<std::size_t>(k)]] = -x[k];
+  for (std::size_t k = 0; k < level.rows.size(); ++k) x_[static_cast<Index>(k)] = residual[level.rows[k]];
+  level.factor.solve(x_.data());
+  for (std::size_t k = 0; k < level.rows.size(); ++k) dv[level.dependent[k]] = -x_[static_cast<Index>(k)];
 }
 
 bool DependentCoordinates::close(double* y) {
@@ -182,27 +208,54 @@ bool DependentCoordinates::close(double* y) {
   return false;
 }
 
-// They are linear in the velocities: the second correction removes rounding.
 bool DependentCoordinates::close_speeds(double* v) {
-  Level& level = levels_[1];
-  if (level.rows.empty()) return true;
-  if (!factorize(level)) return false;
-  const SparseRows& rows = dynamics_.rows_of_J();
-  for (int i = 0; i < 2; ++i) {
-    if (mechanism_.driven()) {
-      dynamics_.set_velocity(v);
-      std::copy_n(dynamics_.row_rates().data(), residual_.size(), residual_.data());
-    } else {
-      for (const int r : level.rows) {
-        double sum = 0;
-        for (int k = 0; k < rows.entries(r); ++k) sum += rows.values(r)[k] * v[rows.columns(r)[k]];
-        residual_[r] = sum;
-      }
-    }
-    solve(level, residual_.data(), dv_.data());
-    for (const int k : level.dependent) v[k] += dv_[k];
+  Level& level = levels_[are_same_ ? 0 : 1];
+  if (!are_same_) {
+    if (!(factorize(level) > least_pivot_ratio)) return false;
+  } else if (!has_factors()) {
+    refactorize();
   }
-  return true;
+  double before = 0;  // the last correction
+  for (int i = 0; i < most_corrections && !is_lost_; ++i) {
+    find_residual(level, v);
+    solve(level, residual_.data(), dv_.data());
+    double change = 0;
+    double speed = 1;
+    for (const int k : level.dependent) {
+      v[k] += dv_[k];
+      change = std::max(change, std::abs(dv_[k]));
+      speed = std::max(speed, std::abs(v[k]));
+    }
+    if (!std::isfinite(change)) return false;
+    if (change * change <= speed_rounding * speed * before) break;  // the next one would be less
+    before = change;
+  }
+  return !is_lost_;
+}
+
+// Of the constraint equations of the velocities.
+void DependentCoordinates::find_residual(const Level& level, const double* v) {
+  if (mechanism_.driven()) {
+    dynamics_.set_velocity(v);
+    std::copy_n(dynamics_.row_rates().data(), residual_.size(), residual_.data());
+    return;
+  }
+  const SparseRows& rows = dynamics_.rows_of_J();
+  for (const int r : level.rows) {
+    double sum = 0;
+    for (int k = 0; k < rows.entries(r); ++k) sum += rows.values(r)[k] * v[rows.columns(r)[k]];
+    residual_[r] = sum;
+  }
+}
+
+void DependentCoordinates::serialize(Archive& archive) {
+  for (Level& level : levels_) {
+    int count = static_cast<int>(level.rows.size());
+    archive.serialize_in_range(count, 0, static_cast<int>(level.dependent.size()));
+    level.rows.resize(static_cast<std::size_t>(count));
+    for (int& row : level.rows) archive.serialize_in_range(row, 0, mechanism_.rows - 1);
+    archive.serialize(level.ratio_when_chosen);
+  }
 }
 
 }  // namespace gelenk

@@ -5,11 +5,12 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <Eigen/LU>
 #include <array>
 #include <vector>
 
 #include "formulation/constraint_projector.h"
+#include "linear/square_factor.h"
+#include "util/archive.h"
 
 namespace gelenk {
 
@@ -20,11 +21,11 @@ class DependentCoordinates final : public ConstraintProjector {
   DependentCoordinates(const Mechanism& mechanism, Dynamics& dynamics, const std::vector<int>& coordinates,
                        const std::vector<int>& speeds);
 
-  // Takes the closed position q (nq) as the base: chooses the constraint equations that determine the dependent
-  // coordinates there.
-  void set_base(const double* q);
-  // q0 <- the base, displaced along its tangent by these displacements of the independent coordinates. change: nv
-  // numbers, of which those of dependent ones are overwritten.
+  // Takes the closed state y = (q, v) as the base. The constraint equations that determine the dependent coordinates
+  // are chosen there if those chosen before have become unsuitable.
+  void set_base(const double* y);
+  // q <- the base, displaced on its way by these displacements of the independent coordinates, to second order in the
+  // direction in which it moves. change: nv numbers, of which those of dependent ones are overwritten.
   void displace_base(Eigen::Ref<Eigen::VectorXd> change, double* q);
   // Closes y = (q, v) by its dependent coordinates and velocities. Returns false if that fails; see blocked().
   bool close(double* y);
@@ -32,26 +33,31 @@ class DependentCoordinates final : public ConstraintProjector {
   // After close() failed, or where set_base() found that the independent coordinates do not determine the others: the
   // velocity whose coordinate the loops determine instead; -1: unknown.
   int blocked() const { return blocked_; }
+  // The choice of equations; set_base() must follow.
+  void serialize(Archive& archive);
 
  private:
   // What determines the dependent coordinates, or the dependent velocities.
   struct Level {
     std::vector<bool> permitted;              // by constraint equation
     std::vector<int> independent, dependent;  // velocities
-    std::vector<int> rows;                    // as many as there are dependent ones
-    Eigen::MatrixXd J_d;                      // their columns of dependent velocities, and its factors
-    Eigen::PartialPivLU<Eigen::MatrixXd> lu;
+    std::vector<int> rows;                    // as many as there are dependent ones; empty: not chosen
+    double ratio_when_chosen = 0;             // of the pivots
+    SquareFactor factor;                      // of their columns of dependent velocities
   };
   void read_jacobian();
   bool choose_rows(Level& level);
-  bool factorize(Level& level);
+  bool keep_rows(Level& level);
+  double factorize(Level& level);
   void find_blocked(const Level& level);
+  void find_course(const double* y);
   void solve(const Level& level, const double* residual, double* dv);
+  void find_residual(const Level& level, const double* v);
   bool close_speeds(double* v);
 
   void refactor() override;
   double renewal_ratio() const override;
-  void min_norm_displacement(const double* residual, double* dv) override;
+  void min_norm_displacement(const double* residual, double* dv) override { solve(levels_[0], residual, dv); }
 
   std::array<Level, 2> levels_;  // of positions; of velocities
   bool are_same_ = true;         // both levels have the same equations and dependent velocities
@@ -59,8 +65,12 @@ class DependentCoordinates final : public ConstraintProjector {
   bool is_lost_ = false;         // not at the position of the last factors
   int blocked_ = -1;
   std::vector<double> base_;
-  Eigen::MatrixXd J_, tangent_;        // rows x nv; at the base: dependent per independent displacement
-  Eigen::VectorXd x_, residual_, dv_;  // workspace
+  // At the base: dependent per independent displacement; the independent velocities, and the accelerations of the
+  // dependent coordinates along them.
+  Eigen::MatrixXd tangent_;
+  Eigen::VectorXd speeds_, accelerations_;
+  Eigen::MatrixXd J_;                        // rows x nv
+  Eigen::VectorXd x_, row_, residual_, dv_;  // workspace
 };
 
 }  // namespace gelenk

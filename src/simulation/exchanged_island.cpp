@@ -252,6 +252,7 @@ void ExchangedIsland::serialize(Archive& archive) {
   course_.serialize(archive);
   archive.serialize(base_, base_time_, stretch_end_, is_begun_, has_jumped_, before_);
   island_.equations_->revolutions().serialize_kept(archive);
+  if (dependent_) dependent_->serialize(archive);
 }
 
 void ExchangedIsland::continue_from_base() {

@@ -67,7 +67,7 @@ class ExchangedFmuPlant(FmuPlant):
     @property
     @override
     def run_warnings(self) -> list[str]:
-        return list(self._warnings_in_steps)  # whatever depends on methods of the FMU does not apply
+        return list(self._warnings_in_steps)  # those of methods of the FMU do not apply
 
     @override
     def start(
@@ -201,7 +201,7 @@ class _Cvode(CVodeSolver):
             float: the time reached [s].
 
         Raises:
-            StepError: CVODE cannot go on.
+            StepError: CVODE cannot continue.
         """
         reached = c_double(0.0)
         sundials_cvode.CVodeSetStopTime(c_void_p(self.cvode_mem), c_double(end))
