@@ -52,6 +52,7 @@ DependentCoordinates::DependentCoordinates(const Mechanism& mechanism, Dynamics&
   tangent_.setZero(dependent, independent);
   speeds_.setZero(independent);
   accelerations_.setZero(dependent);
+  drift_.setZero(dependent);
 }
 
 void DependentCoordinates::set_base(const double* y) {
@@ -128,7 +129,7 @@ void DependentCoordinates::find_blocked(const Level& level) {
   }
 }
 
-// With the factors at the base. Where constraints move with time, their part is left to Newton's method.
+// With the factors at the base.
 void DependentCoordinates::find_course(const double* y) {
   const Level& level = levels_[0];
   const SparseRows& rows = dynamics_.rows_of_J();
@@ -145,9 +146,12 @@ void DependentCoordinates::find_course(const double* y) {
   for (std::size_t r = 0; r < level.rows.size(); ++r)
     accelerations_[static_cast<Index>(r)] = dynamics_.gamma()[static_cast<std::size_t>(level.rows[r])];
   level.factor.solve(accelerations_.data());
+  if (!mechanism_.driven()) return;
+  drift_ = -tangent_ * speeds_;
+  for (Index k = 0; k < drift_.size(); ++k) drift_[k] += v[level.dependent[static_cast<std::size_t>(k)]];
 }
 
-void DependentCoordinates::displace_base(Eigen::Ref<VectorXd> change, double* q) {
+void DependentCoordinates::displace_base(double dt, Eigen::Ref<VectorXd> change, double* q) {
   const Level& level = levels_[0];
   std::ranges::copy(base_, q);
   double along = 0;  // sums of products with the velocities at the base
@@ -160,7 +164,9 @@ void DependentCoordinates::displace_base(Eigen::Ref<VectorXd> change, double* q)
     along += displacement * speeds_[k];
     square += speeds_[k] * speeds_[k];
   }
-  if (const double time = along / square; std::isfinite(time)) dependent += time * time / 2 * accelerations_;
+  const double time = mechanism_.driven() ? dt : along / square;
+  if (std::isfinite(time)) dependent += time * time / 2 * accelerations_;
+  dependent += dt * drift_;
   for (Index k = 0; k < tangent_.rows(); ++k) change[level.dependent[static_cast<std::size_t>(k)]] = dependent[k];
   dynamics_.displace(q, change.data());
 }

@@ -24,9 +24,13 @@ class DependentCoordinates final : public ConstraintProjector {
   // Takes the closed state y = (q, v) as the base. The constraint equations that determine the dependent coordinates
   // are chosen there if those chosen before have become unsuitable.
   void set_base(const double* y);
-  // q <- the base, displaced on its way by these displacements of the independent coordinates, to second order in the
-  // direction in which it moves. change: nv numbers, of which those of dependent ones are overwritten.
-  void displace_base(Eigen::Ref<Eigen::VectorXd> change, double* q);
+  // q <- the base after the time dt [s], displaced on its way by these displacements of the independent coordinates, to
+  // second order in the direction in which it moves. change: nv numbers, of which those of dependent ones are
+  // overwritten.
+  void displace_base(double dt, Eigen::Ref<Eigen::VectorXd> change, double* q);
+  // The largest velocity with which the dependent coordinates move although the independent ones rest: constraints move
+  // with time.
+  double drift() const { return drift_.size() == 0 ? 0 : drift_.cwiseAbs().maxCoeff(); }
   // Closes y = (q, v) by its dependent coordinates and velocities. Returns false if that fails; see blocked().
   bool close(double* y);
 
@@ -65,10 +69,10 @@ class DependentCoordinates final : public ConstraintProjector {
   bool is_lost_ = false;         // not at the position of the last factors
   int blocked_ = -1;
   std::vector<double> base_;
-  // At the base: dependent per independent displacement; the independent velocities, and the accelerations of the
-  // dependent coordinates along them.
+  // At the base: dependent per independent displacement; the independent velocities, the accelerations of the dependent
+  // coordinates along them, and their velocities without them.
   Eigen::MatrixXd tangent_;
-  Eigen::VectorXd speeds_, accelerations_;
+  Eigen::VectorXd speeds_, accelerations_, drift_;
   Eigen::MatrixXd J_;                        // rows x nv
   Eigen::VectorXd x_, row_, residual_, dv_;  // workspace
 };

@@ -36,6 +36,7 @@ ExchangedIsland::ExchangedIsland(Island& of, std::vector<Slot> slots, const Inde
       modes_(course_.size()),
       change_(nv_),
       base_time_(of.time_) {
+  of.equations_->revolutions().keep();
   if (of.mechanism().rows == 0) return;
   dependent_ = std::make_unique<DependentCoordinates>(of.mechanism(), *of.dynamics_, independent.coordinates,
                                                       independent.speeds);
@@ -75,6 +76,32 @@ void ExchangedIsland::put(double part, double* y) const {
 }
 
 bool ExchangedIsland::close(double* y) {
+  const double dt = island_.time_ - base_time_;
+  find_change();
+  const double farthest =
+      std::max(change_.size() == 0 ? 0 : change_.cwiseAbs().maxCoeff(), std::abs(dt) * dependent_->drift());
+  const double strides = std::ceil(farthest / longest_stride);
+  if (!(strides <= most_strides)) return false;
+  std::copy(target_.begin() + nq_, target_.end(), y + nq_);
+  if (strides <= 1) {
+    dependent_->displace_base(dt, change_, y);
+    put(1, y);
+    return dependent_->close(y);
+  }
+  std::copy_n(base_.begin(), nq_, y);
+  bool closed = true;
+  for (double stride = 1; closed && stride <= strides; ++stride) {
+    if (island_.mechanism().driven())
+      island_.equations_->drives().go_to(base_time_ + stride / strides * dt, target_.data());
+    put(stride / strides, y);
+    closed = dependent_->close(y);
+  }
+  island_.equations_->drives().go_to(island_.time_, target_.data());
+  return closed;
+}
+
+// The displacements of the independent coordinates since the step began.
+void ExchangedIsland::find_change() {
   change_.setZero();
   for (const Slot& slot : slots_) {
     if (slot.speed < 0) continue;
@@ -87,21 +114,6 @@ bool ExchangedIsland::close(double* y) {
       change_.segment<3>(slot.speed) = 2 * (from.conjugate() * to).vec();
     }
   }
-  const double parts = std::ceil(change_.size() == 0 ? 0 : change_.cwiseAbs().maxCoeff() / longest_stride);
-  if (!(parts <= most_strides)) return false;
-  std::copy(target_.begin() + nq_, target_.end(), y + nq_);
-  if (parts <= 1) {
-    dependent_->displace_base(change_, y);
-    put(1, y);
-    return dependent_->close(y);
-  }
-  std::copy_n(base_.begin(), nq_, y);
-  bool closed = true;
-  for (double part = 1; closed && part <= parts; ++part) {
-    put(part / parts, y);
-    closed = dependent_->close(y);
-  }
-  return closed;
 }
 
 int ExchangedIsland::blocked_state() const {

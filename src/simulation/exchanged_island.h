@@ -56,6 +56,7 @@ class ExchangedIsland {
   void set_target(const double* x);
   void put(double part, double* y) const;
   bool close(double* y);
+  void find_change();
   void evaluate();
   void end_course();
   void accept();
