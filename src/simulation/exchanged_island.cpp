@@ -14,7 +14,7 @@ namespace {
 // The longest part of the way from where the step began, along which Newton's method remains on the branch [rad,
 // natural units of length]; and limit on their number.
 constexpr double longest_stride = 0.1;
-constexpr double most_strides = 1000;
+constexpr int most_strides = 1000;
 // Deviation of the squared norm of a quaternion from 1 beyond which an event normalizes it. The equations use the
 // normalized one in any case.
 constexpr double norm_tolerance = 1e-6;
@@ -48,6 +48,7 @@ bool ExchangedIsland::go_to(double t, const double* x) {
   double* const y = island_.y_.data();
   island_.time_ = t;
   island_.forget_outputs();
+  has_jumped_ = false;
   equations.revolutions().return_to_kept();
   set_target(x);
   equations.drives().go_to(t, target_.data());
@@ -80,8 +81,8 @@ bool ExchangedIsland::close(double* y) {
   find_change();
   const double farthest =
       std::max(change_.size() == 0 ? 0 : change_.cwiseAbs().maxCoeff(), std::abs(dt) * dependent_->drift());
-  const double strides = std::ceil(farthest / longest_stride);
-  if (!(strides <= most_strides)) return false;
+  if (!(farthest <= most_strides * longest_stride)) return false;
+  const int strides = static_cast<int>(std::ceil(farthest / longest_stride));
   std::copy(target_.begin() + nq_, target_.end(), y + nq_);
   if (strides <= 1) {
     dependent_->displace_base(dt, change_, y);
@@ -89,14 +90,15 @@ bool ExchangedIsland::close(double* y) {
     return dependent_->close(y);
   }
   std::copy_n(base_.begin(), nq_, y);
+  Drives& drives = island_.equations_->drives();
   bool closed = true;
-  for (double stride = 1; closed && stride <= strides; ++stride) {
-    if (island_.mechanism().driven())
-      island_.equations_->drives().go_to(base_time_ + stride / strides * dt, target_.data());
-    put(stride / strides, y);
+  for (int stride = 1; closed && stride <= strides; ++stride) {
+    const double part = static_cast<double>(stride) / strides;
+    if (island_.mechanism().driven()) drives.go_to(base_time_ + part * dt, target_.data());
+    put(part, y);
     closed = dependent_->close(y);
   }
-  island_.equations_->drives().go_to(island_.time_, target_.data());
+  drives.go_to(island_.time_, target_.data());
   return closed;
 }
 

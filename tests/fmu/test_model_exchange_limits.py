@@ -76,7 +76,7 @@ def test_a_kind_that_is_none_and_scenes_are_refused() -> None:
 
 
 def test_states_beyond_the_reach_of_the_links_are_discarded(root: Path, tmp_path: Path) -> None:
-    """The elbows of the five-bar are 0.3 m + 0.5 m cos(a) apart with its upper links at a and 180 deg - a; the
+    """The elbows of the five-bar are 0.3 m + 0.5 m cos(a) apart, its upper links at a and 180 deg - a; the
     lower links reach 0.7 m.
     """
     s = Importer(extracted(root / "scenes" / "five_bar.yaml", tmp_path)).start()
