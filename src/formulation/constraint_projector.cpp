@@ -42,6 +42,10 @@ void ConstraintProjector::refactorize() {
   has_factors_ = true;
 }
 
+double ConstraintProjector::most_corrected() const {
+  return mechanism_.driven() ? max_correction_fraction * length_ : INFINITY;
+}
+
 // Rounding error of the constraint equations [m or rad]: of lengths, and of angles after many revolutions.
 double ConstraintProjector::rounding(const double* q) const {
   double largest_q = 0;
@@ -54,6 +58,7 @@ bool ConstraintProjector::close_position(double* q) {
   dynamics_.set_position(q);
   if (mechanism_.rows == 0) return true;
   const double floor = rounding(q);
+  const double most = most_corrected();
   double before = INFINITY;
   double moved = 0;
   for (int i = 0; i < most_projections; ++i) {
@@ -66,7 +71,7 @@ bool ConstraintProjector::close_position(double* q) {
     before = gap;
     min_norm_displacement(dynamics_.Phi().data(), dv_.data());
     moved += largest_size(dv_);
-    if (mechanism_.driven() && !(moved <= max_correction_fraction * length_)) return false;
+    if (!(moved <= most)) return false;
     dynamics_.displace(q, dv_.data());
     dynamics_.set_position(q);
   }

@@ -41,6 +41,8 @@ class ConstraintProjector {
   virtual double slack() const { return 1e3; }
   // Ratio of successive errors of an iteration above which its factors are renewed.
   virtual double renewal_ratio() const { return 0.1; }
+  // Sum of the corrections of an iteration [m, rad] beyond which lies another assembly.
+  virtual double most_corrected() const;
 
   const Mechanism& mechanism_;
   Dynamics& dynamics_;

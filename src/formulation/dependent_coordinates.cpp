@@ -20,6 +20,8 @@ using Eigen::VectorXd;
 constexpr double least_pivot_ratio = 1e-6;
 // Fraction of its value when the equations were chosen, below which others are.
 constexpr double rechoice_fraction = 0.3;
+// Of a way so short that Newton's method remains on the branch [rad, natural units of length].
+constexpr double largest_correction = 0.3;
 // Velocities are linear in each other: each correction with factors of a position nearby adds as many digits again.
 constexpr int most_corrections = 10;
 constexpr double speed_rounding = 1e-16;
@@ -151,9 +153,13 @@ void DependentCoordinates::find_course(const double* y) {
   for (Index k = 0; k < drift_.size(); ++k) drift_[k] += v[level.dependent[static_cast<std::size_t>(k)]];
 }
 
-void DependentCoordinates::displace_base(double dt, Eigen::Ref<VectorXd> change, double* q) {
-  const Level& level = levels_[0];
+void DependentCoordinates::displace_base(const VectorXd& change, double* q) {
   std::ranges::copy(base_, q);
+  dynamics_.displace(q, change.data());
+}
+
+void DependentCoordinates::follow(double dt, Eigen::Ref<VectorXd> change) {
+  const Level& level = levels_[0];
   double along = 0;  // sums of products with the velocities at the base
   double square = 0;
   auto dependent = x_.head(tangent_.rows());
@@ -168,7 +174,6 @@ void DependentCoordinates::displace_base(double dt, Eigen::Ref<VectorXd> change,
   if (std::isfinite(time)) dependent += time * time / 2 * accelerations_;
   dependent += dt * drift_;
   for (Index k = 0; k < tangent_.rows(); ++k) change[level.dependent[static_cast<std::size_t>(k)]] = dependent[k];
-  dynamics_.displace(q, change.data());
 }
 
 // At the position of `dynamics`. Returns the ratio of the pivots.
@@ -192,6 +197,8 @@ void DependentCoordinates::refactor() {
 
 // One more evaluation of the loops costs more than new factors.
 double DependentCoordinates::renewal_ratio() const { return 1e-4; }
+
+double DependentCoordinates::most_corrected() const { return largest_correction; }
 
 void DependentCoordinates::solve(const Level& level, const double* residual, double* dv) {
   std::fill_n(dv, mechanism_.nv, 0.0);

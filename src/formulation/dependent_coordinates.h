@@ -24,13 +24,11 @@ class DependentCoordinates final : public ConstraintProjector {
   // Takes the closed state y = (q, v) as the base. The constraint equations that determine the dependent coordinates
   // are chosen there if those chosen before have become unsuitable.
   void set_base(const double* y);
-  // q <- the base after the time dt [s], displaced on its way by these displacements of the independent coordinates, to
-  // second order in the direction in which it moves. change: nv numbers, of which those of dependent ones are
-  // overwritten.
-  void displace_base(double dt, Eigen::Ref<Eigen::VectorXd> change, double* q);
-  // The largest velocity with which the dependent coordinates move although the independent ones rest: constraints move
-  // with time.
-  double drift() const { return drift_.size() == 0 ? 0 : drift_.cwiseAbs().maxCoeff(); }
+  // Completes these displacements of the independent coordinates since the base, the time dt [s] before, by those of
+  // the dependent ones, to second order in the direction in which the base moves. change: nv numbers.
+  void follow(double dt, Eigen::Ref<Eigen::VectorXd> change);
+  // q <- the base, displaced.
+  void displace_base(const Eigen::VectorXd& change, double* q);
   // Closes y = (q, v) by its dependent coordinates and velocities. Returns false if that fails; see blocked().
   bool close(double* y);
 
@@ -61,6 +59,7 @@ class DependentCoordinates final : public ConstraintProjector {
 
   void refactor() override;
   double renewal_ratio() const override;
+  double most_corrected() const override;
   void min_norm_displacement(const double* residual, double* dv) override { solve(levels_[0], residual, dv); }
 
   std::array<Level, 2> levels_;  // of positions; of velocities

@@ -79,13 +79,13 @@ void ExchangedIsland::put(double part, double* y) const {
 bool ExchangedIsland::close(double* y) {
   const double dt = island_.time_ - base_time_;
   find_change();
-  const double farthest =
-      std::max(change_.size() == 0 ? 0 : change_.cwiseAbs().maxCoeff(), std::abs(dt) * dependent_->drift());
+  dependent_->follow(dt, change_);
+  const double farthest = change_.size() == 0 ? 0 : change_.cwiseAbs().maxCoeff();
   if (!(farthest <= most_strides * longest_stride)) return false;
   const int strides = static_cast<int>(std::ceil(farthest / longest_stride));
   std::copy(target_.begin() + nq_, target_.end(), y + nq_);
   if (strides <= 1) {
-    dependent_->displace_base(dt, change_, y);
+    dependent_->displace_base(change_, y);
     put(1, y);
     return dependent_->close(y);
   }

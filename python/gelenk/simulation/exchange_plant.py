@@ -113,8 +113,9 @@ class ExchangedFmuPlant(FmuPlant):
                 self._event(t)
             while t < end:
                 t = self._step_towards(min(end, self._next_event))
-        for signal in self._signals.values():
-            signal.reached = signal.at(end - start)
+        for signal in self._signals.values():  # held from here, unless they are set again
+            signal.value = signal.reached = signal.at(end - start)
+            signal.derivatives = ()
         self._warnings_in_steps += self._warnings
 
     @contextmanager
