@@ -212,13 +212,13 @@ bool DependentCoordinates::close(double* y) {
   blocked_ = -1;
   is_lost_ = false;
   discard_factors();
-  if (close_position(y) && !is_lost_ && close_speeds(y + mechanism_.nq)) return true;
-  if (blocked_ < 0) {  // beyond a position that the base is near
-    dynamics_.set_position(base_.data());
-    read_jacobian();
-    find_blocked(levels_[0]);
-  }
-  return false;
+  return close_position(y) && !is_lost_ && close_speeds(y + mechanism_.nq);
+}
+
+void DependentCoordinates::find_blocked_at_base() {
+  dynamics_.set_position(base_.data());
+  read_jacobian();
+  find_blocked(levels_[0]);
 }
 
 bool DependentCoordinates::close_speeds(double* v) {

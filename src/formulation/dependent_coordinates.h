@@ -35,6 +35,8 @@ class DependentCoordinates final : public ConstraintProjector {
   // After close() failed, or where set_base() found that the independent coordinates do not determine the others: the
   // velocity whose coordinate the loops determine instead; -1: unknown.
   int blocked() const { return blocked_; }
+  // Where that is not known: finds the one that is nearest to that at the base.
+  void find_blocked_at_base();
   // The choice of equations; set_base() must follow.
   void serialize(Archive& archive);
 

@@ -118,8 +118,9 @@ void ExchangedIsland::find_change() {
   }
 }
 
-int ExchangedIsland::blocked_state() const {
-  if (dependent_ == nullptr || dependent_->blocked() < 0) return -1;
+int ExchangedIsland::blocked_state() {
+  if (dependent_ == nullptr) return -1;
+  if (dependent_->blocked() < 0) dependent_->find_blocked_at_base();
   for (const Slot& slot : slots_) {
     if (slot.entry == nq_ + dependent_->blocked()) return static_cast<int>(slot.state);
   }

@@ -31,7 +31,7 @@ class ExchangedIsland {
   // that fails, where these states do not determine the position; it is then nowhere.
   bool go_to(double t, const double* x);
   // After go_to() has failed: a state that the loops determine there; -1: unknown.
-  int blocked_state() const;
+  int blocked_state();
   // Brings angles of joints that close loops to their turns, for outputs.
   void count_turns();
   // Writes the rates of the states in the mode that is held, by state of the simulation. Throws IntegrationError.

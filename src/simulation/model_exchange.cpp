@@ -107,7 +107,7 @@ void ModelExchange::set_states(std::span<const double> x) {
   for (std::size_t k = 0; k < x.size(); ++k) set_state(k, x[k]);
 }
 
-std::string ModelExchange::describe_lost(const ExchangedIsland& island) const {
+std::string ModelExchange::describe_lost(ExchangedIsland& island) const {
   const int state = island.blocked_state();
   if (state < 0) return at_time(time_) + "the loops cannot be closed at these states";
   const Simulation::Impl& s = *simulation_.impl_;

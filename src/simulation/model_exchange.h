@@ -66,7 +66,7 @@ class ModelExchange {
   template <class Body>
   void attempt(Body body);
   void place();
-  std::string describe_lost(const ExchangedIsland& island) const;
+  std::string describe_lost(ExchangedIsland& island) const;
   void save(Archive& archive);
 
   Simulation& simulation_;

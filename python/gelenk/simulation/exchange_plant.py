@@ -14,13 +14,13 @@ from typing import Any, override
 import fmpy.fmi1
 from fmpy import fmi2
 from fmpy.sundials import CVodeSolver
-from fmpy.sundials.cvode import CV_NORMAL, CV_ROOT_RETURN, CVode
+from fmpy.sundials.cvode import CV_ROOT_RETURN, CVode
 from fmpy.sundials.libraries import sundials_cvode
 
 from gelenk.errors import StepError
 from gelenk.simulation.fmu_plant import FmuPlant
 
-_MOST_STEPS = 1_000_000  # of CVODE within a communication step
+_ONE_STEP = 2  # CV_ONE_STEP of CVODE
 _DISCARD = 2  # fmi2Discard: a shorter step may help
 _ROUNDING = 1e-10  # of an input that continues, relative to its value and at least to 1
 _TOLERANCE = 1e-6  # if the FMU states none
@@ -172,7 +172,6 @@ class _Cvode(CVodeSolver):
             input=_NoInput(),
             startTime=0.0,
             relativeTolerance=tolerance,
-            maxNumSteps=_MOST_STEPS,
         )
 
     @override
@@ -195,7 +194,7 @@ class _Cvode(CVodeSolver):
             return -1
 
     def step_towards(self, end: float) -> tuple[bool, float]:
-        """Step to a time or to the first zero of an event indicator before it.
+        """Make one step, at most to a time or to the first zero of an event indicator.
 
         Returns:
             bool: whether an event indicator has changed its sign.
@@ -206,7 +205,7 @@ class _Cvode(CVodeSolver):
         """
         reached = c_double(0.0)
         sundials_cvode.CVodeSetStopTime(c_void_p(self.cvode_mem), c_double(end))
-        flag = CVode(self.cvode_mem, end, self.x, byref(reached), CV_NORMAL)
+        flag = CVode(self.cvode_mem, end, self.x, byref(reached), _ONE_STEP)
         if flag < 0:
             if self._failure is not None:
                 raise self._failure
