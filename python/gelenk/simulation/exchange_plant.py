@@ -153,7 +153,7 @@ class ExchangedFmuPlant(FmuPlant):
         self._slave.enterContinuousTimeMode()
 
 
-class _Cvode(CVodeSolver):
+class _Cvode(CVodeSolver):  # type: ignore[misc]
     """fmpy's solver, which does not step beyond a time, and shortens steps that an FMU discards."""
 
     def __init__(
