@@ -4,17 +4,18 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from benchmarks import coupling  # noqa: E402 (found by the line above)
+from benchmarks import coupling
 
 
 @pytest.mark.parametrize("make", coupling.LOOPS, ids=lambda make: make.__name__)
-def test_each_derivative_adds_an_order(make) -> None:  # type: ignore[no-untyped-def]
+def test_each_derivative_adds_an_order(make: Callable[[], coupling.Loop]) -> None:
     """At 1 and 2 ms; the drive that sticks is at rest for most of its run, with the same orders."""
     found = coupling.measured(make(), (2e-3, 1e-3))
     for expected, way in enumerate(coupling.WAYS[:-1], 1):

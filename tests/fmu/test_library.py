@@ -94,8 +94,8 @@ def test_what_reads_bytes_of_others_is_checked_as_it_runs(library: Path) -> None
 
 
 def test_the_library_does_not_grow_by_accident(library: Path) -> None:
-    """It has 6.55 MB. Linear models in contact took 0.12 MB, of kinematics for dual numbers."""
-    assert library.stat().st_size < 6.6e6
+    """It has 6.62 MB. Of these linear models in contact take 0.12 MB, model exchange 0.06 MB."""
+    assert library.stat().st_size < 6.7e6
 
 
 RUN_BOTH = """

@@ -52,7 +52,7 @@ def free_body(
     com: Sequence[float] = (0, 0, 0),
     v: Sequence[float] = (0, 0, 0),
     w: Sequence[float] = (0, 0, 0),
-    friction: float | Mapping[str, float] = 1.0,
+    friction: float | Mapping[str, Any] = 1.0,
     on: Mapping[str, Mapping[str, Any]] | None = None,
     gravity: Sequence[float] = (0, 0, -G),
     forces: Mapping[str, Any] | None = None,

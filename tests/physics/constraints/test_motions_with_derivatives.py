@@ -7,6 +7,7 @@ A mass on a spring and a damper whose other end is driven: m y'' = -k y - c y' -
 from __future__ import annotations
 
 import itertools
+from collections.abc import Callable
 from pathlib import Path
 
 import fmpy
@@ -28,6 +29,8 @@ from models.driven_mass import (
 )
 
 import gelenk
+
+type Steps = Callable[[float], list[float]]
 
 
 def swing_acceleration(t: float) -> float:
@@ -54,7 +57,7 @@ def driven(plant: gelenk.Simulation, names: tuple[str, ...], times: list[float])
 @pytest.mark.parametrize("steps", [equal_steps, unequal_steps])
 @pytest.mark.parametrize(("up_to", "ratio"), [("speed", 60), ("acceleration", 300)])
 @pytest.mark.parametrize("integrator", ["auto", "erk", "cvode", "ida", "rk4"])
-def test_error_falls_with_the_step(integrator: str, up_to: str, ratio: float, steps) -> None:  # type: ignore[no-untyped-def]
+def test_error_falls_with_the_step(integrator: str, up_to: str, ratio: float, steps: Steps) -> None:
     """In third order, but for the acceleration at the start, which speeds alone do not tell."""
     truth = place_of_mass(swing, swing_rate)
     errors = []
@@ -81,7 +84,9 @@ def test_linear_model_has_a_column_for_each_derivative() -> None:
     """The position alone would have none of velocity and acceleration: its model lacks s and s^2."""
     model = gelenk.linearize(gelenk.load(driven_mass(up_to="acceleration")))
     assert model.input_labels == ["pos_s_ref", "pos_v_ref", "pos_a_ref"]
-    np.testing.assert_allclose(model.A, [[0, 1], [-STIFFNESS / MASS, -DAMPING / MASS]], atol=1e-13)
+    np.testing.assert_allclose(
+        model.A, np.array([[0.0, 1], [-STIFFNESS / MASS, -DAMPING / MASS]]), atol=1e-13
+    )
     np.testing.assert_allclose(model.B, [[0, 0, 0], [0, 0, -1]], atol=1e-13)
     force = model.D[model.output_labels.index("pos_f")]
     np.testing.assert_allclose(

@@ -17,7 +17,7 @@ from scipy.spatial.transform import Rotation
 
 import gelenk
 from gelenk.model.values import start_parameter
-from gelenk.simulation.run import open_plant
+from gelenk.simulation.scene_plant import ScenePlant
 
 STEP = 1e-6  # of states and inputs: differences have errors of 1e-10 by rounding
 CLOSE = 1e-6  # of the largest derivative of an output
@@ -27,7 +27,7 @@ ACROSS = {"rotation": {"axis": [1, 0, 0], "angle": np.pi / 2}}
 
 
 def values_at(source: gelenk.Scene, starts: dict[str, float], inputs: dict[str, float]) -> dict[str, float]:
-    plant = open_plant(source, ())
+    plant = ScenePlant(source)
     try:
         plant.set_parameters(starts)
         plant.start(None, inputs)
@@ -39,7 +39,7 @@ def values_at(source: gelenk.Scene, starts: dict[str, float], inputs: dict[str, 
 def assert_model_is_that_of_runs(source: dict[str, Any]) -> gelenk.linear.LinearModel:
     scene = gelenk.load(source)
     model = gelenk.linear.linear_model(scene)
-    plant = open_plant(scene, ())
+    plant = ScenePlant(scene)
     plant.start(None, {})
     known, values = set(plant.parameters), dict(plant.values)
     plant.close()
@@ -56,7 +56,8 @@ def assert_model_is_that_of_runs(source: dict[str, Any]) -> gelenk.linear.Linear
             at = {start_parameter(n): values[n] + sign * STEP * x for n, x in starts.items()}
             there = values_at(scene, at, zero | {n: sign * STEP * x for n, x in inputs.items()})
             ends.append([there[name] for name in outputs])
-        return np.subtract(*ends) / (2 * STEP)
+        difference: Array = (np.array(ends[0]) - np.array(ends[1])) / (2 * STEP)
+        return difference
 
     by_states = [
         difference({n: row[k] for n, row in with_starts.items()}, {}) for k in range(len(model.states))
@@ -75,7 +76,7 @@ def assert_model_is_that_of_runs(source: dict[str, Any]) -> gelenk.linear.Linear
 
 
 def ball(**given: Any) -> dict[str, Any]:
-    arguments = {"at": [0, 0, 0.1], "friction": 0.6} | given
+    arguments: dict[str, Any] = {"at": [0, 0, 0.1], "friction": 0.6} | given
     return free_body({"sphere": 0.1}, 2.0, [0.02, 0.012, 0.016], **arguments)
 
 

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from math import sqrt
 from pathlib import Path
 from typing import Any
@@ -111,7 +112,7 @@ def test_a_box_at_rest_has_no_states() -> None:
     assert np.abs(to_force[:, loads] + np.eye(3)).max() <= CLOSED_FORM  # on the body: against the load
 
 
-def on_rails(friction: float | dict[str, float], *, speed: float = 0.0, **plane: Any) -> dict[str, Any]:
+def on_rails(friction: float | Mapping[str, Any], *, speed: float = 0.0, **plane: Any) -> dict[str, Any]:
     """A block of 2 kg on two slides, along x with a spring and a damper and along z, on a plane or a belt."""
     return {
         "gelenk": 1,
@@ -145,8 +146,8 @@ def test_a_sliding_block_has_a_friction_that_follows_its_load(direction: int) ->
     """3 x'' = -30 x - 0.7 x' - sign mu (2 g - lift) + pull."""
     found = model(on_rails(0.3, speed=0.5 * direction))
     assert found.states == ("x.s", "x.v")
-    A = [[0, 1], [-30 / 3, -0.7 / 3]]
-    B = [[0, 0], [1 / 3, 0.3 * direction / 3]]
+    A = np.array([[0.0, 1], [-30 / 3, -0.7 / 3]])
+    B = np.array([[0.0, 0], [1 / 3, 0.3 * direction / 3]])
     assert np.abs(found.A - A).max() <= CLOSED_FORM
     assert np.abs(found.B - B).max() <= CLOSED_FORM
 
@@ -157,7 +158,7 @@ def test_a_block_on_a_belt_oscillates_about_the_pull_of_friction() -> None:
     source["contacts"]["floor"]["between"] = ["wood", "floor"]
     source["joints"]["x"]["start"]["s"] = 0.3 * 2 * G / 30
     found = model(source)
-    assert np.abs(found.A - [[0, 1], [-30 / 3, -0.7 / 3]]).max() <= CLOSED_FORM
+    assert np.abs(found.A - np.array([[0.0, 1], [-30 / 3, -0.7 / 3]])).max() <= CLOSED_FORM
     assert found.residual_rates == ""
 
 
@@ -165,7 +166,7 @@ def test_friction_of_contacts_can_be_treated() -> None:
     source = on_rails(0.9)
     source["joints"]["x"]["start"]["s"] = 0.0
     assert model(source).states == ()
-    free = [[0, 1], [-30 / 3, -0.7 / 3]]
+    free = np.array([[0.0, 1], [-30 / 3, -0.7 / 3]])
     for friction in ("sliding", "off"):
         found = model(source, friction=friction)
         assert found.states == ("x.s", "x.v")

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -61,9 +62,11 @@ class FourBar:
             -rates[1] * C / 2 * across(rocker),
         )
         turning = (1.0, *rates)
-        return sum(
-            m * float(v @ v) + moment * w * w
-            for m, v, moment, w in zip(MASSES, speeds, MOMENTS, turning, strict=True)
+        return float(
+            sum(
+                m * float(v @ v) + moment * w * w
+                for m, v, moment, w in zip(MASSES, speeds, MOMENTS, turning, strict=True)
+            )
         )
 
     def potential(self, phi: float) -> float:
@@ -91,18 +94,19 @@ class FourBar:
         flat = [2 * math.pi * k for k in range(1, 4) if PHI < 2 * math.pi * k < phi]
         near = [center + side * width * 10.0**k for center in flat for side in (-1, 1) for k in range(-1, 3)]
         ends = sorted({PHI, phi, *flat, *(x for x in near if PHI < x < phi)})
-        return sum(
+        parts = (
             quad(slowness, *pair, epsabs=1e-13, epsrel=1e-12, limit=400)[0]
             for pair in itertools.pairwise(ends)
         )
+        return float(sum(parts))
 
-    def scene(self, integrator: str = "") -> dict:
+    def scene(self, integrator: str = "") -> dict[str, Any]:
         coupler, rocker = self.angles(PHI)
 
-        def body(k: int, length: float) -> dict:
+        def body(k: int, length: float) -> dict[str, Any]:
             return {"mass": MASSES[k], "com": [length / 2, 0, 0], "inertia": [MOMENTS[k]] * 3}
 
-        def joint(parent: object, child: object, **start: object) -> dict:
+        def joint(parent: object, child: object, **start: object) -> dict[str, Any]:
             return {"type": "revolute", "axis": [0, -1, 0], "parent": parent, "child": child, **start}
 
         return {
