@@ -81,7 +81,7 @@ class Projection final : public Formulation {
   void add_jump(double t);
   void start_on_branch(double t, const double* y);
   void record_acceleration(double t, const double* y);
-  void compare_accelerations(double t);
+  void compare_accelerations(double t, const double* y);
   bool apply_fixed_corrections(double* q, double* v);
   bool close(double* y);
   bool close_contacts(double* y);
@@ -215,7 +215,7 @@ void Projection::record_acceleration(double t, const double* y) {
   drives_.go_to(t, y);
   rows_.refactorize();
   approach_.pass(t, rows_.pivot_fraction());
-  if (!rows_.is_regular()) return compare_accelerations(t);
+  if (!rows_.is_regular()) return compare_accelerations(t, y);
   if (rows_.below(regular_fraction)) return;  // beside a singular configuration
   if (drives_.inputs() != recorded_inputs_) {
     recorded_ = 0;
@@ -240,7 +240,7 @@ void Projection::record_acceleration(double t, const double* y) {
 }
 
 // Compares the extrapolated accelerations at an accepted state with those of the equations.
-void Projection::compare_accelerations(double t) {
+void Projection::compare_accelerations(double t, const double* y) {
   const double* extrapolated = extrapolate(t);
   if (recorded_ < 2 || extrapolated == nullptr) return;
   dynamics_.solve(drives_.u().data(), vdot_after_.data());
@@ -248,7 +248,7 @@ void Projection::compare_accelerations(double t) {
   double size = 0;
   for (int k = 0; k < mechanism_.nv; ++k) {
     deviation = std::max(deviation, std::abs(vdot_after_[k] - extrapolated[k]));
-    size = std::max(size, std::abs(extrapolated[k]));
+    size = std::max({size, std::abs(extrapolated[k]), y[mechanism_.nq + k] * y[mechanism_.nq + k]});
   }
   const double fraction = rows_.pivot_fraction();
   approach_.compare(fraction, deviation, constraint_noise * size / (fraction * fraction * fraction));

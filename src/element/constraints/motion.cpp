@@ -10,8 +10,6 @@
 namespace gelenk {
 
 std::optional<ElementFault> Motion::fault(const Coordinate&) const {
-  if (!holds_position() && up_to.index == 0)
-    return {{"up_to", "speed, which is the prescribed quantity itself", "acceleration, or no `up_to`"}};
   if (table) return fault(*table);
   if (!law_of_time.is_given() || follows_signals()) return {};
   if (has_kinks(law_of_time)) {

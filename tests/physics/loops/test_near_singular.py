@@ -19,6 +19,7 @@ import warned
 from scipy.integrate import quad
 
 import gelenk
+from gelenk.chart import mechanisms
 
 A, B, C = 0.1, 0.74, 0.55  # m: crank, coupler, rocker
 MASSES, MOMENTS = (0.3, 0.46, 0.2), (0.001, 0.04, 0.01)  # kg; kg m2 about the centers of mass
@@ -156,6 +157,21 @@ def test_a_part_of_a_spatial_loop_that_passes_nearby(reductions: bool) -> None:
         plant.step_to(STOP)
         late = (FourBar(3e-3).time_to(plant.output("O.phi")) - STOP) * plant.output("O.w")
         assert abs(late) < 100 * tolerance
+
+
+@warned.TIGHT
+@pytest.mark.parametrize("integrator", ["auto", "cvode", "dirk", "ida"])
+@pytest.mark.parametrize("distance", [0.01, 0.03, 0.1])
+def test_a_start_shortly_before_a_singular_position_reaches_it(distance: float, integrator: str) -> None:
+    """Equal links: the slider moves on through the crank's pivot; it could also stay there. Closed form."""
+    for speed in (-3.0, -1.0, 2.0):
+        for tolerance in (1e-4, 1e-6, 1e-8, 1e-10):
+            side = distance if speed < 0 else -distance
+            scene = mechanisms.equal_slider_crank(math.pi / 2 + side, speed)
+            plant = gelenk.Simulation({**scene, "solver": {"integrator": integrator}})
+            plant.initialize(0.0, tolerance)
+            plant.step_to(0.4)
+            assert plant.output("P.s") == pytest.approx(2 * math.cos(plant.output("A.phi")), abs=1e-3)
 
 
 def test_an_interrupted_passage_continues_with_the_same_bits() -> None:
