@@ -2,6 +2,7 @@
 // What contacts do where derivatives are taken: the part of ContactModes for linear models and sensitivities.
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "event_driven/contact_modes.h"
 #include "event_driven/force_margin.h"
@@ -63,9 +64,13 @@ LawEdge ContactModes::edge_of_closed(double rest) {
   std::vector<ForceCone> cones;
   std::vector<int> contacts;
   double sum = 0;
+  const bool has_losses = std::ranges::any_of(mechanism_.coordinate_rows, &CoordinateRow::has_losses);
+  const bool has_speeds = std::ranges::any_of(mechanism_.coordinate_rows, std::not_fn(&CoordinateRow::holds_position));
   for (const ContactEquations::Entry& entry : contact_equations_.rows().entries) {
     const int contact = contact_equations_.candidates()[entry.candidate].contact;
     if (std::abs(entry.at.rate) > rest) return {contact, LawEdge::Of::impact};
+    if (has_losses) return {contact, LawEdge::Of::losses};
+    if (has_speeds && entry.is_at_rest()) return {contact, LawEdge::Of::prescribed_speed};
     sum += std::abs(solved.x[entry.first]);
     cones.push_back({.normal = entry.first});
     contacts.push_back(contact);

@@ -23,6 +23,11 @@ std::string describe_contact_edge(const Scene& scene, const LawEdge& edge, doubl
         return "touches exactly at the end of a face or an edge, which it may leave";
       case LawEdge::Of::redundant_normal_forces:
         return "slides with a friction that depends on redundant normal forces, which the equations do not determine";
+      case LawEdge::Of::losses:
+        return "is closed beside a gear or rack with losses, which depend on its force";
+      case LawEdge::Of::prescribed_speed:
+        return "sticks at rest in a mechanism of which a speed is prescribed, whose position is not known by its "
+               "states";
     }
     return {};
   };
