@@ -177,8 +177,8 @@ constexpr Field field(const FieldInfo& info) {
 
 // The joint coordinate on which an element acts or to which it refers.
 struct Coordinate {
-  std::string_view name, speed, acceleration;  // names of the coordinate and of its derivatives: "phi", "w", "a"
-  bool is_angle = true;                        // unit rad, otherwise m
+  std::string_view name{}, speed{}, acceleration{};  // names of the coordinate and of its derivatives: "phi", "w", "a"
+  bool is_angle = true;                              // unit rad, otherwise m
 
   std::string_view effort() const { return is_angle ? "tau" : "f"; }
 };
