@@ -326,6 +326,10 @@ void ConstrainedSensitivity::differentiate_acceleration(const MatrixXd& null_mul
     dlambda.setConstant(undetermined);
     for (Dual& force : holding) force.derivatives().setConstant(undetermined);
   }
+  if (touches())
+    undetermine_reactions(
+        *contacts_, [&](VectorXd& r, VectorXd& l, VectorXd& x) { solve(r, VectorXd::Zero(mechanism_.rows), l, x); },
+        dlambda, holding);
   evaluate_accelerations(dvdot, dlambda, dx, true);
   set_forces(dual_state_, holding);
 }
@@ -368,7 +372,7 @@ double ConstrainedSensitivity::correct_accelerations(MatrixXd& dvdot, MatrixXd& 
     }
     dvdot.col(k) += r;
     dlambda.col(k) += l;
-    dholding.col(k) += x;
+    dholding.col(k) = x;  // the residuals are without them
   }
   return change;
 }

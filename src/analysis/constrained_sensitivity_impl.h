@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <functional>
 #include <limits>
 #include <vector>
 
@@ -11,6 +12,12 @@
 namespace gelenk {
 
 inline constexpr double undetermined = std::numeric_limits<double>::quiet_NaN();
+
+// The derivatives of multipliers and holding forces that balance redundant forces of contacts become not a number.
+// respond(r, l, x): those that balance the generalized forces -r.
+using Response = std::function<void(Eigen::VectorXd& r, Eigen::VectorXd& l, Eigen::VectorXd& x)>;
+void undetermine_reactions(const HeldContacts& contacts, const Response& respond, Eigen::MatrixXd& dlambda,
+                           std::vector<Dual>& holding);
 
 // Sets `at` to the point without derivatives.
 template <class T>

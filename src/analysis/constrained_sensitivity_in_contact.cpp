@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The part of ConstrainedSensitivity that concerns closed contacts.
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <vector>
 
-#include "analysis/constrained_sensitivity.h"
+#include "analysis/constrained_sensitivity_impl.h"
 #include "analysis/dual_columns.h"
 #include "mechanism/mechanism.h"
 
@@ -12,6 +13,7 @@ namespace gelenk {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
+using Eigen::VectorXd;
 
 namespace {
 
@@ -55,6 +57,23 @@ void ConstrainedSensitivity::find_contact_forces(const double* u) {
   if (ambiguous < 0) return;
   contacts_->withdraw();
   throw NotDifferentiablePoint(LawEdge{ambiguous, LawEdge::Of::redundant_normal_forces});
+}
+
+void undetermine_reactions(const HeldContacts& contacts, const Response& respond, MatrixXd& dlambda,
+                           std::vector<Dual>& holding) {
+  constexpr double no_effect = 1e-9;  // of redundant multipliers, whose largest entry is 1 in order
+  VectorXd l;
+  VectorXd x;
+  for (Index k = 0; k < contacts.redundant().cols(); ++k) {
+    VectorXd r = -contacts.generalized(contacts.redundant().col(k));
+    respond(r, l, x);
+    for (Index i = 0; i < l.size(); ++i) {
+      if (std::abs(l[i]) > no_effect) dlambda.row(i).setConstant(undetermined);
+    }
+    for (Index i = 0; i < x.size(); ++i) {
+      if (std::abs(x[i]) > no_effect) holding[static_cast<std::size_t>(i)].derivatives().setConstant(undetermined);
+    }
+  }
 }
 
 // By dual numbers, which the kinematics of contacts are written for.

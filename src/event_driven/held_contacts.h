@@ -52,6 +52,8 @@ class HeldContacts {
   // The generalized forces of multipliers.
   Eigen::VectorXd generalized(const Eigen::VectorXd& x) const { return B_.transpose() * x; }
   Eigen::Index rows() const { return R_.rows(); }
+  // Multipliers without effect on what is kept, in columns: those of the solution may have any amount of them.
+  const Eigen::MatrixXd& redundant() const { return redundant_; }
 
   // A contact of which the friction depends on redundant normal forces, so that their changes matter; -1: none.
   int ambiguous_contact() const;
@@ -82,7 +84,7 @@ class HeldContacts {
   ContactEquations::RowMatrix R_, B_, closing_, closing_responses_, stopping_responses_;
   Eigen::MatrixXd closing_inverse_, stopping_inverse_;
   Eigen::VectorXd x_;
-  Eigen::MatrixXd redundant_;                               // multipliers without effect on what is kept, in columns
+  Eigen::MatrixXd redundant_;
   std::vector<bool> redundant_links_, redundant_contacts_;  // that these act on, and of the scene
   std::vector<Spatial::Force> wrenches_;
   std::vector<typename SpatialAlgebra<Dual>::Force> dual_wrenches_;

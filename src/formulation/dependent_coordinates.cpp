@@ -5,6 +5,7 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "mechanism/mechanism.h"
 
@@ -46,7 +47,8 @@ DependentCoordinates::DependentCoordinates(const Mechanism& mechanism, Dynamics&
       if (std::ranges::find(level.independent, k) == level.independent.end()) level.dependent.push_back(k);
     }
     level.rows.reserve(level.dependent.size());
-    level.factor = SquareFactor(static_cast<int>(level.dependent.size()));
+    level.factors.resize(level.dependent.size() * level.dependent.size());
+    level.pivots.resize(level.dependent.size());
   }
   are_same_ = levels_[0].permitted == levels_[1].permitted && levels_[0].dependent == levels_[1].dependent;
   const auto dependent = static_cast<Index>(levels_[0].dependent.size());
@@ -133,7 +135,7 @@ void DependentCoordinates::find_blocked(const Level& level) {
 
 // With the factors at the base.
 void DependentCoordinates::find_course(const double* y) {
-  const Level& level = levels_[0];
+  Level& level = levels_[0];
   const SparseRows& rows = dynamics_.rows_of_J();
   const double* const v = y + mechanism_.nq;
   for (std::size_t r = 0; r < level.rows.size(); ++r) {
@@ -142,12 +144,12 @@ void DependentCoordinates::find_course(const double* y) {
     for (std::size_t k = 0; k < level.independent.size(); ++k)
       tangent_(static_cast<Index>(r), static_cast<Index>(k)) = -row_[level.independent[k]];
   }
-  for (Index k = 0; k < tangent_.cols(); ++k) level.factor.solve(tangent_.col(k).data());
+  for (Index k = 0; k < tangent_.cols(); ++k) level.solve(tangent_.col(k).data());
   for (Index k = 0; k < speeds_.size(); ++k) speeds_[k] = v[level.independent[static_cast<std::size_t>(k)]];
   dynamics_.set_velocity(v);
   for (std::size_t r = 0; r < level.rows.size(); ++r)
     accelerations_[static_cast<Index>(r)] = dynamics_.gamma()[static_cast<std::size_t>(level.rows[r])];
-  level.factor.solve(accelerations_.data());
+  level.solve(accelerations_.data());
   if (!mechanism_.driven()) return;
   drift_ = -tangent_ * speeds_;
   for (Index k = 0; k < drift_.size(); ++k) drift_[k] += v[level.dependent[static_cast<std::size_t>(k)]];
@@ -176,16 +178,19 @@ void DependentCoordinates::follow(double dt, Eigen::Ref<VectorXd> change) {
   for (Index k = 0; k < tangent_.rows(); ++k) change[level.dependent[static_cast<std::size_t>(k)]] = dependent[k];
 }
 
-// At the position of `dynamics`. Returns the ratio of the pivots.
+// At the position of `dynamics`. Returns the ratio of the smallest pivot to the largest; 1 if there are none.
 double DependentCoordinates::factorize(Level& level) {
   const SparseRows& rows = dynamics_.rows_of_J();
-  const int n = level.factor.size();
-  for (int r = 0; r < n; ++r) {
+  DenseMatrix A = level.matrix();
+  if (A.rows() == 0) return 1;
+  for (Index r = 0; r < A.rows(); ++r) {
     row_.setZero();
     rows.scatter(level.rows[static_cast<std::size_t>(r)], row_.data());
-    for (int k = 0; k < n; ++k) level.factor(r, k) = row_[level.dependent[static_cast<std::size_t>(k)]];
+    for (Index k = 0; k < A.cols(); ++k) A(r, k) = row_[level.dependent[static_cast<std::size_t>(k)]];
   }
-  return level.factor.factorize();
+  factorize_general(A, level.pivots.data(), std::numeric_limits<double>::min());
+  const auto pivots = A.diagonal().cwiseAbs();
+  return pivots.minCoeff() / pivots.maxCoeff();
 }
 
 void DependentCoordinates::refactor() {
@@ -200,10 +205,10 @@ double DependentCoordinates::renewal_ratio() const { return 1e-4; }
 
 double DependentCoordinates::most_corrected() const { return largest_correction; }
 
-void DependentCoordinates::solve(const Level& level, const double* residual, double* dv) {
+void DependentCoordinates::solve(Level& level, const double* residual, double* dv) {
   std::fill_n(dv, mechanism_.nv, 0.0);
   for (std::size_t k = 0; k < level.rows.size(); ++k) x_[static_cast<Index>(k)] = residual[level.rows[k]];
-  level.factor.solve(x_.data());
+  level.solve(x_.data());
   for (std::size_t k = 0; k < level.rows.size(); ++k) dv[level.dependent[k]] = -x_[static_cast<Index>(k)];
 }
 

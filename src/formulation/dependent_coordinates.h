@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "formulation/constraint_projector.h"
-#include "linear/square_factor.h"
+#include "linear/dense_factor.h"
 #include "util/archive.h"
 
 namespace gelenk {
@@ -47,7 +47,13 @@ class DependentCoordinates final : public ConstraintProjector {
     std::vector<int> independent, dependent;  // velocities
     std::vector<int> rows;                    // as many as there are dependent ones; empty: not chosen
     double ratio_when_chosen = 0;             // of the pivots
-    SquareFactor factor;                      // of their columns of dependent velocities
+    std::vector<double> factors;              // of their columns of dependent velocities
+    std::vector<int> pivots;
+
+    int size() const { return static_cast<int>(dependent.size()); }
+    DenseMatrix matrix() { return {factors.data(), size(), size()}; }
+    // x <- the solution for the right-hand side x.
+    void solve(double* x) { solve_general(matrix(), pivots.data(), {x, size()}); }
   };
   void read_jacobian();
   bool choose_rows(Level& level);
@@ -55,7 +61,7 @@ class DependentCoordinates final : public ConstraintProjector {
   double factorize(Level& level);
   void find_blocked(const Level& level);
   void find_course(const double* y);
-  void solve(const Level& level, const double* residual, double* dv);
+  void solve(Level& level, const double* residual, double* dv);
   void find_residual(const Level& level, const double* v);
   bool close_speeds(double* v);
 

@@ -75,6 +75,10 @@ void Inputs::update_rates(int i) {
 void Inputs::set_derivative(int i, int order, double value) {
   if (!flags_.empty() && flags_[i].motion >= 0) note_derivative(i, value);
   at(i, order) = value;
+  if (!flags_.empty() && flags_[i].motion >= 0) {
+    Motion& m = motions_[flags_[i].motion];
+    if (m.last > m.first) estimate(m);  // derivatives of the first one
+  }
   update_rates(i);
   update_moving();
   if (now_time_ != start_) evaluate(start_);
@@ -145,7 +149,8 @@ void Inputs::shift_origin(int i, double t) {
 void Inputs::serialize(Archive& archive) {
   archive.serialize(taylor_, reached_, now_, rates_, change_, start_, now_time_, moving_, changed_);
   for (Motion& m : motions_) {
-    archive.serialize(m.by_values, m.interrupted, m.before, m.jump.time, m.jump.size, m.has_jumped);
+    archive.serialize(m.by_values, m.interrupted, m.sends_derivatives, m.before, m.jump.time, m.jump.size,
+                      m.has_jumped);
     m.samples.serialize(archive);
     for (int i = m.first; i <= m.last; ++i)
       archive.serialize(flags_[i].value_set, flags_[i].derivative_set, flags_[i].given);

@@ -95,12 +95,13 @@ class Inputs {
   // A motion: its input, which may be followed by inputs that are its derivatives.
   struct Motion {
     int first = 0, last = 0;
-    bool by_values = true;          // it is known by values only
-    bool interrupted = false;       // its step has ended early, and no value has been set since
-    MotionSamples samples;          // of `last`
-    double before = NAN;            // value of `first` at the start of the last step
-    MotionSamples::Jump jump = {};  // of `first`, if it is not `last`
-    bool has_jumped = false;        // once in the run
+    bool by_values = true;           // it is known by values only
+    bool interrupted = false;        // its step has ended early, and no value has been set since
+    bool sends_derivatives = false;  // some of the inputs after `first` have been set
+    MotionSamples samples;           // of `last`
+    double before = NAN;             // value of `first` at the start of the last step
+    MotionSamples::Jump jump = {};   // of `first`, if it is not `last`
+    bool has_jumped = false;         // once in the run
   };
   // Of an input that belongs to a motion.
   struct Flags {
@@ -120,6 +121,7 @@ class Inputs {
   Change set_motion(Motion& m, int i, double value);
   void note_derivative(int i, double value);
   void start_motions();
+  bool has_own_derivatives(const Motion& m) const;
   bool estimate(Motion& m);
   void find_jump(Motion& m) const;
   void clear_derivatives(int i);

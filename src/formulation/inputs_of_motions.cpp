@@ -35,11 +35,11 @@ MotionSamples::Jump Inputs::jump(int i) const {
 // Looks for values of a motion that its derivatives, which are inputs, too, do not explain. At the end of a step or of
 // a part of it, whose start is still the origin of the polynomials.
 void Inputs::find_jump(Motion& m) const {
-  constexpr double explained = 0.5;  // of a change: at least, of one that is no jump
+  constexpr double most_unexplained = 0.5;  // of a change that is no jump
   if (m.last == m.first) return;
   const double value = at(m.first, 0);
   const double size = value - reached_[static_cast<std::size_t>(m.first)];
-  const bool follows = !(std::abs(size) > (1 - explained) * std::abs(value - m.before));
+  const bool follows = !(std::abs(size) > most_unexplained * std::abs(value - m.before));
   m.jump = {};
   if (!follows && m.by_values && !m.has_jumped && MotionSamples::is_visible(size, value)) {
     m.jump = {.time = start_, .size = size};
@@ -53,15 +53,21 @@ Inputs::Change Inputs::set_motion(Motion& m, int i, double value) {
   if (m.interrupted && value == flags_[i].given && !flags_[i].value_set) return Change::none;
   flags_[i].value_set = true;
   flags_[i].given = value;
+  m.sends_derivatives = m.sends_derivatives || i > m.first;
   m.by_values = is_known_by_values(m);
   const Change change = set_value(i, value);
   const bool has_new_rate = estimate(m);
   return has_new_rate && change == Change::none ? Change::smooth : change;
 }
 
+// Those of `first` were set, and no inputs have them.
+bool Inputs::has_own_derivatives(const Motion& m) const {
+  return flags_[m.first].derivative_set && !m.sends_derivatives;
+}
+
 // Estimates the derivatives of the motion unless they were set. Returns whether they have changed.
 bool Inputs::estimate(Motion& m) {
-  if (flags_[m.first].derivative_set) return false;
+  if (has_own_derivatives(m)) return false;
   const double first = at(m.first, 1);
   const double second = at(m.first, 2);
   if (!flags_[m.last].derivative_set) {
@@ -94,7 +100,7 @@ void Inputs::note_derivative(int i, double value) {
 
 // Derivatives set since the last step have priority over values, and values over what was before.
 bool Inputs::is_known_by_values(const Motion& m) const {
-  if (flags_[m.first].derivative_set) return false;
+  if (has_own_derivatives(m)) return false;
   for (int i = m.first; i <= m.last; ++i) {
     if (flags_[i].value_set || flags_[i].derivative_set) return true;
   }
@@ -103,7 +109,9 @@ bool Inputs::is_known_by_values(const Motion& m) const {
 
 void Inputs::start_motions() {
   for (Motion& m : motions_) {
-    m.by_values = !flags_[m.first].derivative_set;
+    m.sends_derivatives = false;  // zeros may be start values that nobody has set
+    for (int i = m.first + 1; i <= m.last; ++i) m.sends_derivatives = m.sends_derivatives || at(i, 0) != 0;
+    m.by_values = !has_own_derivatives(m);
     m.interrupted = m.has_jumped = false;
     m.samples.clear();
     m.before = NAN;

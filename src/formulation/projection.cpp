@@ -106,7 +106,7 @@ class Projection final : public Formulation {
 
 void Projection::start(const std::vector<double>& cut_q, double t, const double* y) {
   forget_accelerations();
-  rows_.pass_beside(false);
+  rows_.set_near_miss(false);
   started_on_branch_ = false;
   Formulation::start(cut_q, t, y);
   start_on_branch(t, y);
@@ -216,7 +216,7 @@ void Projection::record_acceleration(double t, const double* y) {
   rows_.refactorize();
   approach_.pass(t, rows_.pivot_fraction());
   if (!rows_.is_regular()) return compare_accelerations(t, y);
-  if (rows_.below(regular_fraction)) return;  // beside a singular configuration
+  if (rows_.below(regular_fraction)) return;  // a near miss
   if (drives_.inputs() != recorded_inputs_) {
     recorded_ = 0;
     started_on_branch_ = false;
@@ -252,7 +252,7 @@ void Projection::compare_accelerations(double t, const double* y) {
   }
   const double fraction = rows_.pivot_fraction();
   approach_.compare(fraction, deviation, constraint_noise * size / (fraction * fraction * fraction));
-  rows_.pass_beside(approach_.misses());
+  rows_.set_near_miss(approach_.misses());
 }
 
 // A fixed number of corrections with the present factors, at constant cost, regardless of the remaining error.
@@ -332,7 +332,7 @@ void Projection::accepted(double t, const double* y) {
   if (mechanism_.cuts.empty() || mechanism_.rows == 0) return;
   if (rows_.below(near_fraction)) return record_acceleration(t, y);
   approach_.clear();
-  rows_.pass_beside(false);
+  rows_.set_near_miss(false);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Whether a mechanism that comes near a singular configuration reaches it or passes beside it.
+// Whether a mechanism that comes near a singular configuration reaches it or narrowly misses it.
 //
 // At a singular configuration two branches of motion cross, and accelerations extrapolated from before keep to one of
 // them (projection.cpp). A mechanism that misses it by little, as a four-bar whose links lie almost in line, moves on a
@@ -24,7 +24,7 @@ class SingularApproach {
   void compare(double fraction, double deviation, double rounding);
   // Where a step from t should end so that the next state can be compared [s].
   double end_of_step(double t) const;
-  // Whether the mechanism passes beside the singular configuration.
+  // Whether the mechanism narrowly misses the singular configuration.
   bool misses() const { return misses_; }
 
   void serialize(Archive& archive);

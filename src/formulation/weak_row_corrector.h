@@ -29,14 +29,14 @@ class WeakRowCorrector final : public ConstraintProjector {
     best_pivot_ratio_ = std::max(best_pivot_ratio_, best_known_pivot_ratio_);
     update_singularity_status();
   }
-  // beside: the mechanism passes beside the singular configuration, where the equations hold as everywhere.
-  void pass_beside(bool beside) {
-    if (beside == beside_) return;
-    beside_ = beside;
+  // Whether the mechanism narrowly misses the singular configuration: then no row is weak.
+  void set_near_miss(bool is_one) {
+    if (is_one == is_near_miss_) return;
+    is_near_miss_ = is_one;
     update_singularity_status();
   }
   void update_singularity_status() {
-    regular_ = beside_ || !below(regular_fraction);
+    regular_ = is_near_miss_ || !below(regular_fraction);
     set_weak(regular_ ? 0 : default_weak_fraction);
   }
   void factors_changed() override { update_singularity_status(); }
@@ -53,7 +53,7 @@ class WeakRowCorrector final : public ConstraintProjector {
     return closed;
   }
   void serialize(Archive& archive) {
-    archive.serialize(best_pivot_ratio_, beside_);
+    archive.serialize(best_pivot_ratio_, is_near_miss_);
     if (archive.reading()) full_correction_ = false;
   }
 
@@ -69,7 +69,7 @@ class WeakRowCorrector final : public ConstraintProjector {
   double best_known_pivot_ratio_;
   double best_pivot_ratio_ = 0;  // largest in the run, or known before it if it starts near a singular configuration
   bool regular_ = true;
-  bool beside_ = false;
+  bool is_near_miss_ = false;
   bool full_correction_ = false;  // weak directions are corrected in full
 };
 

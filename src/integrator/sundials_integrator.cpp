@@ -74,7 +74,7 @@ double SundialsIntegrator::advance_some(double end, double* y, long max_steps) {
   const auto step_towards = [&] {
     if (!locates) {
       before_step();
-      return make_step_as_long_as_allowed(end);
+      return make_limited_step(end);
     }
     return across ? locator_.step_across(*this, end) : locator_.step(*this, end);
   };
@@ -105,7 +105,7 @@ double SundialsIntegrator::advance_some(double end, double* y, long max_steps) {
   return t_;
 }
 
-Step SundialsIntegrator::make_step_as_long_as_allowed(double end) {
+Step SundialsIntegrator::make_limited_step(double end) {
   const double allowed = system_.end_of_step(t_);
   if (!(allowed < std::min(end, stop_time_))) return make_step(end);
   set_stop_time(allowed);

@@ -79,9 +79,10 @@ class SundialsIntegrator : public Integrator, private Stepping {
   const double* state() const final { return sundials::data(y_.get()); }
   Step step_towards(double end) final {
     before_step();
-    return make_step_as_long_as_allowed(end);
+    return make_limited_step(end);
   }
-  Step make_step_as_long_as_allowed(double end);
+  // One step that ends where the equations ask for it, if not at `end`.
+  Step make_limited_step(double end);
   void go_to(double t, const double* y) final {
     add_counts();
     restart(t, y);

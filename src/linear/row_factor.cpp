@@ -186,20 +186,6 @@ void RowFactor::solve_R(const double* d, double* lambda) const {
   for (int k = 0; k < m_; ++k) lambda[order_[k]] = e[k];
 }
 
-double RowFactor::damping_weight(int k) const {
-  if (singular_threshold_ == 0) return 1;
-  const double p = diagonal_[k] / diagonal_[0];
-  return p * p / (p * p + singular_threshold_ * singular_threshold_);
-}
-
-// The errors of an equation grow with p^-3, and where p is the threshold they are those of the extrapolation: these
-// weights give the sum of both the least variance.
-double RowFactor::equation_weight(int k) const {
-  if (singular_threshold_ == 0) return 1;
-  const double sixth = std::pow(diagonal_[k] / diagonal_[0] / singular_threshold_, 6);
-  return std::isfinite(sixth) ? sixth / (sixth + 1) : 1;
-}
-
 void RowFactor::solve_constrained(double* w, const double* gamma, const double* extrapolated) const {
   double* d = d_.data();
   double* f = f_.data();
@@ -211,7 +197,7 @@ void RowFactor::solve_constrained(double* w, const double* gamma, const double* 
     reflect(e);
   }
   for (int k = 0; k < rank_; ++k) {
-    const double s = extrapolated == nullptr ? 1 : equation_weight(k);
+    const double s = extrapolated == nullptr ? 1 : equation_weight(relative_pivot(k), singular_threshold_);
     const double sum = extrapolated == nullptr ? d[k] : s * d[k] + (1 - s) * e[k];
     f[k] = w[k] - sum;  // what the constraints remove, in the basis Q
     w[k] = sum;
@@ -224,7 +210,7 @@ void RowFactor::multipliers(double* lambda) const { solve_R(f_.data(), lambda); 
 void RowFactor::min_norm(const double* residual, double* w) const {
   double* d = d_.data();
   solve_Rt(residual, d);
-  for (int k = 0; k < rank_; ++k) w[k] = damping_weight(k) * d[k];
+  for (int k = 0; k < rank_; ++k) w[k] = damping_weight(relative_pivot(k), singular_threshold_) * d[k];
   std::fill(w + rank_, w + n_, 0.0);
   unreflect(w);
 }

@@ -12,6 +12,8 @@
 
 #include <vector>
 
+#include "linear/weak_pivots.h"
+
 namespace gelenk {
 
 class RowFactor {
@@ -55,8 +57,7 @@ class RowFactor {
   void factorize_constraints(int max_rank);
   void reflect_column(int k, int j);
   void factorize_redundant();
-  double damping_weight(int k) const;                // of pivot k, see set_singular_threshold
-  double equation_weight(int k) const;               // the same in solve_constrained()
+  double relative_pivot(int k) const { return diagonal_[k] / diagonal_[0]; }
   void reflect(double* x) const;                     // x <- Q^T x
   void unreflect(double* x) const;                   // x <- Q x
   void solve_Rt(const double* in, double* d) const;  // d = least-squares solution of R_1^T d = P^T in

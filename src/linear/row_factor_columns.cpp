@@ -27,7 +27,7 @@ void RowFactor::solve_constrained(double* w, const double* gamma, int columns, b
     reflect_rows(&Y_[static_cast<std::size_t>(k) * n_] + k, scale_[k], row(w, k), n_ - k, columns, sum);
   }
   for (int k = 0; k < rank_; ++k) {
-    const double s = regularized ? equation_weight(k) : 1;
+    const double s = regularized ? equation_weight(relative_pivot(k), singular_threshold_) : 1;
     for (int c = 0; c < columns; ++c) row(w, k)[c] = s * row(d, k)[c];
   }
   for (int k = rank_ - 1; k >= 0; --k) {

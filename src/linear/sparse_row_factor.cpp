@@ -187,20 +187,6 @@ bool SparseRowFactor::append(const Block& block) {
   return min_pivot_ > RowFactor::rank_threshold * max_pivot_;
 }
 
-double SparseRowFactor::damping_weight(int k) const {
-  if (singular_threshold_ == 0) return 1;
-  const double p = diagonal_[k] / max_pivot_;
-  return p * p / (p * p + singular_threshold_ * singular_threshold_);
-}
-
-// The errors of an equation grow with p^-3, and where p is the threshold they are those of the extrapolation: these
-// weights give the sum of both the least variance.
-double SparseRowFactor::equation_weight(int k) const {
-  if (singular_threshold_ == 0) return 1;
-  const double sixth = std::pow(diagonal_[k] / max_pivot_ / singular_threshold_, 6);
-  return std::isfinite(sixth) ? sixth / (sixth + 1) : 1;
-}
-
 // The component along direction k that gives its equation this value, with the earlier components in d_.
 double SparseRowFactor::component(int k, double value) const {
   const Column& c = columns_[k];
@@ -218,7 +204,8 @@ void SparseRowFactor::solve_constrained(double* w, const double* gamma, const do
   for (int k = 0; k < m; ++k) {
     double& x_k = w[pivot(columns_[k])];
     d_[k] = component(k, gamma[order_[k]]);
-    if (extrapolated != nullptr) d_[k] += (1 - equation_weight(k)) * (e_[pivot(columns_[k])] - d_[k]);
+    if (extrapolated != nullptr)
+      d_[k] += (1 - equation_weight(relative_pivot(k), singular_threshold_)) * (e_[pivot(columns_[k])] - d_[k]);
     f_[k] = x_k - d_[k];  // what the constraints remove
     x_k = d_[k];
   }
@@ -239,7 +226,9 @@ void SparseRowFactor::multipliers(double* lambda) const {
 void SparseRowFactor::min_norm(const double* residual, double* w) const {
   const int m = static_cast<int>(columns_.size());
   std::fill(w, w + n_, 0.0);
-  for (int k = 0; k < m; ++k) w[pivot(columns_[k])] = d_[k] = damping_weight(k) * component(k, residual[order_[k]]);
+  for (int k = 0; k < m; ++k)
+    w[pivot(columns_[k])] = d_[k] =
+        damping_weight(relative_pivot(k), singular_threshold_) * component(k, residual[order_[k]]);
   for (int k = m - 1; k >= 0; --k) reflect(columns_[k], scale_[k], w);
 }
 

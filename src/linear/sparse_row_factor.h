@@ -8,6 +8,8 @@
 
 #include <vector>
 
+#include "linear/weak_pivots.h"
+
 namespace gelenk {
 
 class SparseRowFactor {
@@ -53,8 +55,7 @@ class SparseRowFactor {
   int pivot(const Column& c) const { return rows_[c.first_row]; }
   void reflect(const Column& c, double scale, double* x) const;
   void reflect(const Column& c, double scale, double* x, int columns) const;
-  double damping_weight(int k) const;
-  double equation_weight(int k) const;
+  double relative_pivot(int k) const { return diagonal_[k] / max_pivot_; }
   double component(int k, double value) const;
 
   int n_;

@@ -27,7 +27,8 @@ void SparseRowFactor::solve_constrained(double* w, const double* gamma, int colu
     for (int i = c.first_above; i < c.first_above + c.above; ++i) {
       columns::add(-R_[i], columns::row(w, pivot(columns_[above_[i]]), columns), x_k, columns);
     }
-    columns::scale((regularized ? equation_weight(k) : 1) / diagonal_[k], x_k, columns);
+    columns::scale((regularized ? equation_weight(relative_pivot(k), singular_threshold_) : 1) / diagonal_[k], x_k,
+                   columns);
   }
   for (int k = m - 1; k >= 0; --k) reflect(columns_[k], scale_[k], w, columns);
 }

@@ -18,8 +18,9 @@ namespace gelenk {
 // By contact of the scene, the pair of points that are nearest to each other; gap: infinite if there is none.
 class NearestPoints {
  public:
-  // At the position and velocity of `dynamics`.
-  void find(const Mechanism& mechanism, Dynamics& dynamics, std::size_t contacts) {
+  // At the position and velocity of `dynamics`. closed: contacts of the scene of which some points are.
+  void find(const Mechanism& mechanism, Dynamics& dynamics, const std::vector<bool>& closed) {
+    const std::size_t contacts = closed.size();
     ContactFinder finder(mechanism, contacts);
     dynamics.readings().set_root_poses();
     const std::vector<double> gaps = finder.smallest_gaps(dynamics.readings());
@@ -28,7 +29,7 @@ class NearestPoints {
     nearest_.assign(contacts, {.gap = std::numeric_limits<double>::infinity()});
     for (const NearPoint& at : finder.find(dynamics.readings(), 0, 0, reach * (1 + 1e-6) + touch_tolerance)) {
       NearPoint& nearest = nearest_[static_cast<std::size_t>(at.contact)];
-      if (at.gap < nearest.gap) nearest = at;
+      if (at.gap < nearest.gap && !closed[static_cast<std::size_t>(at.contact)]) nearest = at;
     }
   }
   void clear() { nearest_.clear(); }
@@ -41,7 +42,7 @@ class NearestPoints {
     std::vector<T> out;
     for (const NearPoint& point : nearest_) {
       T& gap = out.emplace_back(0);
-      if (!std::isfinite(point.gap) || point.gap <= touch_tolerance) continue;
+      if (!std::isfinite(point.gap)) continue;
       const Vector3<T> n = point.normal.template cast<T>();
       gap = n.dot(moved(mechanism, at, point.b, point.p)) - n.dot(moved(mechanism, at, point.a, point.p));
       if constexpr (std::is_same_v<T, Series>) {

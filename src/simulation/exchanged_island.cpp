@@ -81,7 +81,8 @@ bool ExchangedIsland::close(double* y) {
   find_change();
   dependent_->follow(dt, change_);
   const double farthest = change_.size() == 0 ? 0 : change_.cwiseAbs().maxCoeff();
-  if (!(farthest <= most_strides * longest_stride)) return false;
+  is_too_far_ = !(farthest <= most_strides * longest_stride);
+  if (is_too_far_) return false;
   const int strides = static_cast<int>(std::ceil(farthest / longest_stride));
   std::copy(target_.begin() + nq_, target_.end(), y + nq_);
   if (strides <= 1) {

@@ -32,6 +32,8 @@ class ExchangedIsland {
   bool go_to(double t, const double* x);
   // After go_to() has failed: a state that the loops determine there; -1: unknown.
   int blocked_state();
+  // After go_to() failed: the states are farther from where the step began than it looks for a way.
+  bool is_too_far() const { return is_too_far_; }
   // Brings angles of joints that close loops to their turns, for outputs.
   void count_turns();
   // Writes the rates of the states in the mode that is held, by state of the simulation. Throws IntegrationError.
@@ -77,6 +79,7 @@ class ExchangedIsland {
   double base_time_ = 0, stretch_end_ = INFINITY;
   bool is_begun_ = false;    // the first event has passed
   bool has_jumped_ = false;  // where the last completed step ended, velocities have changed
+  bool is_too_far_ = false;
 };
 
 }  // namespace gelenk

@@ -108,6 +108,10 @@ void ModelExchange::set_states(std::span<const double> x) {
 }
 
 std::string ModelExchange::describe_lost(ExchangedIsland& island) const {
+  if (island.is_too_far())
+    return at_time(time_) +
+           "the states are too far from those at the end of the last step (more than 100 rad); declare each step as "
+           "completed, or jumps as events";
   const int state = island.blocked_state();
   if (state < 0) return at_time(time_) + "the loops cannot be closed at these states";
   const Simulation::Impl& s = *simulation_.impl_;

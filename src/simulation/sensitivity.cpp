@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "simulation/sensitivity.h"
+#include "event_driven/contact_modes.h"
 
 #include <algorithm>
 #include <utility>
@@ -93,7 +94,12 @@ ConstrainedSensitivity& Sensitivity::set_point(int island) {
     Dynamics& dynamics = islands_[island]->dynamics();
     dynamics.set_position(y);
     dynamics.set_velocity(y + mechanism.nq);
-    nearest_.find(mechanism, dynamics, from.loads().contacts.size());
+    std::vector<bool> closed(from.loads().contacts.size());
+    if (const ContactModes* located = from.formulation().contacts().located(); located != nullptr) {
+      const ContactEquations& equations = located->equations();
+      for (const int i : equations.closed()) closed[static_cast<std::size_t>(equations.candidates()[i].contact)] = true;
+    }
+    nearest_.find(mechanism, dynamics, closed);
   }
   Drives& drives = from.formulation().drives();
   drives.go_to(from.time(), y);

@@ -173,3 +173,43 @@ def test_a_scene_of_the_gallery_with_contacts(root: Path, tmp_path: Path) -> Non
     np.testing.assert_allclose(
         outside["guide.v"], inside["guide.v"], rtol=0, atol=1000 * TOLERANCE
     )  # 1.6 m/s
+
+
+@pytest.mark.parametrize("step", [0.01, 0.05, 0.1])
+def test_a_time_event_a_rounding_from_a_communication_point(step: float, tmp_path: Path) -> None:
+    """The sum of steps of 0.01 s to 0.7 s is one rounding below the point of the table at 0.7 s."""
+    table = {"time": [0, 0.7, 2], "value": [0, 1, 0.5], "interpolation": "pchip"}
+    arm = {"mass": 1, "com": [0.1, 0, 0], "inertia": [0.1] * 3}
+    source = {
+        "gelenk": 1,
+        "gravity": [0, 0, -9.81],
+        "bodies": {"a": arm, "b": arm},
+        "joints": {
+            "A": {"type": "revolute", "axis": [0, -1, 0], "parent": "ground", "child": "a"},
+            "B": {
+                "type": "revolute",
+                "axis": [0, -1, 0],
+                "parent": "a",
+                "child": "b",
+                "start": {"phi": 0.2, "w": 0, "fixed": True},
+            },
+        },
+        "constraints": {"m": {"type": "motion", "joint": "A", "table": table}},
+    }
+    fmu = gelenk.export_fmu(source, tmp_path / "x.fmu")
+    found, expected = (
+        gelenk.simulate(fmu, stop=1.8, step=step, kind=kind, tolerance=1e-9) for kind in ("me", "cs")
+    )
+    assert np.abs(found["B.phi"] - expected["B.phi"]).max() < 1e-7
+
+
+def test_states_many_turns_away_are_said_to_be_far(root: Path, tmp_path: Path) -> None:
+    """The crank can turn fully: no limit of its motion is near."""
+    s = Importer(extracted(root / "scenes" / "four_bar.yaml", tmp_path)).start()
+    phi, w = s.states()
+    s.go_to(0.0, [phi + 20 * math.pi, w])
+    assert s.read_states("fmi2GetDerivatives", 2)[0] == OK
+    s.go_to(0.0, [phi + 40 * math.pi, w])
+    status, _ = s.read_states("fmi2GetDerivatives", 2)
+    expect(s, status, DISCARD, "too far from those at the end of the last step (more than 100 rad)")
+    s.free()

@@ -23,6 +23,7 @@ from gelenk.simulation.fmu_plant import FmuPlant
 _ONE_STEP = 2  # CV_ONE_STEP of CVODE
 _DISCARD = 2  # fmi2Discard: a shorter step may help
 _ROUNDING = 1e-10  # of an input that continues, relative to its value and at least to 1
+_SAME_TIME = 1e-13  # relative: times so near to each other are one, which CVODE requires of its steps
 _TOLERANCE = 1e-6  # if the FMU states none
 # Of the tolerance, for errors of single steps of the backward differentiation formulas: errors of runs of the
 # shipped scenes are then at most 33 times the tolerance at 1e-9, and otherwise 16,000 times. Below the finest
@@ -112,7 +113,7 @@ class ExchangedFmuPlant(FmuPlant):
             if any(signal.has_jumped() for signal in self._signals.values()):
                 self._event(t)
             while t < end:
-                t = self._step_towards(min(end, self._next_event))
+                t = self._step_towards(t, min(end, self._next_event))
         for signal in self._signals.values():  # held from here, unless they are set again
             signal.value = signal.reached = signal.at(end - start)
             signal.derivatives = ()
@@ -126,9 +127,13 @@ class ExchangedFmuPlant(FmuPlant):
         except StepError as e:
             raise StepError(str(e).splitlines()[-1]) from e
 
-    def _step_towards(self, end: float) -> float:
+    def _step_towards(self, t: float, end: float) -> float:
         assert self._solver is not None
-        has_root, t = self._solver.step_towards(end)
+        has_root = False
+        if end - t > _SAME_TIME * abs(end):
+            has_root, t = self._solver.step_towards(end)
+        else:
+            t = end
         self.set_time(t)
         has_step_event, terminates = self._slave.completedIntegratorStep()
         if has_root or has_step_event or t >= self._next_event:

@@ -89,12 +89,15 @@ class FmuPlant(Plant):
     def _names(self, causality: str) -> list[str]:
         return [v.name for v in self._description.modelVariables if v.causality == causality]
 
+    @property
+    def _is_ours(self) -> bool:
+        return str(self._description.generationTool).startswith("Gelenk")
+
     @cached_property
     @override
     def scene(self) -> Scene | None:
         file = Path(self._folder) / "resources" / "scene.json"
-        ours = str(self._description.generationTool).startswith("Gelenk")
-        if not ours or not file.exists():  # others may name something else so
+        if not self._is_ours or not file.exists():  # others may name something else so
             return None
         with warnings.catch_warnings():  # which its exporter has seen
             warnings.simplefilter("ignore", SceneWarning)
@@ -235,23 +238,23 @@ class FmuPlant(Plant):
                 f"{self._file}: this FMU provides no directional derivatives, which linearization requires"
             )
         own = {u.variable.derivative.name: u.variable.name for u in self._description.derivatives}
-        declared = {
-            name: self._rates.get(name, rate) for name, rate in own.items()
-        }  # an output, if there is one
+        declared = {name: self._rates.get(name, rate) for name, rate in own.items()}  # an output if there is
         states = [name for name in self._variables if name in declared]  # in the order of declaration
         inputs, outputs = self._real(self.inputs), self._real(self.outputs)
         unknowns = [*dict.fromkeys([*outputs, *declared.values()])]
         inner = [name for name in states if name not in unknowns]  # states that are not outputs
         names = [*inputs, *unknowns, *inner]
         with self._reporting(UsageError):
-            C = np.vstack(
-                [self._jacobian(unknowns, states), np.eye(len(states))[[states.index(n) for n in inner]]]
-            )
-            D = np.vstack([self._jacobian(unknowns, inputs), np.zeros((len(inner), len(inputs)))])
+            # What contacts permit of changes of states; other tools need not know it.
+            asked = [*unknowns, *inner] if self._is_ours else unknowns
+            C, D = self._jacobian(asked, states), self._jacobian(asked, inputs)
+            if not self._is_ours:
+                C = np.vstack([C, np.eye(len(states))[[states.index(n) for n in inner]]])
+                D = np.vstack([D, np.zeros((len(inner), len(inputs)))])
             values = self._slave.getReal(self._references_of(names))
-        # What is at rest does not even keep the velocity that it is given.
-        moved = {v: C[unknowns.index(v), states.index(v)] for v in declared.values() if v in declared}
-        locked = (q for q in states if abs(moved.get(declared[q], 1.0)) <= LOCKED_ROUNDING)
+        # What is at rest keeps no velocity that it is given. What rolls may move with its heading.
+        velocities = {q: declared[q] for q in states if declared[q] in declared}
+        locked = (q for q, v in velocities.items() if np.abs(C[unknowns.index(v)]).max() <= LOCKED_ROUNDING)
         return Derivatives(
             tuple(states), tuple(inputs), tuple(outputs), (*unknowns, *inner), C, D,
             dict(zip(names, map(float, values), strict=True)), self._rates | declared, self.quaternions,

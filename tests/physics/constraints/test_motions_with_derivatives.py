@@ -146,3 +146,51 @@ def test_fmu_has_the_variables(tmp_path: Path) -> None:
         )
         errors.append(abs(found["x.s"][-1] + found["y.s"][-1] - truth))
     assert errors[0] / errors[1] > 300, errors
+
+
+def slide(up_to: str) -> gelenk.Simulation:
+    """A mass of 1 kg whose position is prescribed."""
+    plant = gelenk.Simulation(
+        {
+            "gelenk": 1,
+            "bodies": {"mass": {"mass": 1}},
+            "joints": {"P": {"type": "prismatic", "axis": [1, 0, 0], "parent": "ground", "child": "mass"}},
+            "constraints": {"pos": {"type": "motion", "joint": "P", "input": "position", "up_to": up_to}},
+        }
+    )
+    plant.initialize(0.0, 1e-9)
+    return plant
+
+
+@pytest.mark.parametrize("order", ["values first", "derivative first"])
+def test_derivatives_may_be_set_before_and_after_values(order: str) -> None:
+    """FMI prescribes no order."""
+    plant = slide("speed")
+    plant.step_to(0.1)
+    steps = [lambda: plant.set_input("pos.s_ref", 0.0), lambda: plant.set_input("pos.v_ref", 0.0)]
+    derivative = [lambda: plant.set_input_derivative("pos.v_ref", 1, 6.0)]
+    for act in steps + derivative if order == "values first" else derivative + steps:
+        act()
+    plant.step_to(0.2)
+    found = [plant.output(name) for name in ("P.s", "P.v", "pos.f")]
+    assert found == pytest.approx([0.03, 0.6, 6.0], abs=1e-12)
+
+
+@pytest.mark.parametrize("sent", ["all values and first derivatives", "the position and its derivatives"])
+def test_what_masters_send_is_a_cubic(sent: str) -> None:
+    """Some send first derivatives of all inputs; others know nothing of the inputs v_ref and a_ref."""
+    plant = slide("acceleration")
+    for k in range(4):
+        t = 0.1 * k
+        orders = (t**3, 3 * t * t, 6 * t, 6.0)
+        if sent.startswith("all"):
+            for i, name in enumerate(COURSES):
+                plant.set_input(name, orders[i])
+                plant.set_input_derivative(name, 1, orders[i + 1])
+        else:
+            plant.set_input("pos.s_ref", orders[0])
+            for order in (1, 2, 3):
+                plant.set_input_derivative("pos.s_ref", order, orders[order])
+        plant.step_to(t + 0.1)
+        assert plant.output("P.s") == pytest.approx((t + 0.1) ** 3, abs=1e-14)
+        assert plant.output("pos.f") == pytest.approx(6 * (t + 0.1), abs=1e-12)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Four-bars that pass beside a singular configuration: their links lie almost in line.
+"""Four-bars that narrowly miss a singular configuration: their links lie almost in line.
 
 At the flat position two branches of motion would cross. A four-bar that misses it keeps to its assembly
 configuration: where the crank points to the rocker's pivot, coupler and rocker turn over within the time that
@@ -148,7 +148,7 @@ def test_four_bar_that_misses_the_flat_position_keeps_its_assembly(integrator: s
 
 
 @pytest.mark.parametrize("reductions", [True, False])
-def test_a_part_of_a_spatial_loop_that_passes_nearby(reductions: bool) -> None:
+def test_a_spatial_loop_that_narrowly_misses(reductions: bool) -> None:
     """With all reductions off the loop has redundant constraint equations beside the small pivot."""
     scene = {**FourBar(3e-3).scene(), "solver": {"reductions": {"all": reductions}}}
     for tolerance in (1e-6, 1e-8, 1e-10):
@@ -174,8 +174,8 @@ def test_a_start_shortly_before_a_singular_position_reaches_it(distance: float, 
             assert plant.output("P.s") == pytest.approx(2 * math.cos(plant.output("A.phi")), abs=1e-3)
 
 
-def test_an_interrupted_passage_continues_with_the_same_bits() -> None:
-    """Saved and restored before, within and after the passage."""
+def test_a_near_miss_continues_with_the_same_bits() -> None:
+    """Saved and restored before, during and after it."""
     times = [0.3, 0.39, 0.4005, 0.4007, 0.41, 0.6]
     for integrator in ("erk", "cvode"):
         runs = []
