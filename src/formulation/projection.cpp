@@ -61,6 +61,7 @@ class Projection final : public Formulation {
     for (auto& acceleration : accelerations_) acceleration.resize(mechanism_.nv);
   }
   bool project(double t, double* y) override;
+  void set_tolerance(double tolerance) override { approach_.set_tolerance(tolerance); }
   void polish(bool on) override { polishing_ = on; }
   double end_of_step(double t) override { return recorded_ > 1 ? approach_.end_of_step(t) : INFINITY; }
   void accepted(double t, const double* y) override;
@@ -85,6 +86,9 @@ class Projection final : public Formulation {
   bool apply_fixed_corrections(double* q, double* v);
   bool close(double* y);
   bool close_contacts(double* y);
+  double kinetic_energy(const double* v);
+  // Whether extrapolations are of states on the way in. A start near a singular configuration has errors of its own.
+  bool may_be_compared() const { return recorded_ > (started_on_branch_ ? 1 : 0); }
 
   int corrections_;
   double rounding_level_ = 0;       // m or rad, from the mechanism's length
@@ -102,6 +106,7 @@ class Projection final : public Formulation {
   Inputs recorded_inputs_;  // inputs of the recorded accelerations
   bool polishing_ = false;
   SingularApproach approach_;
+  double energy_before_ = 0, energy_after_ = 0;  // kinetic [J], of the last projection of velocities
 };
 
 void Projection::start(const std::vector<double>& cut_q, double t, const double* y) {
@@ -242,7 +247,7 @@ void Projection::record_acceleration(double t, const double* y) {
 // Compares the extrapolated accelerations at an accepted state with those of the equations.
 void Projection::compare_accelerations(double t, const double* y) {
   const double* extrapolated = extrapolate(t);
-  if (recorded_ < 2 || extrapolated == nullptr) return;
+  if (!may_be_compared() || extrapolated == nullptr) return;
   dynamics_.solve(drives_.u().data(), vdot_after_.data());
   double deviation = 0;
   double size = 0;
@@ -252,6 +257,7 @@ void Projection::compare_accelerations(double t, const double* y) {
   }
   const double fraction = rows_.pivot_fraction();
   approach_.compare(fraction, deviation, constraint_noise * size / (fraction * fraction * fraction));
+  approach_.remove_energy(energy_before_, energy_after_);
   rows_.set_near_miss(approach_.misses());
 }
 
@@ -291,7 +297,10 @@ bool Projection::close(double* y) {
     dynamics_.displace(y, correction_.data());
     dynamics_.set_position(y);
   }
+  const bool extrapolates = !rows_.is_regular() && may_be_compared();
+  energy_before_ = extrapolates ? kinetic_energy(v) : 0;
   if (!rows_.close_velocity(v)) return false;
+  energy_after_ = extrapolates ? kinetic_energy(v) : 0;
   double speed = 1;
   for (int k = 0; k < mechanism_.nv; ++k) speed = std::max(speed, std::abs(v[k]));
   if (polishes && left(dynamics_.row_rates()) > rounding_level_ * speed) {
@@ -299,6 +308,11 @@ bool Projection::close(double* y) {
     for (int k = 0; k < mechanism_.nv; ++k) v[k] += correction_[k];
   }
   return true;
+}
+
+double Projection::kinetic_energy(const double* v) {
+  dynamics_.set_velocity(v);
+  return dynamics_.readings().energy().kinetic;
 }
 
 bool Projection::project(double t, double* y) {

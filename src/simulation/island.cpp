@@ -61,6 +61,7 @@ void Island::start_integrator(double tolerance) {
   options.cone_tolerance = scene_.solver.cone_tolerance;
   options.rho_inf = scene_.solver.rho_inf;
   equations_->modes().locks().set_tolerance(tolerance);
+  equations_->set_tolerance(tolerance);
   integrator_ = make_integrator(scene_.solver.integrator, *equations_, options);
   make_reading();
   integrator_->restart(time_, y_.data());
