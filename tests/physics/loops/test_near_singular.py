@@ -195,7 +195,10 @@ def test_a_near_miss_continues_with_the_same_bits() -> None:
 
 
 def three_cranks(missing: float) -> dict[str, Any]:
-    """Return two four-bars in a row that are nearly parallelograms: cranks of 1 m and longer, couplers of 1.3 m."""
+    """Return two four-bars in a row that are nearly parallelograms.
+
+    The cranks have 1 m and longer, the couplers 1.3 m.
+    """
     lengths = [1.0, 1 + missing, 1 + 2 * missing]
     up = {"phi": math.pi / 2}
     bodies = {f"crank{i}": mechanisms.rod(length) for i, length in enumerate(lengths)}
