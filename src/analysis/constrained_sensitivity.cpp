@@ -315,10 +315,18 @@ void ConstrainedSensitivity::differentiate_acceleration(const MatrixXd& null_mul
   MatrixXd dx = MatrixXd::Zero(touches() ? contacts_->rows() : 0, n);
   // One pass is exact, but for friction of joints that follows the forces of contacts.
   const bool repeats = touches() && !dynamics_->switching_forces().loads().empty();
-  for (int pass = 0; pass < (repeats ? most_passes : 1); ++pass) {
-    const double change = correct_accelerations(dvdot, dlambda, dholding, dx, pass > 0);
-    if (change <= enough_passed) break;
-  }
+  const auto correct = [&](MatrixXd& a, MatrixXd& l, MatrixXd& h, MatrixXd& x) {
+    for (int pass = 0; pass < (repeats ? most_passes : 1); ++pass) {
+      if (correct_accelerations(a, l, h, x, pass > 0) <= enough_passed) break;
+    }
+  };
+  const auto with_present_forces = [&] {
+    MatrixXd a = MatrixXd::Zero(mechanism_.nv, n), l = null_multipliers, h = dholding, x = MatrixXd::Zero(dx.rows(), n);
+    correct(a, l, h, x);
+    return a;
+  };
+  if (touches()) require_determined_prestress(*contacts_, with_present_forces);
+  correct(dvdot, dlambda, dholding, dx);
   std::vector<Dual> holding(holding_.begin(), holding_.end());
   for (std::size_t i = 0; i < holding.size(); ++i)
     holding[i].derivatives().head(n) = dholding.row(static_cast<Index>(i)).transpose().array();

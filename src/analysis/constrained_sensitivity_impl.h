@@ -19,6 +19,10 @@ using Response = std::function<void(Eigen::VectorXd& r, Eigen::VectorXd& l, Eige
 void undetermine_reactions(const HeldContacts& contacts, const Response& respond, Eigen::MatrixXd& dlambda,
                            std::vector<Dual>& holding);
 
+// Throws NotDifferentiablePoint if redundant forces of contacts change the derivatives of the accelerations, which
+// accelerations() returns for the present forces.
+void require_determined_prestress(HeldContacts& contacts, const std::function<Eigen::MatrixXd()>& accelerations);
+
 // Sets `at` to the point without derivatives.
 template <class T>
 void ConstrainedSensitivity::begin(CarriedState<T>& at) {

@@ -76,6 +76,22 @@ void undetermine_reactions(const HeldContacts& contacts, const Response& respond
   }
 }
 
+void require_determined_prestress(HeldContacts& contacts, const std::function<MatrixXd()>& accelerations) {
+  constexpr double no_change = 1e-9;  // relative to the accelerations that the forces alone would cause, per rad or m
+  const MatrixXd redundant = contacts.redundant();
+  if (redundant.cols() == 0) return;
+  const MatrixXd present = accelerations();
+  const VectorXd determined = contacts.multipliers();
+  const double size = determined.cwiseAbs().maxCoeff();
+  for (Index k = 0; k < redundant.cols(); ++k) {
+    contacts.set_multipliers(determined + size / redundant.col(k).cwiseAbs().maxCoeff() * redundant.col(k));
+    const MatrixXd changed = accelerations();
+    contacts.set_multipliers(determined);
+    if ((changed - present).cwiseAbs().maxCoeff() <= no_change * size * contacts.largest_response()) continue;
+    throw NotDifferentiablePoint(LawEdge{contacts.contact_of(redundant.col(k)), LawEdge::Of::redundant_prestress});
+  }
+}
+
 // By dual numbers, which the kinematics of contacts are written for.
 MovedState ConstrainedSensitivity::state_derivative_in_contact(const MatrixXd& dq, const MatrixXd& dv,
                                                                const MatrixXd& du) {

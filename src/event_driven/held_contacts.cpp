@@ -310,6 +310,15 @@ VectorXd HeldContacts::change_of_forces(const VectorXd& a, const VectorXd& kept)
   return out;
 }
 
+int HeldContacts::contact_of(const VectorXd& redundant) const {
+  const auto presses = [&](const ContactEquations::Entry& entry) {
+    return std::abs(redundant[entry.first]) > no_effect * redundant.cwiseAbs().maxCoeff();
+  };
+  const auto& entries = equations_.rows().entries;
+  const auto entry = std::ranges::find_if(entries, presses);
+  return equations_.candidates()[(entry == entries.end() ? entries.front() : *entry).candidate].contact;
+}
+
 int HeldContacts::ambiguous_contact() const {
   const ContactEquations::RowMatrix& Z = equations_.last_solution().responses;
   if (redundant_.cols() == 0) return -1;

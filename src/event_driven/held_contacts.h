@@ -54,6 +54,13 @@ class HeldContacts {
   Eigen::Index rows() const { return R_.rows(); }
   // Multipliers without effect on what is kept, in columns: those of the solution may have any amount of them.
   const Eigen::MatrixXd& redundant() const { return redundant_; }
+  // Those that apply() applies.
+  const Eigen::VectorXd& multipliers() const { return x_; }
+  void set_multipliers(const Eigen::VectorXd& x) { x_ = x; }
+  // The largest acceleration by one of them of size 1, were nothing kept.
+  double largest_response() const { return equations_.last_solution().responses.cwiseAbs().maxCoeff(); }
+  // A contact of which such multipliers, a column of redundant(), contain forces.
+  int contact_of(const Eigen::VectorXd& redundant) const;
 
   // A contact of which the friction depends on redundant normal forces, so that their changes matter; -1: none.
   int ambiguous_contact() const;

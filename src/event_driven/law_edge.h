@@ -11,6 +11,7 @@ struct LawEdge {
     friction,                 // it sticks with as much friction as it can exert, or is about to stick
     feature,                  // its point is at the end of a face or an edge
     redundant_normal_forces,  // it slides, and the equations do not determine its share of the normal forces
+    redundant_prestress,      // the accelerations nearby depend on forces that the equations do not determine
     losses,                   // it is closed beside a gear or rack with losses, which depend on its force
     prescribed_speed          // it sticks at rest, and a constraint prescribes a speed without a position
   };

@@ -23,6 +23,9 @@ std::string describe_contact_edge(const Scene& scene, const LawEdge& edge, doubl
         return "touches exactly at the end of a face or an edge, which it may leave";
       case LawEdge::Of::redundant_normal_forces:
         return "slides with a friction that depends on redundant normal forces, which the equations do not determine";
+      case LawEdge::Of::redundant_prestress:
+        return "is wedged among others: the equations do not determine how much they press, on which the accelerations "
+               "beside this position depend";
       case LawEdge::Of::losses:
         return "is closed beside a gear or rack with losses, which depend on its force";
       case LawEdge::Of::prescribed_speed:

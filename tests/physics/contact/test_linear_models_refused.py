@@ -75,3 +75,37 @@ def test_a_prescribed_speed_under_what_sticks() -> None:
     ):
         gelenk.linear.linear_model(gelenk.load(source("speed")))
     assert gelenk.linear.linear_model(gelenk.load(source("position"))) is not None
+
+
+def on_spheres(*places: list[float]) -> dict[str, Any]:
+    """Return a sphere of 0.1 m on fixed ones without friction."""
+    fixed = {f"s{i}": {"sphere": 0.1, "position": place} for i, place in enumerate(places)}
+    return {
+        "gelenk": 1,
+        "gravity": [0, 0, -9.81],
+        "bodies": {
+            "load": {
+                "mass": 1,
+                "inertia": [4e-3] * 3,
+                "shapes": {"skin": {"sphere": 0.1, "surface": "skin"}},
+            }
+        },
+        "ground": {"shapes": {name: {**shape, "surface": name} for name, shape in fixed.items()}},
+        "joints": {
+            "J": {"type": "free", "parent": "ground", "child": "load", "start": {"r": [0, 0, 0], "fixed": True}}
+        },
+        "contacts": {f"on_{name}": {"between": ["skin", name]} for name in fixed},
+    }
+
+
+def test_a_sphere_wedged_among_three() -> None:
+    """Along y it falls as a pendulum upside down, the faster the more the three press: which is not determined.
+
+    Between two spheres their forces are: 9.81 / 0.16 1/s2, from the height of its center above theirs.
+    """
+    model = gelenk.linearize(on_spheres([-0.12, 0, -0.16], [0.12, 0, -0.16]))
+    fastest = max(model.poles().real)
+    assert fastest**2 == pytest.approx(9.81 / 0.16, rel=1e-9)
+    wedged = on_spheres([-0.12, 0, -0.16], [0.12, 0, -0.16], [0, 0, -0.2])
+    with pytest.raises(gelenk.errors.UsageError, match=r"contacts\.on_s0 is wedged among others"):
+        gelenk.linearize(wedged)
