@@ -57,9 +57,6 @@ class Formulation : public Equations, private ModeEquations {
  public:
   explicit Formulation(const FormulationContext& context);
 
-  // Of the run.
-  virtual void set_tolerance(double /*tolerance*/) {}
-
   int size() const final { return drives_.motion_size() + drives_.states(); }
   int coordinates() const final { return mechanism_.nq; }
   int velocities() const final { return mechanism_.nv; }

@@ -61,7 +61,6 @@ class Projection final : public Formulation {
     for (auto& acceleration : accelerations_) acceleration.resize(mechanism_.nv);
   }
   bool project(double t, double* y) override;
-  void set_tolerance(double tolerance) override { approach_.set_tolerance(tolerance); }
   void polish(bool on) override { polishing_ = on; }
   double end_of_step(double t) override { return recorded_ > 1 ? approach_.end_of_step(t) : INFINITY; }
   void accepted(double t, const double* y) override;
@@ -257,7 +256,7 @@ void Projection::compare_accelerations(double t, const double* y) {
   }
   const double fraction = rows_.pivot_fraction();
   approach_.compare(fraction, deviation, constraint_noise * size / (fraction * fraction * fraction));
-  approach_.remove_energy(energy_before_, energy_after_);
+  approach_.remove_energy(energy_before_, energy_after_, modes().locks().tolerance());
   rows_.set_near_miss(approach_.misses());
 }
 

@@ -60,10 +60,10 @@ void SingularApproach::compare(double fraction, double deviation, double roundin
   }
 }
 
-void SingularApproach::remove_energy(double before, double after) {
+void SingularApproach::remove_energy(double before, double after, double tolerance) {
   largest_ = std::max(largest_, before);
   removed_ += std::max(0.0, before - after);
-  const double allowed = contradicts_ ? std::max(largest_removed * tolerance_, least_removed) : evident_removed;
+  const double allowed = contradicts_ ? std::max(largest_removed * tolerance, least_removed) : evident_removed;
   if (removed_ > allowed * largest_) decided_ = misses_ = true;
 }
 

@@ -16,11 +16,7 @@ namespace gelenk {
 class SingularApproach {
  public:
   // No state is known.
-  void clear() {
-    const double tolerance = tolerance_;
-    *this = SingularApproach();
-    tolerance_ = tolerance;
-  }
+  void clear() { *this = SingularApproach(); }
   // A state with this pivot fraction has been accepted at t.
   void pass(double t, double fraction);
   // The accelerations of the equations and the extrapolated ones differ by this at the accepted state; rounding: what
@@ -28,8 +24,8 @@ class SingularApproach {
   void compare(double fraction, double deviation, double rounding);
   // After compare(): the projection onto the constraint equations has changed the kinetic energy of the accepted state
   // [J]. What contradicts the equations by more than rounding and loses energy misses the singular configuration.
-  void remove_energy(double before, double after);
-  void set_tolerance(double tolerance) { tolerance_ = tolerance; }
+  // tolerance: of the run.
+  void remove_energy(double before, double after, double tolerance);
   // Where a step from t should end so that the next state can be compared [s].
   double end_of_step(double t) const;
   // Whether the mechanism narrowly misses the singular configuration.
@@ -47,7 +43,6 @@ class SingularApproach {
   bool decided_ = false, misses_ = false;
   bool contradicts_ = false;          // at the last state compared
   double removed_ = 0, largest_ = 0;  // kinetic energies [J]: in all; before
-  double tolerance_ = 1e-6;           // not saved
 };
 
 }  // namespace gelenk

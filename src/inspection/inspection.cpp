@@ -340,6 +340,13 @@ Inspection inspect(Simulation& simulation, const Scene& whole) {
              "accelerations, reactions, poses and energies are computed when they are read, not in every evaluation",
              true);
   }
+  if (const int parts = StartReport(simulation).kinematic_parts(); parts > 0) {
+    add_note(
+        out, Reduction::kinematic,
+        (parts == 1 ? "a part" : std::to_string(parts) + " parts") +
+            " without degrees of freedom: prescribed motions give positions and velocities, which are not integrated",
+        true);
+  }
   for (ReductionReport& report : out.reductions) shorten(report.notes);
   return out;
 }

@@ -108,6 +108,8 @@ std::unique_ptr<Integrator> make_automatic(Equations& system, const IntegratorOp
 // `auto` with contacts: located events with the given method, or steps with impulses, as event/scheme_watch.h decides.
 std::unique_ptr<Integrator> make_contact_scheme(std::unique_ptr<Integrator> between_events, Equations& system,
                                                 const IntegratorOptions& options);
+// Of a mechanism without degrees of freedom; the other one where these steps fail.
+std::unique_ptr<Integrator> make_kinematic_steps(Equations& system, std::unique_ptr<Integrator> general);
 std::unique_ptr<Integrator> make_moreau_jean(Equations& system, const IntegratorOptions& options);
 std::unique_ptr<Integrator> make_rk4(Equations& system, const IntegratorOptions& options);
 std::unique_ptr<Integrator> make_cvode(Equations& system, const IntegratorOptions& options);

@@ -18,8 +18,13 @@ struct PreparedIsland {
   Mechanism mechanism;  // without redundant rows
   Assembled start;
   std::vector<double> cut_start;  // guessed coordinates of the cut joints, from which turns are counted
-  MobilityAnalysis mobility;      // of the island with all rows, as in ReducedScene::islands
-  std::vector<double> states;     // start values of its element states
+  // Whether its constraints alone determine its positions at any time, without contacts, element states or rolling.
+  bool is_positioned() const {
+    return mechanism.nv > 0 && mobility.position_rank == mechanism.nv && mechanism.states.empty() &&
+           mechanism.shapes.empty();
+  }
+  MobilityAnalysis mobility;   // of the island with all rows, as in ReducedScene::islands
+  std::vector<double> states;  // start values of its element states
 };
 
 struct PreparedScene {

@@ -13,7 +13,8 @@ enum class Reduction {
   islands,         // parts that are not coupled are integrated separately
   outputs,         // only the stages that the requested outputs depend on are computed
   massless,        // massless rods become distance constraints
+  kinematic,       // mechanisms without degrees of freedom are not integrated
 };
-inline constexpr int reduction_count = 8;
+inline constexpr int reduction_count = 9;
 
 }  // namespace gelenk

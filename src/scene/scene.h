@@ -193,7 +193,7 @@ struct Solver {
   // Gains [1/s] of the formulation baumgarte, J vdot = gamma - 2 alpha J v - beta^2 Phi; 0: chosen from the step.
   double baumgarte_alpha = 0;
   double baumgarte_beta = 0;
-  std::array<bool, reduction_count> reductions = {true, true, true, true, true, true, true, true};
+  std::array<bool, reduction_count> reductions = {true, true, true, true, true, true, true, true, true};
 
   bool reduces(Reduction pass) const { return reductions[static_cast<std::size_t>(pass)]; }
 };

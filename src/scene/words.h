@@ -47,7 +47,7 @@ struct FormulationIntegrators {
 inline const std::vector<FormulationIntegrators> allowed_integrators = {
     {"index3", {"auto", "ida", "generalized-alpha", "hht", "newmark"}}, {"stabilized-index2", {"auto", "ida"}}};
 // In the order of enum Reduction.
-inline const std::vector<std::string> reductions = {"weld",           "static",  "cut_choice", "planar",
-                                                    "redundant_rows", "islands", "outputs",    "massless"};
+inline const std::vector<std::string> reductions = {"weld",    "static",  "cut_choice", "planar",   "redundant_rows",
+                                                    "islands", "outputs", "massless",   "kinematic"};
 
 }  // namespace gelenk::words

@@ -61,12 +61,18 @@ void Island::start_integrator(double tolerance) {
   options.cone_tolerance = scene_.solver.cone_tolerance;
   options.rho_inf = scene_.solver.rho_inf;
   equations_->modes().locks().set_tolerance(tolerance);
-  equations_->set_tolerance(tolerance);
   integrator_ = make_integrator(scene_.solver.integrator, *equations_, options);
+  if (is_kinematic()) integrator_ = make_kinematic_steps(*equations_, std::move(integrator_));
   make_reading();
   integrator_->restart(time_, y_.data());
   evaluations_before_ = dynamics_->evaluations();
   warm_up(options.step);
+}
+
+bool Island::is_kinematic() const {
+  return scene_.solver.reduces(Reduction::kinematic) && scene_.solver.integrator == "auto" &&
+         scene_.solver.formulation == "projection" && prepared_.is_positioned() &&
+         equations_->modes().indicators() == 0;
 }
 
 std::vector<std::array<std::string, 2>> Island::event_texts() const {

@@ -54,6 +54,9 @@ class Island {
   void finish_replay(const ReplayPath& replay_path, double time);
   const Integrator* integrator() const { return integrator_.get(); }  // null if nothing can move
 
+  // Whether prescribed motions alone give the positions at any time, so that nothing is integrated.
+  bool is_kinematic() const;
+
   double time() const { return time_; }  // s
   // Call if an input has changed that outputs show, but that does not act.
   void outputs_changed() { forget_outputs(); }

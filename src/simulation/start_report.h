@@ -24,6 +24,8 @@ class StartReport {
   // in SI units.
   std::vector<MovedFrame> moved_frames() const;
   Scene adjusted_scene() const;
+  // Parts without degrees of freedom, which are not integrated.
+  int kinematic_parts() const;
   // The reduced scene with its islands at their start.
   const PreparedScene& prepared() const;
 

@@ -92,7 +92,12 @@ def on_spheres(*places: list[float]) -> dict[str, Any]:
         },
         "ground": {"shapes": {name: {**shape, "surface": name} for name, shape in fixed.items()}},
         "joints": {
-            "J": {"type": "free", "parent": "ground", "child": "load", "start": {"r": [0, 0, 0], "fixed": True}}
+            "J": {
+                "type": "free",
+                "parent": "ground",
+                "child": "load",
+                "start": {"r": [0, 0, 0], "fixed": True},
+            }
         },
         "contacts": {f"on_{name}": {"between": ["skin", name]} for name in fixed},
     }
