@@ -21,16 +21,19 @@ inline constexpr unsigned running = between_steps | exchanging;
 inline constexpr unsigned assembled = running | Mode::initialization | Mode::terminated;
 
 // Converts the current exception to a status and one log message. function: name of the FMI function.
-fmi2Status report_exception(Instance& instance, const char* function) noexcept;
+Status report_exception(Instance& instance, const char* function) noexcept;
 
-// Logs that memory ran out; afterwards the instance can only be reset or freed. Returns fmi2Error.
-fmi2Status report_out_of_memory(Instance& instance, const char* function) noexcept;
+// Logs that memory ran out; afterwards the instance can only be reset or freed. Returns Status::error.
+Status report_out_of_memory(Instance& instance, const char* function) noexcept;
 
-// Logs why a call is invalid; returns fmi2Error.
-fmi2Status refuse(Instance& instance, const char* function, const std::string& why);
+// Logs why a call is invalid; returns Status::error.
+Status refuse(Instance& instance, const char* function, const std::string& why);
 
-// Logs why a result does not exist; returns fmi2Discard.
-fmi2Status discard(Instance& instance, const char* function, const std::string& why);
+// Logs why a result does not exist; returns Status::discard.
+Status discard(Instance& instance, const char* function, const std::string& why);
+
+// Logs a warning about what has been done.
+void warn(Instance& instance, const char* function, const std::string& what) noexcept;
 
 // Whether the instance is in one of the modes; if not, logs an error.
 bool allowed(Instance& instance, const char* function, unsigned modes) noexcept;
@@ -48,18 +51,18 @@ int number_of(const Enum& value) noexcept {
   return number;
 }
 
-// Runs body(instance) -> fmi2Status if the component is valid and in one of the modes. A null component gives fmi2Error
+// Runs body(instance) -> Status if the component is valid and in one of the modes. A null component gives Status::error
 // without a log message.
 template <class Body>
-fmi2Status call(fmi2Component component, const char* function, unsigned modes, Body&& body) noexcept {
+Status call(void* component, const char* function, unsigned modes, Body&& body) noexcept {
   auto* instance = static_cast<Instance*>(component);
-  if (instance == nullptr) return fmi2Error;
+  if (instance == nullptr) return Status::error;
   const FloatingPointGuard floating_point;
   const MemoryReserve memory;
-  if (!allowed(*instance, function, modes)) return fmi2Error;
+  if (!allowed(*instance, function, modes)) return Status::error;
   try {
-    const fmi2Status status = std::forward<Body>(body)(*instance);
-    return status == fmi2OK && memory.was_used() ? report_out_of_memory(*instance, function) : status;
+    const Status status = std::forward<Body>(body)(*instance);
+    return status == Status::ok && memory.was_used() ? report_out_of_memory(*instance, function) : status;
   } catch (...) {
     return report_exception(*instance, function);
   }
@@ -67,9 +70,9 @@ fmi2Status call(fmi2Component component, const char* function, unsigned modes, B
 
 // The same for functions of one kind of FMU.
 template <class Body>
-fmi2Status call(fmi2Component component, const char* function, Plant::Kind kind, unsigned modes, Body&& body) noexcept {
+Status call(void* component, const char* function, Plant::Kind kind, unsigned modes, Body&& body) noexcept {
   auto* instance = static_cast<Instance*>(component);
-  if (instance != nullptr && !is_of_kind(*instance, function, kind)) return fmi2Error;
+  if (instance != nullptr && !is_of_kind(*instance, function, kind)) return Status::error;
   return call(component, function, modes, std::forward<Body>(body));
 }
 

@@ -1,26 +1,33 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Derivatives of outputs and states with respect to states, inputs and time.
-#include "fmu/runtime/plant_derivatives.h"
+#include "fmu/derivatives.h"
 
 #include "fmu/api_call.h"
+#include "fmu/runtime/plant_derivatives.h"
 
 namespace gelenk {
 namespace {
 
-// Throws for a missing list.
-void expect(const char* what, size_t count, const void* list) {
-  if (count > 0 && list == nullptr) {
-    throw UsageError(std::string(what) + ": found a null pointer, expected an array of " + std::to_string(count));
+// Throws for a list that is missing or of another length.
+template <class T>
+void expect(const ListArgument<T>& list, std::size_t count) {
+  if (list.count != count) {
+    throw UsageError(std::string(list.name) + ": found an array of " + std::to_string(list.count) +
+                     ", expected one of " + std::to_string(count));
+  }
+  if (count > 0 && list.values == nullptr) {
+    throw UsageError(std::string(list.name) + ": found a null pointer, expected an array of " + std::to_string(count));
   }
 }
 
+References span_of(const ReferenceList& list) { return {list.values, list.count}; }
+
 template <class Body>
-fmi2Status differentiate(fmi2Component c, const char* function, unsigned modes, Body&& body) noexcept {
-  return call(c, function, modes, [&](Instance& instance) {
+Status differentiate(void* c, const char* function, Body&& body) noexcept {
+  return call(c, function, assembled, [&](Instance& instance) {
     const StepMemory::InUse memory = instance.use_step_memory();
     try {
       std::forward<Body>(body)(instance.plant());
-      return fmi2OK;
+      return Status::ok;
     } catch (const NotDifferentiable& fault) {
       return discard(instance, function, fault.what());
     }
@@ -28,38 +35,41 @@ fmi2Status differentiate(fmi2Component c, const char* function, unsigned modes, 
 }
 
 }  // namespace
+
+Status get_directional_derivative(void* instance, const char* function, const ReferenceList& unknowns,
+                                  const ReferenceList& knowns, const Seed& seed, const Sensitivities& out) noexcept {
+  return differentiate(instance, function, [&](Plant& plant) {
+    expect(unknowns, unknowns.count);
+    expect(knowns, knowns.count);
+    expect(seed, knowns.count);
+    expect(out, unknowns.count);
+    if (unknowns.count == 0) return;
+    directional_derivative(plant, span_of(unknowns), span_of(knowns), {seed.name, seed.values}, out.values);
+  });
+}
+
+Status get_adjoint_derivative(void* instance, const char* function, const ReferenceList& unknowns,
+                              const ReferenceList& knowns, const Seed& seed, const Sensitivities& out) noexcept {
+  return differentiate(instance, function, [&](Plant& plant) {
+    expect(unknowns, unknowns.count);
+    expect(knowns, knowns.count);
+    expect(seed, unknowns.count);
+    expect(out, knowns.count);
+    if (knowns.count == 0) return;
+    adjoint_derivative(plant, span_of(unknowns), span_of(knowns), {seed.name, seed.values}, out.values);
+  });
+}
+
+Status get_output_derivatives(void* instance, const char* function, const ReferenceList& outputs, const int* orders,
+                              const Sensitivities& out) noexcept {
+  if (instance != nullptr && !is_of_kind(*static_cast<Instance*>(instance), function, Plant::Kind::co_simulation))
+    return Status::error;
+  return differentiate(instance, function, [&](Plant& plant) {
+    expect(outputs, outputs.count);
+    expect(ListArgument<const int>{"orders", orders, outputs.count}, outputs.count);
+    expect(out, outputs.count);
+    if (outputs.count > 0) output_derivatives(plant, span_of(outputs), orders, out.values);
+  });
+}
+
 }  // namespace gelenk
-
-using gelenk::Plant;
-
-extern "C" {
-
-fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference unknown[], size_t nUnknown,
-                                        const fmi2ValueReference known[], size_t nKnown, const fmi2Real dvKnown[],
-                                        fmi2Real dvUnknown[]) {
-  return gelenk::differentiate(c, "fmi2GetDirectionalDerivative", gelenk::assembled, [&](Plant& plant) {
-    gelenk::expect("unknowns", nUnknown, unknown);
-    gelenk::expect("knowns", nKnown, known);
-    gelenk::expect("dvKnown", nKnown, dvKnown);
-    gelenk::expect("dvUnknown", nUnknown, dvUnknown);
-    if (nUnknown == 0) return;
-    gelenk::directional_derivative(plant, {unknown, nUnknown}, {known, nKnown}, dvKnown, dvUnknown);
-  });
-}
-
-// A function of co-simulation. FMI permits this call only after steps; Maestro also makes it in initialization mode,
-// where the values are known, too.
-fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
-                                        const fmi2Integer order[], fmi2Real value[]) {
-  constexpr const char* name = "fmi2GetRealOutputDerivatives";
-  if (c != nullptr && !gelenk::is_of_kind(*static_cast<gelenk::Instance*>(c), name, Plant::Kind::co_simulation))
-    return fmi2Error;
-  return gelenk::differentiate(c, name, gelenk::assembled, [&](Plant& plant) {
-    gelenk::expect("value references", nvr, vr);
-    gelenk::expect("orders", nvr, order);
-    gelenk::expect("values", nvr, value);
-    if (nvr > 0) gelenk::output_derivatives(plant, {vr, nvr}, order, value);
-  });
-}
-
-}  // extern "C"

@@ -20,10 +20,10 @@ std::string seconds(double t) { return "t = " + text::number(t) + " s"; }
 
 }  // namespace
 
-const char* describe(Mode mode) {
+std::string describe(Mode mode, const Vocabulary& of) {
   switch (mode) {
     case Mode::instantiated:
-      return "before fmi2EnterInitializationMode";
+      return std::string("before ") + of.enter_initialization;
     case Mode::initialization:
       return "in initialization mode";
     case Mode::step_complete:
@@ -31,19 +31,21 @@ const char* describe(Mode mode) {
     case Mode::step_failed:
       return "after a discarded step";
     case Mode::terminated:
-      return "after fmi2Terminate";
+      return std::string("after ") + of.terminate;
     case Mode::event:
       return "in event mode";
     case Mode::continuous_time:
       return "in continuous-time mode";
+    case Mode::configuration:
+      return "in configuration mode";
     case Mode::error:
       break;
   }
   return "after an internal error of the FMU";
 }
 
-Instance::Instance(std::shared_ptr<const PlantModel> model, Log log, Plant::Kind kind)
-    : model_(std::move(model)), log_(std::move(log)), plant_(model_, kind), stop_(no_stop) {}
+Instance::Instance(std::shared_ptr<const PlantModel> model, Log log, Plant::Kind kind, const Vocabulary& vocabulary)
+    : model_(std::move(model)), vocabulary_(vocabulary), log_(std::move(log)), plant_(model_, kind), stop_(no_stop) {}
 
 void Instance::setup_experiment(std::optional<double> tolerance, double start, std::optional<double> stop) {
   if (!std::isfinite(start))
@@ -73,7 +75,8 @@ void Instance::exit_initialization() {
 
 void Instance::enter_continuous_time_mode() {
   if (!has_passed_events_)
-    throw UsageError("called before fmi2NewDiscreteStates, which finds the modes in which the motion continues");
+    throw UsageError(std::string("called before ") + vocabulary_.pass_event +
+                     ", which finds the modes in which the motion continues");
   mode_ = Mode::continuous_time;
 }
 
@@ -114,7 +117,7 @@ void Instance::step(double current, double h) {
   // A millionth of a step allows for rounding by the master.
   if (current + h > stop_ + 1e-6 * h) {
     throw UsageError("communication step: found one to " + seconds(current + h) + ", beyond the stop time " +
-                     text::number(stop_) + " s of fmi2SetupExperiment");
+                     text::number(stop_) + " s of " + vocabulary_.stop_time);
   }
   Clock next = clock_;
   try {
@@ -149,7 +152,7 @@ SavedState* Instance::adopt(std::unique_ptr<SavedState> state) {
   return adopted;
 }
 
-SavedState* Instance::find(fmi2FMUstate state) const {
+SavedState* Instance::find(const void* state) const {
   const auto found = states_.find(state);
   return found == states_.end() ? nullptr : found->second.get();
 }
@@ -192,7 +195,7 @@ void Instance::serialize(Archive& archive) {
   }
   const auto mode = static_cast<Mode>(1U << static_cast<unsigned>(code % kinds));
   const unsigned others = exchanges ? between_steps : exchanging;
-  if (mode == Mode::error || (static_cast<unsigned>(mode) & others) != 0)
+  if (mode == Mode::error || mode == Mode::configuration || (static_cast<unsigned>(mode) & others) != 0)
     throw std::invalid_argument("found a mode in which states cannot be saved");
   archive.serialize(stuck_, stop_);
   if (exchanges) archive.serialize(has_passed_events_);
@@ -209,7 +212,7 @@ void Instance::fail_step(bool stuck) {
 
 void Instance::enter(Mode mode) {
   mode_ = mode;
-  log_.write(Category::events, log_.instance_name() + " is now " + describe(mode));
+  log_.write(Category::events, log_.instance_name() + " is now " + describe(mode, vocabulary_));
 }
 
 }  // namespace gelenk

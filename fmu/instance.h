@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Instance: the implementation of an fmi2Component, with its mode in the FMI state machine.
+// Instance: the implementation of an fmi2Component and an fmi3Instance, with its mode in the FMI state machine.
 #pragma once
 
 #include <map>
@@ -12,12 +12,13 @@
 #include "fmu/log.h"
 #include "fmu/runtime/plant.h"
 #include "fmu/saved_state.h"
+#include "fmu/status.h"
 #include "fmu/step_memory.h"
 
 namespace gelenk {
 
-// State machines of co-simulation, FMI 2.0, section 4.2.4, and of model exchange, section 3.2.3. Bits, so that sets of
-// modes can be formed.
+// State machines of co-simulation, FMI 2.0, section 4.2.4, and of model exchange, section 3.2.3. Those of FMI 3.0 add
+// the configuration mode. Bits, so that sets of modes can be formed.
 enum class Mode : unsigned {
   instantiated = 1,
   initialization = 2,
@@ -27,8 +28,9 @@ enum class Mode : unsigned {
   error = 32,  // internal error: only reset and free are allowed
   event = 64,
   continuous_time = 128,
+  configuration = 256,
 };
-inline constexpr Mode last_mode = Mode::continuous_time;
+inline constexpr Mode last_mode = Mode::configuration;
 constexpr unsigned operator|(Mode a, Mode b) { return static_cast<unsigned>(a) | static_cast<unsigned>(b); }
 constexpr unsigned operator|(unsigned a, Mode b) { return a | static_cast<unsigned>(b); }
 
@@ -36,14 +38,16 @@ inline constexpr unsigned between_steps = Mode::step_complete | Mode::step_faile
 inline constexpr unsigned exchanging = Mode::event | Mode::continuous_time;
 
 // A phrase such as "in initialization mode", which completes "fmi2DoStep: called ...".
-const char* describe(Mode mode);
+std::string describe(Mode mode, const Vocabulary& of);
 
 class Instance {
  public:
-  Instance(std::shared_ptr<const PlantModel> model, Log log, Plant::Kind kind);
+  // vocabulary: of the version of FMI whose functions are called.
+  Instance(std::shared_ptr<const PlantModel> model, Log log, Plant::Kind kind, const Vocabulary& vocabulary);
 
   Mode mode() const { return mode_; }
   Plant::Kind kind() const { return plant_.kind(); }
+  const Vocabulary& vocabulary() const { return vocabulary_; }
   Log& log() { return log_; }
   Plant& plant() { return plant_; }
 
@@ -51,6 +55,9 @@ class Instance {
   void setup_experiment(std::optional<double> tolerance, double start, std::optional<double> stop);
   void enter_initialization();
   void exit_initialization();
+  // Of FMI 3.0. There are no structural parameters that it serves to set.
+  void enter_configuration() { enter(Mode::configuration); }
+  void exit_configuration() { enter(Mode::instantiated); }
   void terminate();
   void reset();
   // Of model exchange.
@@ -62,6 +69,9 @@ class Instance {
 
   // Serves this thread from the memory for steps, after initialization, for the lifetime of the result.
   StepMemory::InUse use_step_memory() const { return StepMemory::InUse(memory_ ? &*memory_ : nullptr); }
+  // Of FMI 3.0: whether a step whose evaluation budget is exhausted is one that returns early.
+  void allow_early_return(bool allowed) { may_return_early_ = allowed; }
+  bool may_return_early() const { return may_return_early_; }
   // Advances from the master's time `current` by h > 0 [s]. Throws StepError (the mode is then step_failed) and
   // UsageError (no change).
   void step(double current, double h);
@@ -72,7 +82,7 @@ class Instance {
   SavedState* save();
   void save(SavedState& state) { write(state.archive); }
   // Returns null for a state that does not belong to this instance.
-  SavedState* find(fmi2FMUstate state) const;
+  SavedState* find(const void* state) const;
   // Throws what Plant::serialize throws; the instance is then unchanged.
   void restore(SavedState& state);
   SavedState* adopt(std::unique_ptr<SavedState> state);
@@ -87,12 +97,14 @@ class Instance {
   void log_events();
 
   std::shared_ptr<const PlantModel> model_;
+  const Vocabulary& vocabulary_;
   Log log_;
   std::optional<StepMemory> memory_;  // outlives what is in it
   Plant plant_;
   Clock clock_;
   Mode mode_ = Mode::instantiated;
-  bool stuck_ = false;              // in mode step_failed: see stuck()
+  bool stuck_ = false;  // in mode step_failed: see stuck()
+  bool may_return_early_ = false;
   bool has_passed_events_ = false;  // of model exchange: the one at the start
   double stop_;                     // stop time [s]; infinite: none given
   std::map<const void*, std::unique_ptr<SavedState>> states_;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Creation and deletion of instances, and changes of their mode.
+#include "fmu/lifecycle.h"
+
 #include <array>
 #include <cerrno>
 #include <cstdio>
@@ -47,25 +48,22 @@ std::string read_file(const std::filesystem::path& path) {
                    " could not be read: " + (errno != 0 ? std::strerror(errno) : "not a file"));
 }
 
-std::shared_ptr<const PlantModel> load(const char* location, const std::string& guid) {
-  if (location == nullptr)
-    throw UsageError("resource location: found a null pointer, expected the FMU's resources directory");
-  const std::filesystem::path path = directory_of_uri(location) / "scene.json";
+std::shared_ptr<const PlantModel> load_model(const Instantiation& wanted) {
+  const Vocabulary& words = wanted.vocabulary;
+  if (wanted.token == nullptr) {
+    throw UsageError(std::string(words.token) + ": found a null pointer, expected the one in modelDescription.xml");
+  }
+  if (wanted.resources == nullptr) {
+    throw UsageError(std::string(words.resources) + ": found a null pointer, expected the FMU's resources directory");
+  }
+  const std::filesystem::path path = directory_of_uri(wanted.resources) / "scene.json";
   const std::string json = read_file(path);
   auto model = std::make_shared<const PlantModel>(json, text_of(path));
-  if (guid != model->guid) {
-    throw UsageError("GUID: found '" + guid + "', expected '" + model->guid +
+  if (wanted.token != model->guid) {
+    throw UsageError(std::string(words.token) + ": found '" + wanted.token + "', expected '" + model->guid +
                      "'; modelDescription.xml, resources/scene.json and the binary are not from the same export");
   }
   return model;
-}
-
-std::string refusal(fmi2Type type, const char* guid) {
-  if (const int number = number_of(type); number != fmi2CoSimulation && number != fmi2ModelExchange) {
-    return "type: found " + std::to_string(number) + ", expected fmi2ModelExchange (0) or fmi2CoSimulation (1)";
-  }
-  if (guid == nullptr) return "GUID: found a null pointer, expected the one in modelDescription.xml";
-  return {};
 }
 
 void refuse_exchange(const PlantModel& model) {
@@ -73,110 +71,91 @@ void refuse_exchange(const PlantModel& model) {
     throw UsageError("type: found model exchange, expected co-simulation: " + why);
 }
 
-fmi2Component instantiate(const Log& log, fmi2Type type, const char* guid, const char* location) {
+std::unique_ptr<Instance> created(const Log& log, const Instantiation& wanted) {
+  if (log.instance_name().empty()) throw UsageError("instance name: found none, expected a nonempty string");
+  if (!wanted.fault.empty()) throw UsageError(wanted.fault);
+  const MemoryReserve memory;
+  const std::shared_ptr<const PlantModel> model = load_model(wanted);
+  if (wanted.kind == Plant::Kind::model_exchange) refuse_exchange(*model);
+  auto instance = std::make_unique<Instance>(model, log, wanted.kind, wanted.vocabulary);
+  if (memory.was_used()) throw UsageError("out of memory");
+  return instance;
+}
+
+void* created_or_null(const Log& log, const Instantiation& wanted) {
   std::string why;
   try {
-    if (log.instance_name().empty()) throw UsageError("instance name: found none, expected a nonempty string");
-    why = refusal(type, guid);
-    if (why.empty()) {
-      const MemoryReserve memory;
-      const bool exchanges = number_of(type) == fmi2ModelExchange;
-      const std::shared_ptr<const PlantModel> model = load(location, guid);
-      if (exchanges) refuse_exchange(*model);
-      auto instance =
-          std::make_unique<Instance>(model, log, exchanges ? Plant::Kind::model_exchange : Plant::Kind::co_simulation);
-      if (!memory.was_used()) return instance.release();
-      why = "out of memory";
-    }
+    return created(log, wanted).release();
   } catch (const SceneError& error) {
     for (const std::string& line : error.lines()) why += (why.empty() ? "" : "; ") + line;
   } catch (const std::exception& error) {
     why = error.what();
   }
-  log.write(Category::error, "fmi2Instantiate: " + why);
+  log.write(Category::error, std::string(wanted.function) + ": " + why);
   return nullptr;
 }
 
+// Runs change(instance).
+template <class Change>
+Status change_mode(void* c, const char* function, unsigned modes, Change&& change) noexcept {
+  return call(c, function, modes, [&](Instance& instance) {
+    std::forward<Change>(change)(instance);
+    return Status::ok;
+  });
+}
+
+void set_up(Instance& instance, const ExperimentSetup& experiment) {
+  instance.setup_experiment(experiment.tolerance, experiment.start, experiment.stop);
+}
+
 }  // namespace
-}  // namespace gelenk
 
-using gelenk::Instance;
-using gelenk::Mode;
-
-extern "C" {
-
-const char* fmi2GetTypesPlatform() { return fmi2TypesPlatform; }
-
-const char* fmi2GetVersion() { return "2.0"; }
-
-fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2String fmuGUID,
-                              fmi2String fmuResourceLocation, const fmi2CallbackFunctions* functions,
-                              fmi2Boolean /*visible*/, fmi2Boolean loggingOn) {
-  const gelenk::FloatingPointGuard floating_point;
+void* instantiate(const Log& log, const Instantiation& wanted) noexcept {
+  const FloatingPointGuard floating_point;
   try {
-    return gelenk::instantiate(
-        gelenk::Log(functions, instanceName != nullptr ? instanceName : "", loggingOn != fmi2False), fmuType, fmuGUID,
-        fmuResourceLocation);
+    return created_or_null(log, wanted);
   } catch (...) {  // no memory even for a message
     return nullptr;
   }
 }
 
-void fmi2FreeInstance(fmi2Component c) { delete static_cast<Instance*>(c); }
+void free_instance(void* instance) noexcept { delete static_cast<Instance*>(instance); }
 
-fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean loggingOn, size_t nCategories,
-                               const fmi2String categories[]) {
-  return gelenk::call(c, "fmi2SetDebugLogging", gelenk::any_mode, [&](Instance& instance) {
-    if (nCategories > 0 && categories == nullptr) {
-      return gelenk::refuse(instance, "fmi2SetDebugLogging",
-                            "categories: found a null pointer, expected an array of " + std::to_string(nCategories));
+Status set_debug_logging(void* instance, const char* function, bool on, std::size_t count,
+                         const char* const categories[]) noexcept {
+  return call(instance, function, any_mode, [&](Instance& of) {
+    if (count > 0 && categories == nullptr) {
+      return refuse(of, function, "categories: found a null pointer, expected an array of " + std::to_string(count));
     }
-    const char* unknown = instance.log().select(loggingOn != fmi2False, nCategories, categories);
-    if (unknown == nullptr) return fmi2OK;
-    std::string known(gelenk::log_all);
-    for (const auto& category : gelenk::log_categories) known += std::string(", ") + category.name;
-    return gelenk::refuse(instance, "fmi2SetDebugLogging",
-                          std::string("category: found '") + unknown + "', expected one of " + known);
+    const char* unknown = of.log().select(on, count, categories);
+    if (unknown == nullptr) return Status::ok;
+    std::string known(log_all);
+    for (const auto& category : log_categories) known += std::string(", ") + category.name;
+    return refuse(of, function, std::string("category: found '") + unknown + "', expected one of " + known);
   });
 }
 
-fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean toleranceDefined, fmi2Real tolerance, fmi2Real startTime,
-                               fmi2Boolean stopTimeDefined, fmi2Real stopTime) {
-  return gelenk::call(c, "fmi2SetupExperiment", 0U | Mode::instantiated, [&](Instance& instance) {
-    const auto given = [](fmi2Boolean defined, double value) {
-      return defined != fmi2False ? std::optional(value) : std::nullopt;
-    };
-    instance.setup_experiment(given(toleranceDefined, tolerance), startTime, given(stopTimeDefined, stopTime));
-    return fmi2OK;
+Status setup_experiment(void* instance, const char* function, const ExperimentSetup& experiment) noexcept {
+  return change_mode(instance, function, 0U | Mode::instantiated, [&](Instance& of) { set_up(of, experiment); });
+}
+
+Status enter_initialization(void* instance, const char* function, const ExperimentSetup* experiment) noexcept {
+  return change_mode(instance, function, 0U | Mode::instantiated, [&](Instance& of) {
+    if (experiment != nullptr) set_up(of, *experiment);
+    of.enter_initialization();
   });
 }
 
-fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
-  return gelenk::call(c, "fmi2EnterInitializationMode", 0U | Mode::instantiated, [](Instance& instance) {
-    instance.enter_initialization();
-    return fmi2OK;
-  });
+Status exit_initialization(void* instance, const char* function) noexcept {
+  return change_mode(instance, function, 0U | Mode::initialization, [](Instance& of) { of.exit_initialization(); });
 }
 
-fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
-  return gelenk::call(c, "fmi2ExitInitializationMode", 0U | Mode::initialization, [](Instance& instance) {
-    instance.exit_initialization();
-    return fmi2OK;
-  });
+Status terminate(void* instance, const char* function) noexcept {
+  return change_mode(instance, function, running, [](Instance& of) { of.terminate(); });
 }
 
-fmi2Status fmi2Terminate(fmi2Component c) {
-  return gelenk::call(c, "fmi2Terminate", gelenk::running, [](Instance& instance) {
-    instance.terminate();
-    return fmi2OK;
-  });
+Status reset(void* instance, const char* function) noexcept {
+  return change_mode(instance, function, any_mode, [](Instance& of) { of.reset(); });
 }
 
-fmi2Status fmi2Reset(fmi2Component c) {
-  return gelenk::call(c, "fmi2Reset", gelenk::any_mode, [](Instance& instance) {
-    instance.reset();
-    return fmi2OK;
-  });
-}
-
-}  // extern "C"
+}  // namespace gelenk

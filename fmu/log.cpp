@@ -7,18 +7,18 @@
 namespace gelenk {
 namespace {
 
-fmi2Status status_of(Category category) {
+Status status_of(Category category) {
   switch (category) {
     case Category::events:
       break;
     case Category::warning:
-      return fmi2Warning;
+      return Status::warning;
     case Category::discard:
-      return fmi2Discard;
+      return Status::discard;
     case Category::error:
-      return fmi2Error;
+      return Status::error;
   }
-  return fmi2OK;
+  return Status::ok;
 }
 
 // Length in bytes of the UTF-8 character at the beginning of a nonempty text; 0: not UTF-8.
@@ -36,17 +36,12 @@ std::size_t character_length(std::string_view text) {
 
 }  // namespace
 
-Log::Log(const fmi2CallbackFunctions* callbacks, std::string instance_name, bool events)
-    : name_(std::move(instance_name)) {
-  if (callbacks != nullptr) {
-    logger_ = callbacks->logger;
-    environment_ = callbacks->componentEnvironment;
-  }
+Log::Log(Pass pass, std::string instance_name, bool events) : name_(std::move(instance_name)), pass_(std::move(pass)) {
   on_.fill(true);
   on_[static_cast<std::size_t>(Category::events)] = events;
 }
 
-const char* Log::select(bool on, std::size_t count, const fmi2String names[]) {
+const char* Log::select(bool on, std::size_t count, const char* const names[]) {
   std::array<bool, n> chosen{};
   if (on && count == 0) chosen.fill(true);
   for (std::size_t i = 0; i < count; ++i) {
@@ -65,12 +60,11 @@ const char* Log::select(bool on, std::size_t count, const fmi2String names[]) {
 
 void Log::write(Category category, std::string_view message) const {
   const auto c = static_cast<std::size_t>(category);
-  if (logger_ == nullptr || !on_[c]) return;
-  const std::string format = as_format(message);
-  logger_(environment_, name_.c_str(), status_of(category), log_categories[c].name, format.c_str());
+  if (!pass_ || !on_[c]) return;
+  pass_(name_.c_str(), status_of(category), log_categories[c].name, as_printable(message));
 }
 
-std::string as_format(std::string_view text) {
+std::string as_printable(std::string_view text) {
   std::string out;
   for (std::size_t i = 0; i < text.size();) {
     const std::size_t length = character_length(text.substr(i));
@@ -80,7 +74,6 @@ std::string as_format(std::string_view text) {
       continue;
     }
     out += text.substr(i, length);
-    if (text[i] == '%') out += '%';
     i += length;
   }
   return out;

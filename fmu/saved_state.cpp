@@ -52,13 +52,16 @@ void serialize(const SavedState& state, std::string_view guid, std::span<char> b
   std::memcpy(bytes.data() + sizeof header + length, &sum, sizeof sum);
 }
 
-std::unique_ptr<SavedState> deserialize(std::string_view guid, std::span<const char> bytes) {
+std::unique_ptr<SavedState> deserialize(std::string_view guid, std::span<const char> bytes,
+                                        const Vocabulary& vocabulary) {
   if (bytes.size() < overhead) {
     refuse_bytes(std::to_string(bytes.size()) + " bytes", "at least " + std::to_string(overhead));
   }
   Header header{};
   std::memcpy(&header, bytes.data(), sizeof header);
-  if (header.magic != magic) refuse_bytes("bytes that are not a saved state", "bytes written by fmi2SerializeFMUstate");
+  if (header.magic != magic) {
+    refuse_bytes("bytes that are not a saved state", std::string("bytes written by ") + vocabulary.serialize);
+  }
   if (header.version != version) {
     refuse_bytes("a state of layout " + std::to_string(header.version), "layout " + std::to_string(version));
   }
@@ -68,7 +71,8 @@ std::unique_ptr<SavedState> deserialize(std::string_view guid, std::span<const c
   }
   const std::size_t length = bytes.size() - overhead;
   if (length % sizeof(std::uint64_t) != 0 || header.words != length / sizeof(std::uint64_t)) {
-    refuse_bytes(std::to_string(bytes.size()) + " bytes", "the number returned by fmi2SerializedFMUstateSize");
+    refuse_bytes(std::to_string(bytes.size()) + " bytes",
+                 std::string("the number returned by ") + vocabulary.serialized_size);
   }
   std::uint64_t sum = 0;
   std::memcpy(&sum, bytes.data() + sizeof header + length, sizeof sum);

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The implementation of an fmi2FMUstate, and its serialization for other processes.
+// The implementation of an fmi2FMUstate or fmi3FMUState, and its serialization for other processes.
 #pragma once
 
 #include <memory>
 #include <span>
 #include <string_view>
 
+#include "fmu/status.h"
 #include "util/archive.h"
 
 namespace gelenk {
@@ -22,7 +23,8 @@ std::size_t serialized_size(const SavedState& state);
 // Serializes a state. bytes: serialized_size(state) bytes. guid: that of the FMU, which identifies scene and version.
 void serialize(const SavedState& state, std::string_view guid, std::span<char> bytes);
 
-// Throws std::invalid_argument with what was found and what is expected.
-std::unique_ptr<SavedState> deserialize(std::string_view guid, std::span<const char> bytes);
+// vocabulary: for messages. Throws std::invalid_argument with what was found and what is expected.
+std::unique_ptr<SavedState> deserialize(std::string_view guid, std::span<const char> bytes,
+                                        const Vocabulary& vocabulary);
 
 }  // namespace gelenk

@@ -45,12 +45,15 @@ BELOW["modelDescription"] = {"scene_file", "simulation", *BELOW["scene_file"], *
 BELOW["fmu/runtime"] = {"modelDescription", *BELOW["modelDescription"]}
 BELOW["fmu/export"] = {"modelDescription", "scene_schema", "inspection", *BELOW["modelDescription"]}
 BELOW["fmu"] = {"fmu/runtime", *BELOW["fmu/runtime"]}
+BELOW["fmu/fmi2"] = BELOW["fmu/fmi3"] = {"fmu", *BELOW["fmu"]}
 BELOW["bindings"] = {"scene_schema", "inspection", "runs", "fmu/runtime", "fmu/export"}
 BELOW["bindings"] |= {"modelDescription", *BELOW["modelDescription"]}
 
 FOLDERS = {room: ROOT / "src" / room for room in BELOW} | {
     "modelDescription": ROOT / "modelDescription",
     "fmu": ROOT / "fmu",
+    "fmu/fmi2": ROOT / "fmu" / "fmi2",
+    "fmu/fmi3": ROOT / "fmu" / "fmi3",
     "fmu/runtime": ROOT / "fmu" / "runtime",
     "fmu/export": ROOT / "fmu" / "export",
     "bindings": ROOT / "python" / "bindings",
@@ -59,7 +62,8 @@ FOLDERS = {room: ROOT / "src" / room for room in BELOW} | {
 # Headers of other people's libraries, and the only room that may know each.
 OWNERS = {
     "integrator": re.compile(r"(ida|idas|cvode|cvodes|arkode|kinsol|nvector|sun[a-z]*|sundials)/"),
-    "fmu": re.compile(r"fmi[23]\w*\.h"),
+    "fmu/fmi2": re.compile(r"fmi2\w*\.h"),
+    "fmu/fmi3": re.compile(r"fmi3\w*\.h"),
     "scene_file": re.compile(r"(nlohmann|yaml-cpp)/"),
     "bindings": re.compile(r"(nanobind/|Python\.h)"),
 }
@@ -113,6 +117,9 @@ def wrong_includes(room: str, text: str) -> list[str]:
         ("simulation", "#include <idas/idas.h>"),
         ("dynamics", "#include <sundials/sundials_types.h>"),
         ("modelDescription", "#include <fmi2Functions.h>"),
+        ("fmu", "#include <fmi2Functions.h>"),
+        ("fmu/fmi2", "#include <fmi3Functions.h>"),
+        ("fmu", '#include "fmu/fmi3/adapter.h"'),
         ("modelDescription", "# include <nlohmann/json.hpp>"),
     ],
 )

@@ -41,17 +41,26 @@ class Directions {
         dx_(derivatives_.states().size(), 0.0),
         du_(simulation.inputs().size(), 0.0) {}
 
-  void seed(unsigned reference, double value) {
+  // The column of a known among states and inputs.
+  Eigen::Index column(unsigned reference) const {
     const Variable& known = variable(catalog_, reference);
+    const auto states = static_cast<Eigen::Index>(dx_.size());
+    if (known.source == Source::input) return states + known.index;
     const int state = known.source == Source::output ? state_of(derivatives_.states(), known.index) : -1;
-    if (known.source != Source::input && state < 0) {
-      throw UsageError("known: found " + known.name + ", expected an input or a state");
-    }
-    if (!std::isfinite(value)) {
-      throw UsageError("dvKnown of " + known.name + ": found " + text::number(value) + ", expected a finite number");
-    }
-    (known.source == Source::input ? du_[static_cast<std::size_t>(known.index)]
-                                   : dx_[static_cast<std::size_t>(state)]) += value;
+    if (state < 0) throw UsageError("known: found " + known.name + ", expected an input or a state");
+    return state;
+  }
+
+  void seed(unsigned reference, const char* argument, double value) {
+    const auto entry = static_cast<std::size_t>(column(reference));
+    check_finite(argument, reference, value);
+    (entry < dx_.size() ? dx_[entry] : du_[entry - dx_.size()]) += value;
+  }
+
+  void check_finite(const char* argument, unsigned reference, double value) const {
+    if (std::isfinite(value)) return;
+    throw UsageError(std::string(argument) + " of " + variable(catalog_, reference).name + ": found " +
+                     text::number(value) + ", expected a finite number");
   }
 
   // The row of an unknown: index of the output or, for rates of quaternions, of the state after all outputs.
@@ -71,13 +80,38 @@ class Directions {
       const bool of_output = r < derivative.outputs.rows();
       const Eigen::Index state = r - derivative.outputs.rows();
       *out = of_output ? derivative.outputs(r, 0) : derivative.rates(state, 0);
-      const int named = of_output ? static_cast<int>(r) : derivatives_.states()[static_cast<std::size_t>(state)];
-      check_determined(simulation_, named, *out);
+      check_determined(simulation_, named(r), *out);
+      ++out;
+    }
+  }
+
+  // out[k] = sum of seed[i] times the entry in rows[i] and columns[k] of the Jacobian.
+  void run_adjoint(const std::vector<Eigen::Index>& rows, const double* seed, const std::vector<Eigen::Index>& columns,
+                   double* out) {
+    const Linearization all = derivatives_.linearize();
+    const Eigen::Index outputs = all.C.rows();
+    const Eigen::Index states = all.A.cols();
+    for (const Eigen::Index c : columns) {
+      const bool of_state = c < states;
+      const auto of_outputs = of_state ? all.C.col(c) : all.D.col(c - states);
+      const auto of_rates = of_state ? all.A.col(c) : all.B.col(c - states);
+      *out = 0;
+      for (std::size_t i = 0; i < rows.size(); ++i) {
+        const double entry = rows[i] < outputs ? of_outputs[rows[i]] : of_rates[rows[i] - outputs];
+        check_determined(simulation_, named(rows[i]), entry);
+        *out += seed[i] * entry;
+      }
       ++out;
     }
   }
 
  private:
+  // The output that names a row.
+  int named(Eigen::Index row) const {
+    const auto outputs = static_cast<Eigen::Index>(simulation_.outputs().size());
+    return row < outputs ? static_cast<int>(row) : derivatives_.states()[static_cast<std::size_t>(row - outputs)];
+  }
+
   const Catalog& catalog_;
   const Simulation& simulation_;
   StateDerivatives derivatives_;
@@ -86,15 +120,29 @@ class Directions {
 
 }  // namespace
 
-void directional_derivative(Plant& plant, References unknown, References known, const double* seed, double* out) {
+void directional_derivative(Plant& plant, References unknown, References known, NamedSeed seed, double* out) {
   const PlantModel::States& declared = plant.model().states();
   Simulation& simulation = plant.simulation();
   StateDerivatives(simulation).take_states(declared.independent);
   Directions directions(declared.catalog, simulation);
   std::vector<Eigen::Index> rows;
   for (const unsigned reference : unknown) rows.push_back(directions.row(reference));
-  for (const unsigned reference : known) directions.seed(reference, *seed++);
+  for (std::size_t k = 0; k < known.size(); ++k) directions.seed(known[k], seed.name, seed.values[k]);
   directions.run(rows, out);
+}
+
+void adjoint_derivative(Plant& plant, References unknown, References known, NamedSeed seed, double* out) {
+  const PlantModel::States& declared = plant.model().states();
+  Simulation& simulation = plant.simulation();
+  StateDerivatives(simulation).take_states(declared.independent);
+  Directions directions(declared.catalog, simulation);
+  std::vector<Eigen::Index> rows, columns;
+  for (std::size_t i = 0; i < unknown.size(); ++i) {
+    rows.push_back(directions.row(unknown[i]));
+    directions.check_finite(seed.name, unknown[i], seed.values[i]);
+  }
+  for (const unsigned reference : known) columns.push_back(directions.column(reference));
+  directions.run_adjoint(rows, seed.values, columns, out);
 }
 
 void output_derivatives(Plant& plant, References outputs, const int* orders, double* out) {

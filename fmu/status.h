@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The result of an FMI function, and how the versions of FMI name what messages speak of.
+#pragma once
+
+namespace gelenk {
+
+// With the numbers of fmi2Status and fmi3Status.
+enum class Status { ok = 0, warning = 1, discard = 2, error = 3 };
+
+// Names of functions, arguments and types in one version of FMI.
+struct Vocabulary {
+  const char *enter_initialization, *exit_initialization, *terminate;
+  const char* stop_time;   // the function that receives it
+  const char* pass_event;  // the function in which discrete states change
+  const char *serialize, *serialized_size;
+  const char *token, *resources;  // arguments of the functions that instantiate
+  const char *real, *integer, *enumeration;
+};
+
+inline constexpr Vocabulary fmi2_vocabulary{.enter_initialization = "fmi2EnterInitializationMode",
+                                            .exit_initialization = "fmi2ExitInitializationMode",
+                                            .terminate = "fmi2Terminate",
+                                            .stop_time = "fmi2SetupExperiment",
+                                            .pass_event = "fmi2NewDiscreteStates",
+                                            .serialize = "fmi2SerializeFMUstate",
+                                            .serialized_size = "fmi2SerializedFMUstateSize",
+                                            .token = "GUID",
+                                            .resources = "resource location",
+                                            .real = "Real",
+                                            .integer = "Integer",
+                                            .enumeration = "Integer"};
+
+inline constexpr Vocabulary fmi3_vocabulary{.enter_initialization = "fmi3EnterInitializationMode",
+                                            .exit_initialization = "fmi3ExitInitializationMode",
+                                            .terminate = "fmi3Terminate",
+                                            .stop_time = "fmi3EnterInitializationMode",
+                                            .pass_event = "fmi3UpdateDiscreteStates",
+                                            .serialize = "fmi3SerializeFMUState",
+                                            .serialized_size = "fmi3SerializedFMUStateSize",
+                                            .token = "instantiation token",
+                                            .resources = "resource path",
+                                            .real = "Float64",
+                                            .integer = "Int32",
+                                            .enumeration = "Enumeration"};
+
+}  // namespace gelenk
