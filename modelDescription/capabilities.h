@@ -25,6 +25,16 @@ inline constexpr std::array<Capability, 8> capabilities = {{
     {"providesDirectionalDerivative", true},
 }};
 
+// Of co-simulation in FMI 3.0.
+inline constexpr std::array<Capability, 6> fmi3_capabilities = {{
+    {"canHandleVariableCommunicationStepSize", true},
+    {"canGetAndSetFMUState", true},
+    {"canSerializeFMUState", true},
+    {"providesDirectionalDerivatives", true},
+    {"providesAdjointDerivatives", true},
+    {"mightReturnEarlyFromDoStep", true},
+}};
+
 inline constexpr int max_output_derivative_order = 2;
 
 struct LogCategory {

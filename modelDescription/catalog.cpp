@@ -51,6 +51,7 @@ Catalog::Catalog(const Scene& scene) {
   add_parameters(scene);
   add_rates(scene);
   add_diagnostics();
+  add_time();
   add_nominals(scene);
   if (!scene.outputs.empty()) hide_unwanted(scene);
 }
@@ -153,6 +154,19 @@ void Catalog::add_diagnostics() {
     const auto which = static_cast<Diagnostic>(i);
     if (which != Diagnostic::potential_energy && which != Diagnostic::total_energy) variables_.back().min = 0;
   }
+}
+
+// No signal has this name (check/names.cpp).
+void Catalog::add_time() {
+  Variable v;
+  v.name = "time";
+  v.description = "simulation time";
+  v.unit = "s";
+  v.type_name = type_of_unit(v.unit);
+  v.causality = Causality::independent;
+  v.source = Source::time;
+  v.hidden = true;
+  variables_.push_back(std::move(v));
 }
 
 // The magnitudes of forces, torques and energies are estimated from the weight and its work over the length of the

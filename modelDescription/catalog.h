@@ -15,7 +15,7 @@
 
 namespace gelenk {
 
-enum class Causality { input, output, parameter, local };
+enum class Causality { input, output, parameter, local, independent };
 enum class Variability { continuous, discrete, fixed, tunable };
 
 // The source of a variable's value.
@@ -25,6 +25,7 @@ enum class Source {
   parameter,   // Catalog::parameters()
   rate,        // Catalog::rates()
   diagnostic,  // Simulation::diagnostic
+  time,        // Simulation::time
 };
 
 struct Variable {
@@ -41,8 +42,10 @@ struct Variable {
   std::optional<double> start;  // of inputs and parameters; all others are calculated
   double min = -std::numeric_limits<double>::infinity();
   double max = std::numeric_limits<double>::infinity();
-  double nominal = 0;      // expected magnitude; 0: not known
-  bool hidden = false;     // not in modelDescription.xml: an output that is neither wanted, a state nor its derivative
+  double nominal = 0;  // expected magnitude; 0: not known
+  // Not in modelDescription.xml: an output that is neither wanted, a state nor its derivative; the time, which FMI 3.0
+  // alone describes.
+  bool hidden = false;
   int derivative_of = -1;  // index of the state variable whose time derivative this is; -1: none
 };
 
@@ -66,8 +69,8 @@ class Catalog {
   // Creates the catalog of a scene that has been checked, so that all names are different.
   explicit Catalog(const Scene& scene);
 
-  // All variables, including hidden ones, in this order: inputs, outputs, parameters, rates, diagnostics. The value
-  // reference of a variable is its index.
+  // All variables, including hidden ones, in this order: inputs, outputs, parameters, rates, diagnostics, time. The
+  // value reference of a variable is its index.
   const std::vector<Variable>& variables() const { return variables_; }
   const Variable* find(unsigned value_reference) const {
     return value_reference < variables_.size() ? &variables_[value_reference] : nullptr;
@@ -92,6 +95,7 @@ class Catalog {
   void add_parameters(const Scene& scene);
   void add_rates(const Scene& scene);
   void add_diagnostics();
+  void add_time();
   void add_nominals(const Scene& scene);
   void hide_unwanted(const Scene& scene);
 

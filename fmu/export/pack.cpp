@@ -42,20 +42,32 @@ std::string read_file(const fs::path& path, const std::string& what) {
   return content;
 }
 
-struct PlatformEnding {
+// A platform as FMI 2.0 and FMI 3.0 call it. One library for macOS is for both of its processors.
+struct PlatformFolders {
   std::string_view platform, ending;
+  std::array<std::string_view, 2> of_fmi3;
 };
-constexpr std::array<PlatformEnding, 4> platforms{
-    {{"linux64", ".so"}, {"aarch64-linux", ".so"}, {"win64", ".dll"}, {"darwin64", ".dylib"}}};
+constexpr std::array<PlatformFolders, 4> platforms{{{"linux64", ".so", {"x86_64-linux"}},
+                                                    {"aarch64-linux", ".so", {"aarch64-linux"}},
+                                                    {"win64", ".dll", {"x86_64-windows"}},
+                                                    {"darwin64", ".dylib", {"x86_64-darwin", "aarch64-darwin"}}}};
 
 struct Binary {
   fs::path file;
   bool gzip;
-  std::string platform, ending, content;
+  std::vector<std::string> folders;
+  std::string ending, content;
 };
 
-Binary binary_of(const Runtime& runtime) {
-  const auto known = std::ranges::find(platforms, runtime.platform, &PlatformEnding::platform);
+std::vector<std::string> folders_of(const PlatformFolders& platform, FmiVersion version) {
+  if (version == FmiVersion::fmi2) return {std::string(platform.platform)};
+  std::vector<std::string> out(platform.of_fmi3.begin(), platform.of_fmi3.end());
+  std::erase(out, "");
+  return out;
+}
+
+Binary binary_of(const Runtime& runtime, FmiVersion version) {
+  const auto known = std::ranges::find(platforms, runtime.platform, &PlatformFolders::platform);
   if (known == platforms.end()) {
     throw ExportError("platform: found '" + runtime.platform + "', expected linux64, aarch64-linux, win64 or darwin64");
   }
@@ -65,16 +77,20 @@ Binary binary_of(const Runtime& runtime) {
     throw ExportError(runtime.file.string() + ": the FMU runtime for " + runtime.platform + ": found the extension '" +
                       ending + "', expected " + std::string(known->ending) + ", followed by .gz if it is compressed");
   }
-  return {runtime.file, gzip, runtime.platform, ending, read_file(runtime.file, "the FMU runtime")};
+  return {runtime.file, gzip, folders_of(*known, version), ending, read_file(runtime.file, "the FMU runtime")};
 }
 
 void add_binary(Zip& zip, const Binary& binary, const std::string& model_identifier) {
-  const std::string name = "binaries/" + binary.platform + "/" + model_identifier + binary.ending;
-  if (!binary.gzip) return zip.add(name, binary.content, true);
-  if (zip.add_gzip(name, binary.content, true)) return;
-  throw ExportError(
-      binary.file.string() +
-      ": the FMU runtime: found a file that is not in plain gzip format, expected gzip because of its name");
+  for (const std::string& folder : binary.folders) {
+    const std::string name = "binaries/" + folder + "/" + model_identifier + binary.ending;
+    if (!binary.gzip) {
+      zip.add(name, binary.content, true);
+    } else if (!zip.add_gzip(name, binary.content, true)) {
+      throw ExportError(
+          binary.file.string() +
+          ": the FMU runtime: found a file that is not in plain gzip format, expected gzip because of its name");
+    }
+  }
 }
 
 // Names of the files in a directory, sorted because directory order differs between machines. Subdirectories are
@@ -126,9 +142,9 @@ std::vector<double> poses_of_bodies(Simulation& simulation) {
 }  // namespace
 
 void export_fmu(const Scene& scene, const std::vector<Runtime>& runtimes, const fs::path& out, const fs::path& licenses,
-                const Compress& compress, const WriteView& view) {
+                FmiVersion version, const Compress& compress, const WriteView& view) {
   std::vector<Binary> binaries;
-  for (const Runtime& runtime : runtimes) binaries.push_back(binary_of(runtime));
+  for (const Runtime& runtime : runtimes) binaries.push_back(binary_of(runtime, version));
   const WantedPart part = wanted_part(scene);
   const std::string json = write_scene_json(part.scene);
   const Scene carried = read_scene_json(json, scene.file);  // exactly what the FMU will read
@@ -138,17 +154,21 @@ void export_fmu(const Scene& scene, const std::vector<Runtime>& runtimes, const 
   catalog.declare_states(StateDerivatives(simulation).independent());
 
   FmuFacts facts{model_identifier(carried.name), fingerprint(json), simulation.size().states()};
-  if (ModelExchange::refusal(carried).empty()) facts.event_indicators = ModelExchange::indicators_of(carried);
+  const bool is_fmi2 = version == FmiVersion::fmi2;
+  if (is_fmi2 && ModelExchange::refusal(carried).empty())
+    facts.event_indicators = ModelExchange::indicators_of(carried);
   const Picture picture = draw(simulation);
   Zip zip(compress);
-  zip.add("modelDescription.xml",
-          write_model_description(carried, catalog, dependencies_of(simulation, catalog), facts));
-  if (compress) zip.add("model.png", write_png(picture, compress));
+  const auto describe = is_fmi2 ? write_fmi2_description : write_fmi3_description;
+  zip.add("modelDescription.xml", describe(carried, catalog, dependencies_of(simulation, catalog), facts));
+  if (compress) zip.add(is_fmi2 ? "model.png" : "terminalsAndIcons/icon.png", write_png(picture, compress));
+  if (!is_fmi2)
+    zip.add("terminalsAndIcons/terminalsAndIcons.xml", write_terminals(carried, catalog, compress != nullptr));
   for (const Binary& binary : binaries) add_binary(zip, binary, facts.model_identifier);
   zip.add("resources/scene.json", json);
   const std::string page = view ? view(json, poses_of_bodies(simulation)) : std::string();
   zip.add("documentation/index.html",
-          write_documentation(simulation, catalog, {picture, !page.empty(), part.report()}));
+          write_documentation(simulation, catalog, {picture, !page.empty(), part.report(), version}));
   if (!page.empty()) zip.add("documentation/view.html", page);
   add_licenses(zip, directories_of_licenses(licenses, runtimes));
   try {

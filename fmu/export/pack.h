@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "fmu/export/zip.h"
+#include "modelDescription/write_xml.h"
 #include "scene/scene.h"
 
 namespace gelenk {
@@ -35,9 +36,11 @@ struct Runtime {
 //   licenses  directory whose files are copied there for all platforms; empty: none
 //   compress  used for all other files; empty: they are stored uncompressed, and model.png is omitted because of its
 //   size
+//   version   of FMI
 //   view      writes the page with the view in three dimensions; empty: the documentation has only a drawing
 // Throws ExportError, SceneError, and AssemblyError if the loops cannot be closed from the start values.
 void export_fmu(const Scene& scene, const std::vector<Runtime>& runtimes, const std::filesystem::path& out,
-                const std::filesystem::path& licenses, const Compress& compress, const WriteView& view);
+                const std::filesystem::path& licenses, FmiVersion version, const Compress& compress,
+                const WriteView& view);
 
 }  // namespace gelenk

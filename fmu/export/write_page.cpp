@@ -110,6 +110,21 @@ std::string figures(const PageContents& contents) {
   return out + "</figcaption>\n</figure>\n";
 }
 
+std::string steps_of_fmi2() {
+  return "<p>During a step an input is constant, or follows the time derivatives of order 1 to " +
+         std::to_string(Inputs::highest_order) +
+         " that were set with fmi2SetRealInputDerivatives; afterwards it is held at the value reached. A step that "
+         "requires more than solver.max_evaluations evaluations ends early with fmi2Discard: fmi2GetRealStatus "
+         "returns the time reached, from which the next step continues.</p>\n";
+}
+
+std::string steps_of_fmi3() {
+  return "<p>During a step an input is constant; prescribed motions continue smoothly. A step that requires more than "
+         "solver.max_evaluations evaluations returns early if the importer allows this, and otherwise with "
+         "fmi3Discard: "
+         "lastSuccessfulTime is the time reached, from which the next step continues.</p>\n";
+}
+
 // What the scene says about itself.
 std::string about(const Metadata& metadata) {
   std::string out;
@@ -139,15 +154,11 @@ std::string write_documentation(Simulation& simulation, const Catalog& catalog, 
           counted(size.rows, "constraint equation") + " of rank " + std::to_string(size.rank) + ", so " +
           degrees_of_freedom(size.degrees_of_freedom) + "; " +
           (size.planar ? "the mechanism is planar" : "the mechanism is spatial") + ".</p>\n";
-  page += "<p>FMI 2.0 FMU for co-simulation. The communication step size is arbitrary; " +
-          text::number(scene.experiment.step) +
+  page += "<p>" + std::string(contents.version == FmiVersion::fmi2 ? "FMI 2.0" : "FMI 3.0") +
+          " FMU for co-simulation. The communication step size is arbitrary; " + text::number(scene.experiment.step) +
           " s is suggested. Parameters can be set until the end of initialization, tunable ones also between steps. "
           "All values are in SI units. Angles are in radians and count full turns.</p>\n";
-  page += "<p>During a step an input is constant, or follows the time derivatives of order 1 to " +
-          std::to_string(Inputs::highest_order) +
-          " that were set with fmi2SetRealInputDerivatives; afterwards it is held at the value reached. A step that "
-          "requires more than solver.max_evaluations evaluations ends early with fmi2Discard: fmi2GetRealStatus "
-          "returns the time reached, from which the next step continues.</p>\n";
+  page += contents.version == FmiVersion::fmi2 ? steps_of_fmi2() : steps_of_fmi3();
   page += figures(contents);
   add_table(page, "Inputs", Causality::input, catalog);
   add_table(page, "Outputs", Causality::output, catalog);

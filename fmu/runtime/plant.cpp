@@ -145,6 +145,8 @@ double Plant::get(int variable) {
       return simulation().diagnostic(v.index);
     case Source::rate:
       return rate(variable, catalog().rates()[index]);
+    case Source::time:
+      return time();
   }
   return 0;
 }

@@ -22,9 +22,9 @@ using PlatformAndFile = std::pair<std::string, std::filesystem::path>;
 using PyCompress = nb::typed<nb::callable, nb::bytes(nb::bytes)>;
 using PyWriteView = nb::typed<nb::callable, std::string(std::string, nb::typed<nb::list, double>)>;
 
-// compress: zlib.compress, or None. view: as WriteView, or None.
+// version: 2 or 3. compress: zlib.compress, or None. view: as WriteView, or None.
 void export_packed(const gelenk::Scene& scene, const std::vector<PlatformAndFile>& runtimes,
-                   const std::filesystem::path& out, const std::filesystem::path& licenses,
+                   const std::filesystem::path& out, const std::filesystem::path& licenses, int version,
                    const std::optional<PyCompress>& compress, const std::optional<PyWriteView>& view) {
   gelenk::Compress call;
   if (compress) {
@@ -44,7 +44,7 @@ void export_packed(const gelenk::Scene& scene, const std::vector<PlatformAndFile
   std::vector<gelenk::Runtime> libraries;
   for (const auto& [platform, file] : runtimes) libraries.push_back({platform, file});
   const nb::gil_scoped_release released;
-  gelenk::export_fmu(scene, libraries, out, licenses, call, draw);
+  gelenk::export_fmu(scene, libraries, out, licenses, static_cast<gelenk::FmiVersion>(version), call, draw);
 }
 
 std::string svg_of(const gelenk::Scene& scene) {
@@ -57,13 +57,13 @@ std::string svg_of(const gelenk::Scene& scene) {
 }  // namespace
 
 void gelenk::bind_fmu(nb::module_& m) {
-  m.def(
-      "export_fmu", &export_packed, nb::arg("scene"), nb::arg("runtimes"), nb::arg("out"), nb::arg("licenses"),
-      nb::arg("compress").none(), nb::arg("view").none() = nb::none(),
-      "Write the FMU with the scene, the runtime libraries (platform and file) and the files of the folder licenses,\n"
-      "compressed by compress (zlib.compress, or None). view returns documentation/view.html for the scene as JSON\n"
-      "and the poses of its bodies (position and quaternion x, y, z, w, in one list); None: there is no such page.\n"
-      "Raises ExportError, SceneError, AssemblyError, and what view raises.");
+  m.def("export_fmu", &export_packed, nb::arg("scene"), nb::arg("runtimes"), nb::arg("out"), nb::arg("licenses"),
+        nb::arg("version"), nb::arg("compress").none(), nb::arg("view").none() = nb::none(),
+        "Write the FMU of FMI 2.0 or 3.0 (version: 2, 3) with the scene, the runtime libraries (platform and file)\n"
+        "and the files of the folder licenses, compressed by compress (zlib.compress, or None). view returns "
+        "documentation/view.html for the scene as JSON\n"
+        "and the poses of its bodies (position and quaternion x, y, z, w, in one list); None: there is no such page.\n"
+        "Raises ExportError, SceneError, AssemblyError, and what view raises.");
   m.def("draw_svg", &svg_of, nb::arg("scene"),
         "A drawing of the scene at its start, as an SVG element. Raises SceneError, AssemblyError.");
   m.def("file_stem", &gelenk::file_stem, nb::arg("name"),

@@ -230,7 +230,7 @@ void add_solver(std::vector<Parameter>& table) {
   table.push_back(
       count("solver.max_evaluations",
             "maximum number of evaluations of the equations of motion per island and communication step; if "
-            "exceeded, the step ends early (fmi2Discard at the time reached)",
+            "exceeded, the step ends early, with status Discard at the time reached",
             words::max_evaluations, &Solver::max_evaluations));
   table.push_back(
       count("solver.corrections",

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// gelenk-export SCENE OUT.fmu --runtime PLATFORM=FILE... [--licenses DIR]: export without Python, for CMake.
+// gelenk-export SCENE OUT.fmu --runtime PLATFORM=FILE... [--licenses DIR] [--fmi 2|3]: export without Python, for
+// CMake.
 #include <exception>
 #include <filesystem>
 #include <fstream>
@@ -22,7 +23,7 @@
 namespace {
 
 constexpr const char* usage =
-    "usage: gelenk-export SCENE OUT.fmu --runtime PLATFORM=FILE... [--licenses DIR]\n"
+    "usage: gelenk-export SCENE OUT.fmu --runtime PLATFORM=FILE... [--licenses DIR] [--fmi 2|3]\n"
     "  SCENE    scene file, JSON"
 #ifdef GELENK_WITH_YAML
     " or YAML"
@@ -31,12 +32,14 @@ constexpr const char* usage =
     "  OUT.fmu  the FMU to write\n"
     "  PLATFORM linux64, aarch64-linux, win64 or darwin64\n"
     "  FILE     the FMU runtime library of Gelenk for that platform, or its .gz file\n"
-    "  DIR      directory with the licenses to include\n";
+    "  DIR      directory with the licenses to include\n"
+    "  2, 3     version of FMI: 2.0 (default) or 3.0\n";
 
 struct Options {
   std::vector<std::string> files;
   std::vector<gelenk::Runtime> runtimes;
   std::string licenses;
+  gelenk::FmiVersion version = gelenk::FmiVersion::fmi2;
 };
 
 bool parse_runtime(std::string_view word, Options& options) {
@@ -46,13 +49,20 @@ bool parse_runtime(std::string_view word, Options& options) {
   return true;
 }
 
+bool parse_version(std::string_view word, Options& options) {
+  if (word != "2" && word != "3") return false;
+  options.version = word == "2" ? gelenk::FmiVersion::fmi2 : gelenk::FmiVersion::fmi3;
+  return true;
+}
+
 bool parse(int argc, char** argv, Options& options) {
   for (int i = 1; i < argc; ++i) {
     const std::string_view word = argv[i];
-    if (word == "--runtime" || word == "--licenses") {
+    if (word == "--runtime" || word == "--licenses" || word == "--fmi") {
       if (++i == argc) return false;
       if (word == "--runtime" && !parse_runtime(argv[i], options)) return false;
       if (word == "--licenses") options.licenses = argv[i];
+      if (word == "--fmi" && !parse_version(argv[i], options)) return false;
     } else if (word.starts_with("--")) {
       return false;
     } else {
@@ -99,7 +109,7 @@ int main(int argc, char** argv) {
     std::vector<std::string> doubts;
     const gelenk::Scene scene = read_scene(options.files[0], doubts);
     for (const std::string& doubt : doubts) std::cerr << doubt << '\n';
-    gelenk::export_fmu(scene, options.runtimes, options.files[1], options.licenses, zlib_stream, {});
+    gelenk::export_fmu(scene, options.runtimes, options.files[1], options.licenses, options.version, zlib_stream, {});
   } catch (const std::exception& error) {
     std::cerr << error.what() << '\n';
     return 1;

@@ -77,9 +77,17 @@ def export(
     view: Annotated[
         bool, typer.Option("--view/--no-view", help="Show the mechanism in 3-D in the FMU's documentation.")
     ] = True,
+    fmi: Annotated[
+        int,
+        typer.Option(
+            metavar="2|3",
+            help="Version of FMI: 2.0 with co-simulation and model exchange, or 3.0 with co-simulation.",
+            autocompletion=completion.fmi_versions,
+        ),
+    ] = 2,
     assembly_tolerance: AssemblyTolerance = None,
 ) -> Report:
-    """Export a scene as an FMU (FMI 2.0, co-simulation and model exchange).
+    """Export a scene as an FMU (FMI 2.0 or 3.0).
 
     Libraries for platforms other than this one are built by `make runtimes`.
     """
@@ -88,7 +96,7 @@ def export(
     wanted = platform_names([name.strip() for name in platforms.split(",")] if platforms else None)
     loaded = load_scene(scene, assembly_tolerance).without(without or [])
     out = gelenk.export_fmu(
-        loaded, output or fmu_file(loaded.name), wanted, split_all_names(outputs), view=view
+        loaded, output or fmu_file(loaded.name), wanted, split_all_names(outputs), view=view, fmi=fmi
     )
     notes = file_name_notes(loaded.name, output)
     for sentence in notes:
@@ -96,7 +104,14 @@ def export(
     size = out.stat().st_size
     return Report(
         f"{out}: {size / 1e6:.2f} MB, {loaded.name}",
-        {"file": str(out), "bytes": size, "name": loaded.name, "platforms": wanted, "notes": notes},
+        {
+            "file": str(out),
+            "bytes": size,
+            "name": loaded.name,
+            "platforms": wanted,
+            "fmi": fmi,
+            "notes": notes,
+        },
     )
 
 

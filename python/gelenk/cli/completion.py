@@ -113,6 +113,12 @@ def _platforms(incomplete: str) -> list[str]:
     return [",".join([*before, name]) for name in (*LIBRARIES, ALL) if name not in before]
 
 
+def _fmi_versions() -> list[str]:
+    from gelenk.io.export import FMI_VERSIONS
+
+    return [str(version) for version in FMI_VERSIONS]
+
+
 def _methods() -> list[str]:
     from gelenk.chart.methods import all_methods
 
@@ -129,5 +135,6 @@ integrators = _completer(lambda *_: _solver_choices("integrator"))
 formulations = _completer(lambda *_: _solver_choices("formulation"))
 reductions = _completer(lambda *_: _reductions())
 platforms = _completer(lambda _, incomplete: _platforms(incomplete))
+fmi_versions = _completer(lambda *_: _fmi_versions())
 frictions = _completer(lambda *_: FRICTION)
 methods = _completer(lambda *_: _methods())

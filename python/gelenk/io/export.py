@@ -28,6 +28,7 @@ LIBRARIES = {
     "darwin64": "gelenk_fmu.dylib.gz",
 }
 ALL = "all"
+FMI_VERSIONS = (2, 3)
 MAKE_RUNTIMES = "`make runtimes` in the repository of gelenk builds and installs it"
 RUNTIMES_PACKAGE = "gelenk_runtimes"  # has the libraries of all platforms; gelenk itself that of its own
 
@@ -39,8 +40,9 @@ def export_fmu(
     outputs: Iterable[str] | None = None,
     *,
     view: bool = True,
+    fmi: int = 2,
 ) -> Path:
-    """Write an FMI 2.0 FMU for co-simulation and model exchange; no incomplete file remains after an error.
+    """Write an FMU; no incomplete file remains after an error.
 
     Args:
         scene: anything `gelenk.load` accepts.
@@ -50,6 +52,7 @@ def export_fmu(
         outputs: names and patterns of the requested outputs; by default the scene's own. Parts on which none
             of them depends are not in the FMU.
         view: whether the documentation of the FMU shows the mechanism in three dimensions, in 0.2 MB.
+        fmi: version of FMI: 2 for FMI 2.0, co-simulation and model exchange; 3 for FMI 3.0, co-simulation.
 
     Returns:
         Path: the file written.
@@ -58,7 +61,7 @@ def export_fmu(
         SceneError: the scene is invalid.
         UsageError: an output is unknown.
         AssemblyError: the loops cannot be closed with the start values.
-        ExportError: the file cannot be written, or a platform is unknown or missing.
+        ExportError: the file cannot be written, a platform is unknown or missing, or the version of FMI is.
         OSError: the scene cannot be read.
 
     >>> gelenk.export_fmu(four_bar, "FourBar.fmu").name
@@ -67,6 +70,8 @@ def export_fmu(
     target = Path(out)
     if target.suffix.lower() != ".fmu":
         raise ExportError(f"{target}: found the ending {target.suffix or 'none'}, expected .fmu")
+    if fmi not in FMI_VERSIONS:
+        raise ExportError(f"fmi: found {fmi!r}, expected {' or '.join(map(str, FMI_VERSIONS))}")
     names = platform_names(platforms)
     if missing := missing_platforms(names):
         raise ExportError("\n".join(missing.values()))
@@ -75,7 +80,7 @@ def export_fmu(
     if outputs is not None:
         loaded = loaded.with_outputs(outputs)
     with loaded.located():
-        _export(loaded._core, runtimes, target, _view if view else None)
+        _export(loaded._core, runtimes, target, fmi, _view if view else None)
     log.info("%s: %.2f MB, %s", target, target.stat().st_size / 1e6, ", ".join(names))
     return target
 
@@ -84,12 +89,13 @@ def _export(
     scene: _core.Scene,
     runtimes: list[tuple[str, Path]],
     target: Path,
+    fmi: int,
     view: Callable[[str, list[float]], str] | None,
 ) -> None:
     try:
         with replacing(target) as draft:
             try:
-                _core.export_fmu(scene, runtimes, draft, licenses(), zlib.compress, view)
+                _core.export_fmu(scene, runtimes, draft, licenses(), fmi, zlib.compress, view)
             except ExportError as e:
                 raise ExportError(str(e).replace(str(draft), str(target))) from None
     except OSError as e:
