@@ -85,9 +85,9 @@ if(NOT GELENK_FMI_HEADERS AND wheel_fmi)
 else()
   set(fmi_headers "${GELENK_FMI_HEADERS}")
 endif()
-if(NOT EXISTS "${fmi_headers}/fmi2Functions.h")
-  message(FATAL_ERROR "No FMI 2.0 headers in '${fmi_headers}'. Give -DGELENK_FMI_HEADERS=<folder with "
-    "fmi2Functions.h>, or -DPython_EXECUTABLE=<an interpreter that has the package fmpy>.")
+if(NOT EXISTS "${fmi_headers}/fmi2Functions.h" OR NOT EXISTS "${fmi_headers}/fmi3Functions.h")
+  message(FATAL_ERROR "No headers of FMI 2.0 and 3.0 in '${fmi_headers}'. Give -DGELENK_FMI_HEADERS=<folder with "
+    "fmi2Functions.h and fmi3Functions.h>, or -DPython_EXECUTABLE=<an interpreter that has the package fmpy>.")
 endif()
 add_library(gelenk_fmi INTERFACE)
 target_include_directories(gelenk_fmi SYSTEM INTERFACE ${fmi_headers})

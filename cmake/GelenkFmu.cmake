@@ -6,6 +6,7 @@ set(exports_map ${CMAKE_CURRENT_LIST_DIR}/fmu_exports.map)
 set(zig_source ${CMAKE_CURRENT_SOURCE_DIR}/fmu/zig.cpp)
 list(REMOVE_ITEM fmu_sources ${zig_source} ${CMAKE_CURRENT_SOURCE_DIR}/fmu/glibc.cpp)  # see GelenkGlibc.cmake
 file(GLOB fmi2_sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/fmu/fmi2/*.cpp)
+file(GLOB fmi3_sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/fmu/fmi3/*.cpp)
 
 # The objects of the core are linked in a fixed order, hot folders first (GelenkTargets.cmake). From an archive the linker
 # would take them in the order in which they are needed, which would decide which copies of shared templates it keeps.
@@ -16,6 +17,7 @@ endif()
 add_library(gelenk_fmu ${library_type} $<TARGET_OBJECTS:gelenk_hot> $<TARGET_OBJECTS:gelenk_warm> $<TARGET_OBJECTS:gelenk_cold>)
 gelenk_together(gelenk_fmu fmu ${fmu_sources})
 gelenk_together(gelenk_fmu fmu/fmi2 ${fmi2_sources})
+gelenk_together(gelenk_fmu fmu/fmi3 ${fmi3_sources})
 set_property(SOURCE ${CMAKE_CURRENT_SOURCE_DIR}/fmu/unload.cpp PROPERTY SKIP_UNITY_BUILD_INCLUSION ON)  # declares what the compiler has
 target_compile_options(gelenk_fmu PRIVATE "$<$<CONFIG:Release>:-Os>")
 target_compile_definitions(gelenk_fmu PRIVATE $<$<BOOL:${GELENK_SANITIZE}>:GELENK_STEPS_USE_HEAP>)  # fmu/step_memory.cpp
