@@ -6,22 +6,37 @@ crash fails one test only. FOLDER holds the crank-rocker of plants.py, extracted
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
 from pathlib import Path
+from types import ModuleType
+from typing import Any
 
-from fmu import derivatives, exchange_calls, hosts, runs, states, wrong_calls
+from fmu import derivatives, exchange_calls, fmi3_calls, hosts, runs, states, wrong_calls
 from fmu.host import Fmu
+from fmu.host3 import Fmu3
 
-SCENARIOS = {
-    name: function
-    for module in (wrong_calls, runs, states, hosts, derivatives, exchange_calls)
-    for name, function in vars(module).items()
-    if getattr(function, "__module__", "") == module.__name__
-    and getattr(function, "__annotations__", {}).get("fmu") == "Fmu"
-}
+
+def scenarios_in(modules: tuple[ModuleType, ...], kind: type) -> dict[str, Callable[[Any], None]]:
+    """The functions of one argument, an FMU of this kind."""
+    return {
+        name: function
+        for module in modules
+        for name, function in vars(module).items()
+        if getattr(function, "__module__", "") == module.__name__
+        and getattr(function, "__annotations__", {}).get("fmu") == kind.__name__
+    }
+
+
+SCENARIOS = scenarios_in((wrong_calls, runs, states, hosts, derivatives, exchange_calls), Fmu)
+SCENARIOS_OF_FMI_3 = scenarios_in((fmi3_calls,), Fmu3)
 
 if __name__ == "__main__":
+    name, folder = sys.argv[1], Path(sys.argv[2])
     try:
-        SCENARIOS[sys.argv[1]](Fmu(Path(sys.argv[2])))
+        if name in SCENARIOS:
+            SCENARIOS[name](Fmu(folder))
+        else:
+            SCENARIOS_OF_FMI_3[name](Fmu3(folder))
         print("done")
     except hosts.UnavailableError as missing:
         print(f"skip: {missing}")

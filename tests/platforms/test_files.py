@@ -18,8 +18,16 @@ from .machines import NO_RUNTIMES
 
 lief = pytest.importorskip("lief", reason="lief is not installed: pip install --group runtimes")
 pytestmark = pytest.mark.platforms
-HEADER = (Path(fmpy.__file__).parent / "c-code" / "fmi2Functions.h").read_text()
-FUNCTIONS = set(re.findall(r"^\s+FMI2_Export \w+\s+(fmi2\w+);", HEADER, re.MULTILINE))
+HEADERS = Path(fmpy.__file__).parent / "c-code"
+FUNCTIONS = {
+    name
+    for version in (2, 3)
+    for name in re.findall(
+        rf"^\s*FMI{version}_Export fmi{version}\w+\s+(fmi{version}\w+);",
+        (HEADERS / f"fmi{version}Functions.h").read_text(),
+        re.MULTILINE,
+    )
+}
 LINKERS = {"_mh_dylib_header", "__dso_handle"}  # the place of the library itself
 
 
