@@ -82,9 +82,10 @@ bool allowed(Instance& instance, const char* function, unsigned modes) noexcept 
     std::string where;
     for (unsigned bit = 1; bit <= static_cast<unsigned>(last_mode); bit *= 2) {
       if ((modes & bit) != 0)
-        where += (where.empty() ? "" : " or ") + describe(static_cast<Mode>(bit), instance.vocabulary());
+        where += (where.empty() ? "" : " or ") + describe(static_cast<Mode>(bit), instance.interface().vocabulary);
     }
-    refuse(instance, function, "called " + describe(instance.mode(), instance.vocabulary()) + ", expected " + where);
+    refuse(instance, function,
+           "called " + describe(instance.mode(), instance.interface().vocabulary) + ", expected " + where);
   } catch (...) {
     refuse(instance, function, {});
   }

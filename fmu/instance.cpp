@@ -44,8 +44,8 @@ std::string describe(Mode mode, const Vocabulary& of) {
   return "after an internal error of the FMU";
 }
 
-Instance::Instance(std::shared_ptr<const PlantModel> model, Log log, Plant::Kind kind, const Vocabulary& vocabulary)
-    : model_(std::move(model)), vocabulary_(vocabulary), log_(std::move(log)), plant_(model_, kind), stop_(no_stop) {}
+Instance::Instance(std::shared_ptr<const PlantModel> model, Log log, Plant::Kind kind, Interface interface)
+    : model_(std::move(model)), interface_(interface), log_(std::move(log)), plant_(model_, kind), stop_(no_stop) {}
 
 void Instance::setup_experiment(std::optional<double> tolerance, double start, std::optional<double> stop) {
   if (!std::isfinite(start))
@@ -75,7 +75,7 @@ void Instance::exit_initialization() {
 
 void Instance::enter_continuous_time_mode() {
   if (!has_passed_events_)
-    throw UsageError(std::string("called before ") + vocabulary_.pass_event +
+    throw UsageError(std::string("called before ") + interface_.vocabulary.pass_event +
                      ", which finds the modes in which the motion continues");
   mode_ = Mode::continuous_time;
 }
@@ -117,7 +117,7 @@ void Instance::step(double current, double h) {
   // A millionth of a step allows for rounding by the master.
   if (current + h > stop_ + 1e-6 * h) {
     throw UsageError("communication step: found one to " + seconds(current + h) + ", beyond the stop time " +
-                     text::number(stop_) + " s of " + vocabulary_.stop_time);
+                     text::number(stop_) + " s of " + interface_.vocabulary.stop_time);
   }
   Clock next = clock_;
   try {
@@ -212,7 +212,7 @@ void Instance::fail_step(bool stuck) {
 
 void Instance::enter(Mode mode) {
   mode_ = mode;
-  log_.write(Category::events, log_.instance_name() + " is now " + describe(mode, vocabulary_));
+  log_.write(Category::events, log_.instance_name() + " is now " + describe(mode, interface_.vocabulary));
 }
 
 }  // namespace gelenk

@@ -42,12 +42,11 @@ std::string describe(Mode mode, const Vocabulary& of);
 
 class Instance {
  public:
-  // vocabulary: of the version of FMI whose functions are called.
-  Instance(std::shared_ptr<const PlantModel> model, Log log, Plant::Kind kind, const Vocabulary& vocabulary);
+  Instance(std::shared_ptr<const PlantModel> model, Log log, Plant::Kind kind, Interface interface);
 
   Mode mode() const { return mode_; }
   Plant::Kind kind() const { return plant_.kind(); }
-  const Vocabulary& vocabulary() const { return vocabulary_; }
+  const Interface& interface() const { return interface_; }
   Log& log() { return log_; }
   Plant& plant() { return plant_; }
 
@@ -55,9 +54,8 @@ class Instance {
   void setup_experiment(std::optional<double> tolerance, double start, std::optional<double> stop);
   void enter_initialization();
   void exit_initialization();
-  // Of FMI 3.0. There are no structural parameters that it serves to set.
-  void enter_configuration() { enter(Mode::configuration); }
-  void exit_configuration() { enter(Mode::instantiated); }
+  // Of FMI 3.0: enters or leaves configuration mode. There are no structural parameters that it serves to set.
+  void configure(bool on) { enter(on ? Mode::configuration : Mode::instantiated); }
   void terminate();
   void reset();
   // Of model exchange.
@@ -69,9 +67,6 @@ class Instance {
 
   // Serves this thread from the memory for steps, after initialization, for the lifetime of the result.
   StepMemory::InUse use_step_memory() const { return StepMemory::InUse(memory_ ? &*memory_ : nullptr); }
-  // Of FMI 3.0: whether a step whose evaluation budget is exhausted is one that returns early.
-  void allow_early_return(bool allowed) { may_return_early_ = allowed; }
-  bool may_return_early() const { return may_return_early_; }
   // Advances from the master's time `current` by h > 0 [s]. Throws StepError (the mode is then step_failed) and
   // UsageError (no change).
   void step(double current, double h);
@@ -97,14 +92,13 @@ class Instance {
   void log_events();
 
   std::shared_ptr<const PlantModel> model_;
-  const Vocabulary& vocabulary_;
+  Interface interface_;
   Log log_;
   std::optional<StepMemory> memory_;  // outlives what is in it
   Plant plant_;
   Clock clock_;
   Mode mode_ = Mode::instantiated;
-  bool stuck_ = false;  // in mode step_failed: see stuck()
-  bool may_return_early_ = false;
+  bool stuck_ = false;              // in mode step_failed: see stuck()
   bool has_passed_events_ = false;  // of model exchange: the one at the start
   double stop_;                     // stop time [s]; infinite: none given
   std::map<const void*, std::unique_ptr<SavedState>> states_;

@@ -49,7 +49,7 @@ std::string read_file(const std::filesystem::path& path) {
 }
 
 std::shared_ptr<const PlantModel> load_model(const Instantiation& wanted) {
-  const Vocabulary& words = wanted.vocabulary;
+  const Vocabulary& words = wanted.interface.vocabulary;
   if (wanted.token == nullptr) {
     throw UsageError(std::string(words.token) + ": found a null pointer, expected the one in modelDescription.xml");
   }
@@ -77,7 +77,7 @@ std::unique_ptr<Instance> created(const Log& log, const Instantiation& wanted) {
   const MemoryReserve memory;
   const std::shared_ptr<const PlantModel> model = load_model(wanted);
   if (wanted.kind == Plant::Kind::model_exchange) refuse_exchange(*model);
-  auto instance = std::make_unique<Instance>(model, log, wanted.kind, wanted.vocabulary);
+  auto instance = std::make_unique<Instance>(model, log, wanted.kind, wanted.interface);
   if (memory.was_used()) throw UsageError("out of memory");
   return instance;
 }

@@ -14,7 +14,7 @@ namespace gelenk {
 
 struct Instantiation {
   const char* function;
-  const Vocabulary& vocabulary;
+  Interface interface;
   Plant::Kind kind;
   const char *token, *resources;
   std::string fault{};  // what the version of FMI refuses; empty: nothing

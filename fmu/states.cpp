@@ -78,7 +78,7 @@ Status serialize_state(void* instance, const char* function, void* state, char* 
     if (size < needed) {
       return refuse(of, function,
                     "size: found " + std::to_string(size) + ", expected " + std::to_string(needed) +
-                        ", the number returned by " + of.vocabulary().serialized_size);
+                        ", the number returned by " + of.interface().vocabulary.serialized_size);
     }
     serialize(saved, of.plant().model().guid, {bytes, needed});
     return Status::ok;
@@ -90,7 +90,7 @@ Status deserialize_state(void* instance, const char* function, const char* bytes
   return call(instance, function, any_mode, [&](Instance& of) {
     if (bytes == nullptr) return refuse(of, function, "bytes: found a null pointer, expected a state");
     if (state == nullptr) return refuse_null_pointer(of, function, "FMU state");
-    auto saved = deserialize(of.plant().model().guid, {bytes, size}, of.vocabulary());
+    auto saved = deserialize(of.plant().model().guid, {bytes, size}, of.interface().vocabulary);
     *state = of.adopt(std::move(saved));
     return Status::ok;
   });

@@ -17,6 +17,12 @@ struct Vocabulary {
   const char *real, *integer, *enumeration;
 };
 
+// How an instance is seen from outside.
+struct Interface {
+  const Vocabulary& vocabulary;
+  bool may_return_early = false;  // whether a step whose evaluation budget is exhausted is one that returns early
+};
+
 inline constexpr Vocabulary fmi2_vocabulary{.enter_initialization = "fmi2EnterInitializationMode",
                                             .exit_initialization = "fmi2ExitInitializationMode",
                                             .terminate = "fmi2Terminate",

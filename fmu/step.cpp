@@ -16,8 +16,8 @@ Status do_step(void* instance, const char* function, CommunicationStep step, std
       of.step(step.start, step.size);
       report(false);
     } catch (const StepBudgetError& cause) {
-      report(of.may_return_early());
-      if (!of.may_return_early()) throw;
+      report(of.interface().may_return_early);
+      if (!of.interface().may_return_early) throw;
       warn(of, function, cause.what());
     } catch (const StepError&) {
       report(false);

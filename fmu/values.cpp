@@ -44,7 +44,7 @@ std::string fault(Instance& instance, const ValueCall& of, const void* values) {
              std::to_string(catalog.variables().size());
     }
     if (v->type != of.types.type && v->type != of.types.other)
-      return v->name + " is of type " + fmi_name(v->type, instance.vocabulary());
+      return v->name + " is of type " + fmi_name(v->type, instance.interface().vocabulary);
   }
   return {};
 }
@@ -52,7 +52,8 @@ std::string fault(Instance& instance, const ValueCall& of, const void* values) {
 // Why a variable cannot be set now; empty if it can.
 std::string fault_of_setting(const Instance& instance, const Variable& v, bool runs) {
   if (runs && v.variability == Variability::fixed) {
-    return v.name + " is a fixed parameter: it can be set only before " + instance.vocabulary().exit_initialization;
+    return v.name + " is a fixed parameter: it can be set only before " +
+           instance.interface().vocabulary.exit_initialization;
   }
   if (instance.mode() == Mode::continuous_time && v.variability == Variability::tunable)
     return v.name + " is a tunable parameter: it can be set only in event mode";
@@ -75,7 +76,8 @@ Status get_values(void* instance, const ValueCall& call_of, T* values) noexcept 
       const Variable& v = plant.catalog().variables()[reference];
       const bool set_by_master = v.source == Source::input || v.source == Source::parameter;
       if (of.mode() == Mode::instantiated && !set_by_master) {
-        return refuse(of, call_of.function, v.name + " can be read only after " + of.vocabulary().enter_initialization);
+        return refuse(of, call_of.function,
+                      v.name + " can be read only after " + of.interface().vocabulary.enter_initialization);
       }
       values[i] = static_cast<T>(plant.get(static_cast<int>(reference)));
     }

@@ -51,11 +51,7 @@ BELOW["bindings"] |= {"modelDescription", *BELOW["modelDescription"]}
 
 FOLDERS = {room: ROOT / "src" / room for room in BELOW} | {
     "modelDescription": ROOT / "modelDescription",
-    "fmu": ROOT / "fmu",
-    "fmu/fmi2": ROOT / "fmu" / "fmi2",
-    "fmu/fmi3": ROOT / "fmu" / "fmi3",
-    "fmu/runtime": ROOT / "fmu" / "runtime",
-    "fmu/export": ROOT / "fmu" / "export",
+    **{room: ROOT / room for room in BELOW if room.startswith("fmu")},
     "bindings": ROOT / "python" / "bindings",
 }
 
@@ -117,7 +113,6 @@ def wrong_includes(room: str, text: str) -> list[str]:
         ("simulation", "#include <idas/idas.h>"),
         ("dynamics", "#include <sundials/sundials_types.h>"),
         ("modelDescription", "#include <fmi2Functions.h>"),
-        ("fmu", "#include <fmi2Functions.h>"),
         ("fmu/fmi2", "#include <fmi3Functions.h>"),
         ("fmu", '#include "fmu/fmi3/adapter.h"'),
         ("modelDescription", "# include <nlohmann/json.hpp>"),

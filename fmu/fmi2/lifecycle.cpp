@@ -51,7 +51,7 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
   try {
     return gelenk::instantiate(gelenk::log_of(functions, instanceName, is_true(loggingOn)),
                                {.function = "fmi2Instantiate",
-                                .vocabulary = gelenk::fmi2_vocabulary,
+                                .interface = {gelenk::fmi2_vocabulary},
                                 .kind = type == fmi2ModelExchange ? Kind::model_exchange : Kind::co_simulation,
                                 .token = fmuGUID,
                                 .resources = fmuResourceLocation,

@@ -59,16 +59,13 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
                                          fmi3InstanceEnvironment instanceEnvironment, fmi3LogMessageCallback logMessage,
                                          fmi3IntermediateUpdateCallback /*intermediateUpdate*/) {
   try {
-    void* created =
-        gelenk::instantiate(gelenk::log_of(logMessage, instanceEnvironment, instanceName, loggingOn),
-                            {.function = "fmi3InstantiateCoSimulation",
-                             .vocabulary = gelenk::fmi3_vocabulary,
-                             .kind = gelenk::Plant::Kind::co_simulation,
-                             .token = instantiationToken,
-                             .resources = resourcePath,
-                             .fault = gelenk::fault_of_features(eventModeUsed, nRequiredIntermediateVariables)});
-    if (created != nullptr) static_cast<Instance*>(created)->allow_early_return(earlyReturnAllowed);
-    return created;
+    return gelenk::instantiate(gelenk::log_of(logMessage, instanceEnvironment, instanceName, loggingOn),
+                               {.function = "fmi3InstantiateCoSimulation",
+                                .interface = {gelenk::fmi3_vocabulary, earlyReturnAllowed},
+                                .kind = gelenk::Plant::Kind::co_simulation,
+                                .token = instantiationToken,
+                                .resources = resourcePath,
+                                .fault = gelenk::fault_of_features(eventModeUsed, nRequiredIntermediateVariables)});
   } catch (...) {  // no memory
     return nullptr;
   }
@@ -126,14 +123,14 @@ fmi3Status fmi3Reset(fmi3Instance instance) { return as_fmi3(gelenk::reset(insta
 // The FMU has no structural parameters, so that there is nothing to do in configuration mode.
 fmi3Status fmi3EnterConfigurationMode(fmi3Instance instance) {
   return as_fmi3(gelenk::call(instance, "fmi3EnterConfigurationMode", 0U | Mode::instantiated, [](Instance& of) {
-    of.enter_configuration();
+    of.configure(true);
     return gelenk::Status::ok;
   }));
 }
 
 fmi3Status fmi3ExitConfigurationMode(fmi3Instance instance) {
   return as_fmi3(gelenk::call(instance, "fmi3ExitConfigurationMode", 0U | Mode::configuration, [](Instance& of) {
-    of.exit_configuration();
+    of.configure(false);
     return gelenk::Status::ok;
   }));
 }

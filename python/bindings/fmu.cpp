@@ -24,8 +24,8 @@ using PyWriteView = nb::typed<nb::callable, std::string(std::string, nb::typed<n
 
 // version: 2 or 3. compress: zlib.compress, or None. view: as WriteView, or None.
 void export_packed(const gelenk::Scene& scene, const std::vector<PlatformAndFile>& runtimes,
-                   const std::filesystem::path& out, const std::filesystem::path& licenses, int version,
-                   const std::optional<PyCompress>& compress, const std::optional<PyWriteView>& view) {
+                   const std::filesystem::path& out, const std::filesystem::path& licenses,
+                   const std::optional<PyCompress>& compress, const std::optional<PyWriteView>& view, int version) {
   gelenk::Compress call;
   if (compress) {
     call = [&compress](std::string_view bytes) {
@@ -58,7 +58,7 @@ std::string svg_of(const gelenk::Scene& scene) {
 
 void gelenk::bind_fmu(nb::module_& m) {
   m.def("export_fmu", &export_packed, nb::arg("scene"), nb::arg("runtimes"), nb::arg("out"), nb::arg("licenses"),
-        nb::arg("version"), nb::arg("compress").none(), nb::arg("view").none() = nb::none(),
+        nb::arg("compress").none(), nb::arg("view").none() = nb::none(), nb::arg("version") = 2,
         "Write the FMU of FMI 2.0 or 3.0 (version: 2, 3) with the scene, the runtime libraries (platform and file)\n"
         "and the files of the folder licenses, compressed by compress (zlib.compress, or None). view returns "
         "documentation/view.html for the scene as JSON\n"

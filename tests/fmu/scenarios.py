@@ -6,17 +6,26 @@ crash fails one test only. FOLDER holds the crank-rocker of plants.py, extracted
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from fmu import derivatives, exchange_calls, fmi3_calls, hosts, runs, states, wrong_calls
+from fmu import (
+    derivatives,
+    exchange_calls,
+    fmi3_calls,
+    fmi3_derivative_calls,
+    hosts,
+    runs,
+    states,
+    wrong_calls,
+)
 from fmu.host import Fmu
 from fmu.host3 import Fmu3
 
 
-def scenarios_in(modules: tuple[ModuleType, ...], kind: type) -> dict[str, Callable[[Any], None]]:
+def scenarios_in(modules: Sequence[ModuleType], kind: type) -> dict[str, Callable[[Any], None]]:
     """The functions of one argument, an FMU of this kind."""
     return {
         name: function
@@ -28,7 +37,7 @@ def scenarios_in(modules: tuple[ModuleType, ...], kind: type) -> dict[str, Calla
 
 
 SCENARIOS = scenarios_in((wrong_calls, runs, states, hosts, derivatives, exchange_calls), Fmu)
-SCENARIOS_OF_FMI_3 = scenarios_in((fmi3_calls,), Fmu3)
+SCENARIOS_OF_FMI_3 = scenarios_in((fmi3_calls, fmi3_derivative_calls), Fmu3)
 
 if __name__ == "__main__":
     name, folder = sys.argv[1], Path(sys.argv[2])

@@ -44,7 +44,14 @@ def unknowns_and_knowns(fmu: Fmu3) -> tuple[list[str], list[str]]:
 
 def jacobian(slave: Slave3, unknowns: list[str], knowns: list[str]) -> NDArray[np.float64]:
     columns = [slave.sensitivity(FORWARD, unknowns, [name], [1.0], len(unknowns)) for name in knowns]
-    return np.array(columns).T
+    return np.asarray(columns, dtype=np.float64).T
+
+
+def product(
+    slave: Slave3, function: str, seed: NDArray[np.float64], names: tuple[list[str], list[str]]
+) -> NDArray[np.float64]:
+    count = len(names[0] if function == FORWARD else names[1])
+    return np.asarray(slave.sensitivity(function, *names, seed.tolist(), count), dtype=np.float64)
 
 
 def test_both_derivatives_are_of_one_matrix(fmus: tuple[Fmu, Fmu3]) -> None:
@@ -57,8 +64,8 @@ def test_both_derivatives_are_of_one_matrix(fmus: tuple[Fmu, Fmu3]) -> None:
     rng = np.random.default_rng(1)
     for _ in range(3):
         v, w = rng.normal(size=len(unknowns)), rng.normal(size=len(knowns))
-        forward = np.array(slave.sensitivity(FORWARD, unknowns, knowns, w, len(unknowns)))
-        adjoint = np.array(slave.sensitivity(ADJOINT, unknowns, knowns, v, len(knowns)))
+        forward = product(slave, FORWARD, w, (unknowns, knowns))
+        adjoint = product(slave, ADJOINT, v, (unknowns, knowns))
         magnitude = np.abs(v) @ np.abs(matrix) @ np.abs(w)
         assert abs(v @ forward - adjoint @ w) <= 1e-12 * magnitude
         np.testing.assert_allclose(

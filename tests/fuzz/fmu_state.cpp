@@ -52,7 +52,7 @@ void demand(bool holds, const char* what) {
 struct Host {
   explicit Host(std::string_view plant)
       : model(std::make_shared<const PlantModel>(scene(plant), "fuzzed.json")),
-        instance(model, Log({}, "plant", false), Plant::Kind::co_simulation, fmi2_vocabulary) {
+        instance(model, Log({}, "plant", false), Plant::Kind::co_simulation, Interface{fmi2_vocabulary}) {
     for (int i = 0; i < static_cast<int>(model->catalog.variables().size()); ++i) {
       if (model->catalog.variables()[i].source == Source::output) outputs.push_back(i);
     }

@@ -95,7 +95,7 @@ def _export(
     try:
         with replacing(target) as draft:
             try:
-                _core.export_fmu(scene, runtimes, draft, licenses(), fmi, zlib.compress, view)
+                _core.export_fmu(scene, runtimes, draft, licenses(), zlib.compress, view, fmi)
             except ExportError as e:
                 raise ExportError(str(e).replace(str(draft), str(target))) from None
     except OSError as e:
