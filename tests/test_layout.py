@@ -50,8 +50,7 @@ BELOW["bindings"] = {"scene_schema", "inspection", "runs", "fmu/runtime", "fmu/e
 BELOW["bindings"] |= {"modelDescription", *BELOW["modelDescription"]}
 
 FOLDERS = {room: ROOT / "src" / room for room in BELOW} | {
-    "modelDescription": ROOT / "modelDescription",
-    **{room: ROOT / room for room in BELOW if room.startswith("fmu")},
+    **{room: ROOT / room for room in BELOW if room.startswith(("fmu", "model"))},
     "bindings": ROOT / "python" / "bindings",
 }
 
@@ -113,7 +112,6 @@ def wrong_includes(room: str, text: str) -> list[str]:
         ("simulation", "#include <idas/idas.h>"),
         ("dynamics", "#include <sundials/sundials_types.h>"),
         ("modelDescription", "#include <fmi2Functions.h>"),
-        ("fmu/fmi2", "#include <fmi3Functions.h>"),
         ("fmu", '#include "fmu/fmi3/adapter.h"'),
         ("modelDescription", "# include <nlohmann/json.hpp>"),
     ],

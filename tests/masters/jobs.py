@@ -25,11 +25,11 @@ RATE = "rad/s"  # every scene has an output of that unit
 Job = dict[str, Any]
 
 
-def jobs(folder: Path) -> list[Job]:
+def jobs(folder: Path, fmi: int = 2) -> list[Job]:
     """Of each scene and pair of methods: the FMU, what is to be set, what is to be read after each step."""
     found = []
     for scene in SCENES:
-        fmu = gelenk.export_fmu(gelenk.load(scene), folder / f"{scene.stem}.fmu")
+        fmu = gelenk.export_fmu(gelenk.load(scene), folder / f"{scene.stem}.fmu", fmi=fmi)
         variables = fmpy.read_model_description(str(fmu)).modelVariables
         found += [_job(scene, fmu, variables, methods) for methods in METHODS]
     return found

@@ -76,6 +76,12 @@ MASTERS = [
     Master("Maestro", [*PYTHON, "masters.run_maestro", JARS], "maestro", inputs_from=None),
 ]
 
+# With FMUs of FMI 3.0. Ecos does not know enumerations, so that it cannot choose methods; each is a warning.
+MASTERS_OF_FMI_3 = [
+    Master("Ecos", [*PYTHON, "masters.run_ecos"], "ecospy", ["ecospy"]),
+    Master("fmuloader", [*PYTHON, "masters.run_fmuloader3"], "fmuloader", ["fmuloader"]),
+]
+
 
 @dataclass(frozen=True)
 class Outcome:
