@@ -94,6 +94,20 @@ Status get_nominals(void* instance, const char* function, double* nominals, std:
   });
 }
 
+Status get_number_of_states(void* instance, const char* function, std::size_t* count) noexcept {
+  return exchange(instance, function, readable | Mode::instantiated, [&](Instance& of) {
+    expect_places({{"number", count}});
+    *count = of.plant().model().states().catalog.states().size();
+  });
+}
+
+Status get_number_of_indicators(void* instance, const char* function, std::size_t* count) noexcept {
+  return exchange(instance, function, readable | Mode::instantiated, [&](Instance& of) {
+    expect_places({{"number", count}});
+    *count = static_cast<std::size_t>(of.plant().exchange().indicators());
+  });
+}
+
 Status get_event_indicators(void* instance, const char* function, double* indicators, std::size_t count) noexcept {
   return exchange(instance, function, readable, [&](Instance& of) {
     ModelExchange& plant = of.plant().exchange();

@@ -25,6 +25,8 @@ Status set_states(void* instance, const char* function, const double* states, st
 Status get_states(void* instance, const char* function, double* states, std::size_t count) noexcept;
 Status get_rates(void* instance, const char* function, double* rates, std::size_t count) noexcept;
 Status get_nominals(void* instance, const char* function, double* nominals, std::size_t count) noexcept;
+Status get_number_of_states(void* instance, const char* function, std::size_t* count) noexcept;
+Status get_number_of_indicators(void* instance, const char* function, std::size_t* count) noexcept;
 Status get_event_indicators(void* instance, const char* function, double* indicators, std::size_t count) noexcept;
 
 }  // namespace gelenk

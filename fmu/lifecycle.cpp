@@ -66,9 +66,18 @@ std::shared_ptr<const PlantModel> load_model(const Instantiation& wanted) {
   return model;
 }
 
-void refuse_exchange(const PlantModel& model) {
-  if (const std::string why = ModelExchange::refusal(model.scene); !why.empty())
-    throw UsageError("type: found model exchange, expected co-simulation: " + why);
+std::string refusal_of_indicators(int count) {
+  if (count == 0) return {};
+  return "found " + std::to_string(count) +
+         " event indicators, which are variables in FMI 3.0 and not described; with FMI 2.0 it is for model exchange, "
+         "too";
+}
+
+void refuse_exchange(const PlantModel& model, const Instantiation& wanted) {
+  std::string why = ModelExchange::refusal(model.scene);
+  if (why.empty() && !wanted.can_have_indicators)
+    why = refusal_of_indicators(ModelExchange::indicators_of(model.scene));
+  if (!why.empty()) throw UsageError(wanted.interface.vocabulary.no_exchange + why);
 }
 
 std::unique_ptr<Instance> created(const Log& log, const Instantiation& wanted) {
@@ -76,7 +85,7 @@ std::unique_ptr<Instance> created(const Log& log, const Instantiation& wanted) {
   if (!wanted.fault.empty()) throw UsageError(wanted.fault);
   const MemoryReserve memory;
   const std::shared_ptr<const PlantModel> model = load_model(wanted);
-  if (wanted.kind == Plant::Kind::model_exchange) refuse_exchange(*model);
+  if (wanted.kind == Plant::Kind::model_exchange) refuse_exchange(*model, wanted);
   auto instance = std::make_unique<Instance>(model, log, wanted.kind, wanted.interface);
   if (memory.was_used()) throw UsageError("out of memory");
   return instance;

@@ -17,7 +17,8 @@ struct Instantiation {
   Interface interface;
   Plant::Kind kind;
   const char *token, *resources;
-  std::string fault{};  // what the version of FMI refuses; empty: nothing
+  bool can_have_indicators = true;  // with model exchange
+  std::string fault{};              // what the version of FMI refuses; empty: nothing
 };
 
 // Returns null, after a message, if the instance cannot be created.

@@ -14,6 +14,7 @@ struct Vocabulary {
   const char* pass_event;  // the function in which discrete states change
   const char *serialize, *serialized_size;
   const char *token, *resources;  // arguments of the functions that instantiate
+  const char* no_exchange;        // what precedes the reason why an FMU is not for model exchange
   const char *real, *integer, *enumeration;
 };
 
@@ -32,6 +33,7 @@ inline constexpr Vocabulary fmi2_vocabulary{.enter_initialization = "fmi2EnterIn
                                             .serialized_size = "fmi2SerializedFMUstateSize",
                                             .token = "GUID",
                                             .resources = "resource location",
+                                            .no_exchange = "type: found model exchange, expected co-simulation: ",
                                             .real = "Real",
                                             .integer = "Integer",
                                             .enumeration = "Integer"};
@@ -45,6 +47,7 @@ inline constexpr Vocabulary fmi3_vocabulary{.enter_initialization = "fmi3EnterIn
                                             .serialized_size = "fmi3SerializedFMUStateSize",
                                             .token = "instantiation token",
                                             .resources = "resource path",
+                                            .no_exchange = "this FMU is for co-simulation: ",
                                             .real = "Float64",
                                             .integer = "Int32",
                                             .enumeration = "Enumeration"};

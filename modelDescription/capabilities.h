@@ -25,14 +25,14 @@ inline constexpr std::array<Capability, 8> capabilities = {{
     {"providesDirectionalDerivative", true},
 }};
 
-// Of co-simulation in FMI 3.0.
+// Of FMI 3.0.
 inline constexpr std::array<Capability, 6> fmi3_capabilities = {{
-    {"canHandleVariableCommunicationStepSize", true},
+    {"canHandleVariableCommunicationStepSize", true, false},
     {"canGetAndSetFMUState", true},
     {"canSerializeFMUState", true},
     {"providesDirectionalDerivatives", true},
     {"providesAdjointDerivatives", true},
-    {"mightReturnEarlyFromDoStep", true},
+    {"mightReturnEarlyFromDoStep", true, false},
 }};
 
 inline constexpr int max_output_derivative_order = 2;

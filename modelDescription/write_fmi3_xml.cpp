@@ -14,7 +14,18 @@ namespace {
 // Items of enumerations have types of their own in FMI 3.0.
 std::string type_of_choice(const Variable& v) { return "Gelenk." + v.name; }
 
-void write_interface(XmlWriter& w, const FmuFacts& facts) {
+// Event indicators would have to be variables, which they are not: an FMU that has some is for co-simulation.
+bool is_for_exchange(const FmuFacts& facts) { return facts.event_indicators == 0; }
+
+void write_interfaces(XmlWriter& w, const FmuFacts& facts) {
+  if (is_for_exchange(facts)) {
+    w.open(1, "ModelExchange").attribute("modelIdentifier", facts.model_identifier);
+    w.attribute("needsCompletedIntegratorStep", true);
+    for (const Capability& c : fmi3_capabilities) {
+      if (c.of_both) w.attribute(c.name, c.supported);
+    }
+    w.end();
+  }
   w.open(1, "CoSimulation").attribute("modelIdentifier", facts.model_identifier);
   for (const Capability& c : fmi3_capabilities) w.attribute(c.name, c.supported);
   w.attribute("maxOutputDerivativeOrder", max_output_derivative_order).end();
@@ -60,7 +71,8 @@ const char* element_of(ParameterType type) {
   return "Enumeration";
 }
 
-void write_real(XmlWriter& w, const Variable& v) {
+// reinit: whether events change the variable, a state.
+void write_real(XmlWriter& w, const Variable& v, bool reinit) {
   if (!v.type_name.empty()) w.attribute("declaredType", v.type_name);
   if (!v.unit.empty()) w.attribute("unit", v.unit);
   if (!v.display_unit.empty()) w.attribute("displayUnit", v.display_unit);
@@ -69,9 +81,10 @@ void write_real(XmlWriter& w, const Variable& v) {
   if (v.nominal > 0) w.attribute("nominal", v.nominal);
   if (v.start) w.attribute("start", *v.start);
   if (v.derivative_of >= 0) w.attribute("derivative", v.derivative_of);
+  if (reinit) w.attribute("reinit", true);
 }
 
-void write_fmi3_variable(XmlWriter& w, const Variable& v, std::size_t value_reference) {
+void write_fmi3_variable(XmlWriter& w, const Variable& v, std::size_t value_reference, bool reinit) {
   w.open(2, element_of(v.type)).attribute("name", v.name);
   w.attribute("valueReference", static_cast<int>(value_reference)).attribute("description", v.description);
   w.attribute("causality", name_of(v.causality)).attribute("variability", name_of(v.variability));
@@ -79,7 +92,7 @@ void write_fmi3_variable(XmlWriter& w, const Variable& v, std::size_t value_refe
   if (v.causality == Causality::output || v.causality == Causality::local) w.attribute("initial", "calculated");
   switch (v.type) {
     case ParameterType::real:
-      write_real(w, v);
+      write_real(w, v, reinit);
       break;
     case ParameterType::boolean:
       w.attribute("start", v.start == 1.0);
@@ -135,14 +148,18 @@ std::string write_fmi3_description(const Scene& scene, const Catalog& catalog, c
   w.attribute("variableNamingConvention", "structured").inside();
   std::vector<bool> is_shown;
   for (const Variable& v : catalog.variables()) is_shown.push_back(!v.hidden || v.source == Source::time);
-  write_interface(w, facts);
+  write_interfaces(w, facts);
   write_units(w, catalog, is_shown);
   write_fmi3_types(w, catalog, is_shown);
   write_log_categories(w);
   write_default_experiment(w, scene);
   w.open(1, "ModelVariables").inside();
+  std::vector<bool> reinit(is_shown.size(), false);
+  if (is_for_exchange(facts)) {
+    for (const State& state : catalog.states()) reinit[static_cast<std::size_t>(state.variable)] = true;
+  }
   for (std::size_t i = 0; i < is_shown.size(); ++i) {
-    if (is_shown[i]) write_fmi3_variable(w, catalog.variables()[i], i);
+    if (is_shown[i]) write_fmi3_variable(w, catalog.variables()[i], i, reinit[i]);
   }
   w.close(1, "ModelVariables");
   write_fmi3_structure(w, Structure(catalog, dependencies));

@@ -155,8 +155,7 @@ void export_fmu(const Scene& scene, const std::vector<Runtime>& runtimes, const 
 
   FmuFacts facts{model_identifier(carried.name), fingerprint(json), simulation.size().states()};
   const bool is_fmi2 = version == FmiVersion::fmi2;
-  if (is_fmi2 && ModelExchange::refusal(carried).empty())
-    facts.event_indicators = ModelExchange::indicators_of(carried);
+  if (ModelExchange::refusal(carried).empty()) facts.event_indicators = ModelExchange::indicators_of(carried);
   const Picture picture = draw(simulation);
   Zip zip(compress);
   const auto describe = is_fmi2 ? write_fmi2_description : write_fmi3_description;

@@ -71,13 +71,18 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
   }
 }
 
-fmi3Instance fmi3InstantiateModelExchange(fmi3String instanceName, fmi3String /*instantiationToken*/,
-                                          fmi3String /*resourcePath*/, fmi3Boolean /*visible*/, fmi3Boolean loggingOn,
+fmi3Instance fmi3InstantiateModelExchange(fmi3String instanceName, fmi3String instantiationToken,
+                                          fmi3String resourcePath, fmi3Boolean /*visible*/, fmi3Boolean loggingOn,
                                           fmi3InstanceEnvironment instanceEnvironment,
                                           fmi3LogMessageCallback logMessage) {
   try {
-    return gelenk::refuse_kind(gelenk::log_of(logMessage, instanceEnvironment, instanceName, loggingOn),
-                               "fmi3InstantiateModelExchange", "this FMU is for co-simulation");
+    return gelenk::instantiate(gelenk::log_of(logMessage, instanceEnvironment, instanceName, loggingOn),
+                               {.function = "fmi3InstantiateModelExchange",
+                                .interface = {gelenk::fmi3_vocabulary},
+                                .kind = gelenk::Plant::Kind::model_exchange,
+                                .token = instantiationToken,
+                                .resources = resourcePath,
+                                .can_have_indicators = false});
   } catch (...) {  // no memory
     return nullptr;
   }
@@ -92,7 +97,8 @@ fmi3Instance fmi3InstantiateScheduledExecution(fmi3String instanceName, fmi3Stri
                                                fmi3UnlockPreemptionCallback /*unlockPreemption*/) {
   try {
     return gelenk::refuse_kind(gelenk::log_of(logMessage, instanceEnvironment, instanceName, loggingOn),
-                               "fmi3InstantiateScheduledExecution", "this FMU is for co-simulation");
+                               "fmi3InstantiateScheduledExecution",
+                               "this FMU has no clocks, whose partitions could be scheduled");
   } catch (...) {  // no memory
     return nullptr;
   }

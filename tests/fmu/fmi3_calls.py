@@ -49,21 +49,12 @@ def fmi3_instantiation_refuses_what_does_not_fit(fmu: Fmu3) -> None:
     refused_instance(Slave3(fmu, intermediate=2), "requiredIntermediateVariables: found 2")
 
 
-def fmi3_other_kinds_are_refused(fmu: Fmu3) -> None:
+def fmi3_scheduled_execution_is_refused(fmu: Fmu3) -> None:
     s = Slave3(fmu)
-    for kind, nothing in (("ModelExchange", 0), ("ScheduledExecution", 3)):
-        instance = getattr(fmu.library, f"fmi3Instantiate{kind}")(
-            b"plant",
-            fmu.description.instantiationToken.encode(),
-            str(fmu.folder / "resources").encode(),
-            c_bool(False),
-            c_bool(False),
-            None,
-            s._logger,
-            *[None] * nothing,
-        )
-        assert instance is None
-        expect(s, ERROR, ERROR, f"fmi3Instantiate{kind}: this FMU is for co-simulation")
+    token, resources = fmu.description.instantiationToken, str(fmu.folder / "resources")
+    arguments = [b"plant", token.encode(), resources.encode(), c_bool(False), c_bool(False), None, s._logger]
+    assert fmu.library.fmi3InstantiateScheduledExecution(*arguments, None, None, None) is None
+    expect(s, ERROR, ERROR, "fmi3InstantiateScheduledExecution: this FMU has no clocks")
 
 
 def fmi3_calls_out_of_order_are_refused(fmu: Fmu3) -> None:
@@ -296,17 +287,15 @@ def fmi3_logging_follows_the_categories(fmu: Fmu3) -> None:
 def fmi3_features_that_do_not_exist_say_so(fmu: Fmu3) -> None:
     s = Slave3(fmu).start()
     nothing = [c_void_p(None)] * 6
-    for function in ("EnterEventMode", "EnterStepMode", "EvaluateDiscreteStates", "UpdateDiscreteStates"):
-        expect(s, s.call(f"fmi3{function}", *nothing), ERROR, f"fmi3{function}: ", "no event mode")
+    expect(s, s.call("fmi3EnterStepMode"), ERROR, "fmi3EnterStepMode: ", "no event mode")
+    expect(s, s.call("fmi3EvaluateDiscreteStates"), ERROR, "providesEvaluateDiscreteStates")
     for function in ("GetNumberOfVariableDependencies", "GetVariableDependencies"):
         expect(s, s.call(f"fmi3{function}", *nothing), ERROR, "modelDescription.xml")
-    for function in (
-        "EnterContinuousTimeMode",
-        "SetTime",
-        "GetContinuousStates",
-        "GetNumberOfEventIndicators",
-    ):
-        expect(s, s.call(f"fmi3{function}", *nothing), ERROR, f"fmi3{function}: ", "for co-simulation")
+    for function in ("EnterEventMode", "UpdateDiscreteStates", "SetTime", "GetNumberOfEventIndicators"):
+        status = s.call(f"fmi3{function}", *nothing)
+        expect(
+            s, status, ERROR, f"fmi3{function}: is a function for model exchange; this instance is for co-"
+        )
     s.run(2)
 
 

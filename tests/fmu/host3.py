@@ -63,20 +63,19 @@ class Slave3:
         self.fmu = fmu
         self.log: list[tuple[int, str, str]] = []
         self._logger = Logger(self._write)
-        self.instance = fmu.library.fmi3InstantiateCoSimulation(
+        self.logging_on = logging_on
+        self._of_co_simulation = (c_bool(event_mode), c_bool(early_return), None, c_size_t(intermediate))
+        self.instance = self._instantiate(
             _text(name),
             _text(fmu.description.instantiationToken if token == "" else token),
             _text(f"{fmu.folder / 'resources'}/" if resources == "" else resources),
-            c_bool(False),
-            c_bool(logging_on),
-            c_bool(event_mode),
-            c_bool(early_return),
-            None,
-            c_size_t(intermediate),
-            None,
-            self._logger,
-            None,
         )
+
+    def _instantiate(self, name: bytes | None, token: bytes | None, resources: bytes | None) -> c_void_p:
+        return self.fmu.library.fmi3InstantiateCoSimulation(  # type: ignore[no-any-return]
+            name, token, resources, c_bool(False), c_bool(self.logging_on), *self._of_co_simulation,
+            None, self._logger, None,
+        )  # fmt: skip
 
     def _write(self, _env: Any, status: int, category: bytes, message: bytes) -> None:
         self.log.append((status, category.decode(), message.decode()))

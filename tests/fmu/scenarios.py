@@ -16,6 +16,7 @@ from fmu import (
     exchange_calls,
     fmi3_calls,
     fmi3_derivative_calls,
+    fmi3_exchange_calls,
     hosts,
     runs,
     states,
@@ -38,6 +39,7 @@ def scenarios_in(modules: Sequence[ModuleType], kind: type) -> dict[str, Callabl
 
 SCENARIOS = scenarios_in((wrong_calls, runs, states, hosts, derivatives, exchange_calls), Fmu)
 SCENARIOS_OF_FMI_3 = scenarios_in((fmi3_calls, fmi3_derivative_calls), Fmu3)
+EXCHANGE_OF_FMI_3 = scenarios_in((fmi3_exchange_calls,), Fmu3)
 
 if __name__ == "__main__":
     name, folder = sys.argv[1], Path(sys.argv[2])
@@ -45,7 +47,7 @@ if __name__ == "__main__":
         if name in SCENARIOS:
             SCENARIOS[name](Fmu(folder))
         else:
-            SCENARIOS_OF_FMI_3[name](Fmu3(folder))
+            (SCENARIOS_OF_FMI_3 | EXCHANGE_OF_FMI_3)[name](Fmu3(folder))
         print("done")
     except hosts.UnavailableError as missing:
         print(f"skip: {missing}")

@@ -10,7 +10,7 @@ import pytest
 import gelenk
 
 from .plants import crank_rocker, with_circuit
-from .scenarios import SCENARIOS_OF_FMI_3
+from .scenarios import EXCHANGE_OF_FMI_3, SCENARIOS_OF_FMI_3
 from .test_calls import succeed
 
 
@@ -21,4 +21,10 @@ def fmu(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
 
 @pytest.mark.parametrize("name", SCENARIOS_OF_FMI_3)
 def test_calls(name: str, fmu: Path, tmp_path: Path) -> None:
+    succeed(name, fmu, tmp_path)
+
+
+@pytest.mark.parametrize("name", EXCHANGE_OF_FMI_3)
+def test_calls_of_model_exchange(name: str, tmp_path: Path) -> None:
+    fmu = gelenk.export_fmu(crank_rocker(), tmp_path / "x.fmu", view=False, fmi=3)
     succeed(name, fmu, tmp_path)

@@ -81,7 +81,7 @@ def export(
         int,
         typer.Option(
             metavar="2|3",
-            help="Version of FMI: 2.0 with co-simulation and model exchange, or 3.0 with co-simulation.",
+            help="Version of FMI: 2.0 or 3.0, both with co-simulation and, if possible, model exchange.",
             autocompletion=completion.fmi_versions,
         ),
     ] = 2,
