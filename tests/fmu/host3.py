@@ -15,7 +15,7 @@ import fmpy
 from fmu.host import OK
 
 Logger = ctypes.CFUNCTYPE(None, c_void_p, c_int, c_char_p, c_char_p)
-KINDS = {"Float64": c_double, "Int32": c_int32, "Int64": c_int64, "Boolean": c_bool}
+KINDS: dict[str, Any] = {"Float64": c_double, "Int32": c_int32, "Int64": c_int64, "Boolean": c_bool}
 
 
 class Fmu3:
@@ -71,8 +71,8 @@ class Slave3:
             _text(f"{fmu.folder / 'resources'}/" if resources == "" else resources),
         )
 
-    def _instantiate(self, name: bytes | None, token: bytes | None, resources: bytes | None) -> c_void_p:
-        return self.fmu.library.fmi3InstantiateCoSimulation(  # type: ignore[no-any-return]
+    def _instantiate(self, name: bytes | None, token: bytes | None, resources: bytes | None) -> Any:
+        return self.fmu.library.fmi3InstantiateCoSimulation(
             name, token, resources, c_bool(False), c_bool(self.logging_on), *self._of_co_simulation,
             None, self._logger, None,
         )  # fmt: skip

@@ -5,8 +5,9 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Sequence
-from ctypes import c_bool, c_double, c_size_t, c_void_p
+from ctypes import c_bool, c_double, c_size_t
 from dataclasses import dataclass
+from typing import Any
 
 from fmu.host import OK
 from fmu.host3 import Fmu3, Slave3
@@ -23,12 +24,12 @@ class Event:
 class Importer3(Slave3):
     """An instance for model exchange. Methods named after what they read assert that the call succeeds."""
 
-    def __init__(self, fmu: Fmu3, **options: str | bool | None) -> None:
-        super().__init__(fmu, **options)  # type: ignore[arg-type]
+    def __init__(self, fmu: Fmu3, **options: Any) -> None:
+        super().__init__(fmu, **options)
         self.size = len(fmu.description.derivatives)
 
-    def _instantiate(self, name: bytes | None, token: bytes | None, resources: bytes | None) -> c_void_p:
-        return self.fmu.library.fmi3InstantiateModelExchange(  # type: ignore[no-any-return]
+    def _instantiate(self, name: bytes | None, token: bytes | None, resources: bytes | None) -> Any:
+        return self.fmu.library.fmi3InstantiateModelExchange(
             name, token, resources, c_bool(False), c_bool(self.logging_on), None, self._logger
         )
 

@@ -52,8 +52,8 @@ def export_fmu(
         outputs: names and patterns of the requested outputs; by default the scene's own. Parts on which none
             of them depends are not in the FMU.
         view: whether the documentation of the FMU shows the mechanism in three dimensions, in 0.2 MB.
-        fmi: version of FMI: 2 for FMI 2.0, 3 for FMI 3.0. Both are for co-simulation and, if the scene permits
-            it, model exchange; with 3, scenes with friction, limits or located contacts are for the former only.
+        fmi: version of FMI: 2 for FMI 2.0, 3 for FMI 3.0. Both are for co-simulation and, if the scene
+            permits it, model exchange; with 3, scenes with event indicators are for the former only.
 
     Returns:
         Path: the file written.
