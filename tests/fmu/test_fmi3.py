@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import zipfile
 from collections.abc import Callable
+from ctypes import byref, c_size_t, c_ubyte, c_void_p
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -19,8 +20,10 @@ from mechanisms import Scene
 import gelenk
 from gelenk.errors import ExportError
 
+from .host import OK, Fmu, Slave
 from .host3 import Fmu3, Slave3
 from .plants import crank_rocker, cranked, driven, gyroscope, touching, with_circuit
+from .states import get_state, serialized
 
 PLANTS: dict[str, Callable[[], Scene]] = {
     "crank_rocker": crank_rocker,
@@ -209,6 +212,31 @@ def test_time_is_the_independent_variable(fmu: Path) -> None:
     slave.run(3)
     assert slave.get(["time"]) == [pytest.approx(0.03, rel=1e-15)]
     slave.free()
+
+
+def test_a_state_of_one_version_is_restored_by_the_other(fmu: Path, tmp_path: Path) -> None:
+    fmpy.extract(
+        str(gelenk.export_fmu(crank_rocker(), tmp_path / "y.fmu", view=False)), str(tmp_path / "fmi2")
+    )
+    old, new = Slave(Fmu(tmp_path / "fmi2")).start(), Slave3(Fmu3(fmpy.extract(str(fmu)))).start()
+    for slave in (old, new):
+        assert slave.set({"drive.tau": 1.4}) == OK
+    assert old.run(5) == new.run(5)
+    content = serialized(old, get_state(old))
+    expected = old.run(6, first=5)
+    state = c_void_p()
+    data = (c_ubyte * len(content)).from_buffer_copy(content)
+    assert new.call("fmi3DeserializeFMUState", data, c_size_t(len(content)), byref(state)) == OK, new.said
+    new.run(3, first=5)
+    assert new.call("fmi3SetFMUState", state) == OK
+    assert new.run(6, first=5) == expected
+    old.free()
+    new.free()
+
+
+def test_gelenk_says_what_runs_them(fmu: Path) -> None:
+    with pytest.raises(gelenk.UsageError, match=r"found an FMU of FMI 3\.0 .*expected FMI 2\.0 .*fmpy"):
+        gelenk.simulate(fmu, stop=0.1)
 
 
 def test_other_versions_are_refused(tmp_path: Path) -> None:

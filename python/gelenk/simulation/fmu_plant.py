@@ -367,7 +367,7 @@ def _description(path: Path, part: str) -> Any:
     if found.fmiVersion != "2.0" or getattr(found, part) is None:
         raise UsageError(
             f"{path}: found an FMU of FMI {found.fmiVersion} for {' and '.join(kinds)}, expected FMI 2.0 "
-            f"{_KINDS[part]}"
+            f"{_KINDS[part]}{'; fmpy.simulate_fmu runs it' if found.fmiVersion[:1] == '3' else ''}"
         )
     return found
 
