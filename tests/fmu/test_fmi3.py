@@ -3,7 +3,9 @@
 
 from __future__ import annotations
 
+import shutil
 import zipfile
+import zlib
 from collections.abc import Callable
 from ctypes import byref, c_size_t, c_ubyte, c_void_p
 from pathlib import Path
@@ -18,7 +20,9 @@ from lxml import etree
 from mechanisms import Scene
 
 import gelenk
+from gelenk import _core
 from gelenk.errors import ExportError
+from gelenk.io import export
 
 from .host import OK, Fmu, Slave
 from .host3 import Fmu3, Slave3
@@ -205,6 +209,30 @@ def test_joints_without_wanted_outputs_are_no_terminals(tmp_path: Path) -> None:
     none = gelenk.export_fmu(crank_rocker(), tmp_path / "y.fmu", outputs=["hinge.*"], view=False, fmi=3)
     assert list(terminals_in(none).iter("Terminal")) == []
     assert validate_fmu(str(some)) == validate_fmu(str(none)) == []
+
+
+def test_platforms_have_the_folders_of_fmi_3(tmp_path: Path) -> None:
+    """The library for macOS, for two processors, is in the folder of each. Contents do not matter here."""
+    runtimes = []
+    for platform, library in export.LIBRARIES.items():
+        file = tmp_path / platform / library
+        file.parent.mkdir()
+        shutil.copy(export.runtime_library(), file)
+        runtimes.append((platform, file))
+    out = tmp_path / "x.fmu"
+    scene = gelenk.load(crank_rocker())._core
+    _core.export_fmu(scene, runtimes, out, export.licenses(), zlib.compress, version=3)
+    with zipfile.ZipFile(out) as archive:
+        names = {name for name in archive.namelist() if name.startswith("binaries/")}
+        assert archive.testzip() is None
+    assert names == {
+        "binaries/x86_64-linux/FourBar.so",
+        "binaries/aarch64-linux/FourBar.so",
+        "binaries/x86_64-windows/FourBar.dll",
+        "binaries/x86_64-darwin/FourBar.dylib",
+        "binaries/aarch64-darwin/FourBar.dylib",
+    }
+    assert validate_fmu(str(out)) == []
 
 
 def test_time_is_the_independent_variable(fmu: Path) -> None:
