@@ -104,7 +104,7 @@ def on_spheres(*places: list[float]) -> dict[str, Any]:
 
 
 def test_a_sphere_wedged_among_three() -> None:
-    """Along y it falls as a pendulum upside down, the faster the more the three press: which is not determined.
+    """Along y it falls as an inverted pendulum, the faster the more the three press, which is undetermined.
 
     Between two spheres their forces are: 9.81 / 0.16 1/s2, from the height of its center above theirs.
     """
