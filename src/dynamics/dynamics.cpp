@@ -297,7 +297,7 @@ class DynamicsOf final : public WithKinematics<A, AllOfDynamics> {
 
   const SparseRows& fill_jacobian() {
     if (jacobian_.holds(stages_)) return ws_.J;
-    kernels::loop_jacobian(model_, ws_);
+    kernels::loop_jacobian(model_, ws_, ws_.J);
     kernels::coordinate_row_jacobian(model_, ws_);
     jacobian_.set(stages_);
     return ws_.J;

@@ -9,6 +9,7 @@
 
 #include <numbers>
 
+#include "math/choose.h"
 #include "math/planar.h"
 #include "math/spatial.h"
 
@@ -83,8 +84,9 @@ int parallel_z(const Pose<A>& X_FM, Row<A>* out) {
       out[i].w.n[i] = 1;
     }
     // s = 0 with equal directions: x/sin(x) = 1. s = 0 with opposite directions: x is chosen as the axis.
-    const T k = s > T(0) ? T(atan2(s, z.z()) / s) : T(1);
-    out[0].Phi = s > T(0) || z.z() > T(0) ? T(-k * z.y()) : T(std::numbers::pi);
+    const T k = choose(s, [&] { return T(atan2(s, z.z()) / s); }, [] { return T(1); });
+    const auto turn = [&] { return T(-k * z.y()); };
+    out[0].Phi = choose(s, turn, [&] { return choose(z.z(), turn, [] { return T(std::numbers::pi); }); });
     out[1].Phi = k * z.x();
     return 2;
   }

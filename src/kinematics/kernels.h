@@ -56,16 +56,17 @@ void velocities(const Model<A>& model, const typename A::Scalar* q, const typena
 // tau <- the generalized forces for vdot = 0, minus those of the loads: h - J_ext^T F_ext. After velocities.
 template <class A>
 void inverse_dynamics_bias(const Model<A>& model, Workspace<A>& ws, double* tau);
-// Fills in M (composite rigid bodies). After positions.
-template <class A>
-void mass_matrix(const Model<A>& model, Workspace<A>& ws, SparseFactor& M);
+// Fills in M (composite rigid bodies), which has rows as SparseFactor has them. After positions.
+template <class A, class Factor>
+void mass_matrix(const Model<A>& model, Workspace<A>& ws, Factor& M);
 
 // Loops: X_FM, constraint wrenches and Phi (after positions); J (after loop_positions); V_FM, rates and gamma (after
 // velocities).
 template <class A>
 void loop_positions(const Model<A>& model, Workspace<A>& ws);
-template <class A>
-void loop_jacobian(const Model<A>& model, Workspace<A>& ws);
+// J: Workspace::J, or rows of another number type that are stored as these.
+template <class A, class Rows>
+void loop_jacobian(const Model<A>& model, const Workspace<A>& ws, Rows& J);
 // Speeds of cut joint c at its coordinates q per velocity along its paths, cut.nv numbers each. After loop_positions.
 template <class A>
 void cut_speed_columns(const Model<A>& model, const Workspace<A>& ws, int c, const double* q, double* columns);

@@ -10,6 +10,16 @@
 #include "math/dual.h"
 
 namespace gelenk::kernels {
+inline namespace detail {
+
+// The angle within half a turn of the reference; q: up to full turns.
+template <class T>
+T in_turn_of(double reference, const T& q) {
+  return q + T(2 * std::numbers::pi * std::round((reference - value_of(q)) / (2 * std::numbers::pi)));
+}
+
+}  // namespace detail
+
 template <class A>
 void counted_cut_coordinates(const typename Model<A>::Cut& cut, const typename A::Pose& X_FM, const double* reference,
                              typename A::Scalar* q) {
@@ -17,8 +27,7 @@ void counted_cut_coordinates(const typename Model<A>::Cut& cut, const typename A
   for (int i = 0; i < cut.nq; ++i) q[i] = T(reference[i]);
   visit_joint<A>(cut.joint, [&](const auto& joint) { joint.template coordinates<A>(X_FM, q); });
   for (int i = 0; i < cut.nq; ++i) {
-    if (cut.is_angle[i])
-      q[i] += T(2 * std::numbers::pi * std::round((reference[i] - value_of(q[i])) / (2 * std::numbers::pi)));
+    if (cut.is_angle[i]) q[i] = in_turn_of(reference[i], q[i]);
   }
 }
 

@@ -12,8 +12,8 @@ namespace gelenk::kernels {
 GELENK_INSTANTIATE(Planar)
 GELENK_INSTANTIATE(Spatial)
 #undef GELENK_INSTANTIATE
-template void loop_jacobian(const Model<Planar>&, Workspace<Planar>&);
-template void loop_jacobian(const Model<Spatial>&, Workspace<Spatial>&);
+template void loop_jacobian(const Model<Planar>&, const Workspace<Planar>&, SparseRows&);
+template void loop_jacobian(const Model<Spatial>&, const Workspace<Spatial>&, SparseRows&);
 template void cut_speed_columns(const Model<Planar>&, const Workspace<Planar>&, int, const double*, double*);
 template void cut_speed_columns(const Model<Spatial>&, const Workspace<Spatial>&, int, const double*, double*);
 

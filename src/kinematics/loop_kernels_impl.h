@@ -65,11 +65,10 @@ typename A::Motion motion_of_M(bool revolute, const typename A::Pose& X_FL, cons
 
 // Writes the Jacobian entries of a cut for the joints along a path, starting with its first link. Returns the position
 // after the last entry.
-template <class A>
-double* path_columns(const Model<A>& model, const Workspace<A>& ws, std::size_t c, const std::vector<int>& path,
-                     const typename A::Pose* X_FL, double sign, double* column) {
+template <class A, class T>
+T* path_columns(const Model<A>& model, const Workspace<A>& ws, std::size_t c, const std::vector<int>& path,
+                const typename A::Pose* X_FL, double sign, int stride, T* column) {
   const auto& cut = model.cuts[c];
-  const int stride = ws.J.entries(cut.first_row);
   for (const int i : path) {
     const auto& link = model.links[i];
     for (int k = link.iv; k < link.iv + link.nv; ++k, ++column) {
@@ -179,15 +178,16 @@ void loop_positions(const Model<A>& model, Workspace<A>& ws) {
   }
 }
 
-template <class A>
-void loop_jacobian(const Model<A>& model, Workspace<A>& ws) {
+template <class A, class Rows>
+void loop_jacobian(const Model<A>& model, const Workspace<A>& ws, Rows& J) {
   for (std::size_t c = 0; c < model.cuts.size(); ++c) {
     const auto& cut = model.cuts[c];
     if (cut.rows == 0) continue;
     const typename A::Pose* X_FL = ws.X_FL.data() + cut.first_path;
-    double* column = ws.J.values(cut.first_row);
-    column = path_columns(model, ws, c, cut.path_a, X_FL, -1.0, column);
-    path_columns(model, ws, c, cut.path_b, X_FL + cut.path_a.size(), 1.0, column);
+    const int stride = J.entries(cut.first_row);
+    auto* column = J.values(cut.first_row);
+    column = path_columns(model, ws, c, cut.path_a, X_FL, -1.0, stride, column);
+    path_columns(model, ws, c, cut.path_b, X_FL + cut.path_a.size(), 1.0, stride, column);
   }
 }
 

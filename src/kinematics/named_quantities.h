@@ -17,7 +17,8 @@ void named_quantities(const Model<A>& model, const Loads& loads, const Workspace
   CutMotion<A> of_cut;
   for (const NamedQuantity& named : loads.named) {
     if (named.reading != nullptr) {
-      *out++ = named.reading->read(readings);
+      // Sensors read double, dual numbers and series only; for others, whoever makes the loads excludes them.
+      if constexpr (requires { named.reading->read(readings); }) *out++ = named.reading->read(readings);
       continue;
     }
     if (!named.moves) {

@@ -78,14 +78,14 @@ void inverse_dynamics_bias(const Model<A>& model, Workspace<A>& ws, double* tau)
   }
 }
 
-template <class A>
-void mass_matrix(const Model<A>& model, Workspace<A>& ws, SparseFactor& M) {
+template <class A, class Factor>
+void mass_matrix(const Model<A>& model, Workspace<A>& ws, Factor& M) {
   const int n = static_cast<int>(model.links.size());
   for (int i = 1; i < n; ++i) ws.G_tree[i] = model.links[i].G;
   for (int i = n - 1; i >= 1; --i) {
     const auto& link = model.links[i];
     for (int k = link.iv; k < link.iv + link.nv; ++k) {
-      double* const row = M.row(k);
+      auto* const row = M.row(k);
       int d = M.depth(k);
       typename A::Force F = times<A>(link.is_revolute_about_z, ws.G_tree[i], ws.S[k]);
       for (int j = k; j >= link.iv; --j) row[d--] = along<A>(link.is_revolute_about_z, ws.S[j], F);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "element/constraints/relation_law.h"
+#include "element/constraints/relation_law_impl.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,12 +9,6 @@
 #include "math/series.h"
 
 namespace gelenk {
-namespace {
-
-constexpr std::size_t most = RelationLaw::most_terms;
-
-}  // namespace
-
 RelationLaw::RelationLaw(const Formula& f, std::vector<Named> named, int terms, bool gives)
     : named_(std::move(named)), terms_(terms) {
   expression::Graph graph = f.graph();
@@ -61,50 +55,8 @@ std::vector<RelationLaw::Term> RelationLaw::factors_of(expression::Graph& graph,
   return out;
 }
 
-template <class T>
-void RelationLaw::load(const T* x, const T* rates, T* at) const {
-  for (const Named& of : named_) *at++ = T(of.size) * (of.is_rate ? rates[of.term] : x[of.term]);
-  for (const Named& of : named_) *at++ = T(of.size) * (of.is_rate ? T(0) : rates[of.term]);
-}
-
-template <class T>
-T RelationLaw::length(const T* factors) const {
-  using std::sqrt;
-  T sum(0);
-  for (int i = 0; i < terms_; ++i) sum += factors[i] * factors[i];
-  return sqrt(sum);
-}
-
-template <class T>
-T RelationLaw::value(const T* x, const T* rates, T* factors) const {
-  T at[2 * most];
-  T out[1 + most];
-  load(x, rates, at);
-  first_.evaluate(at, out);
-  const T size = length(out + 1);
-  for (int i = 0; i < terms_; ++i) factors[i] = out[1 + i] / size;
-  return out[0] / size;
-}
-
-template <class T>
-T RelationLaw::bias(const T* x, const T* rates) const {
-  T at[2 * most];
-  T out[2 * most];
-  load(x, rates, at);
-  second_.evaluate(at, out);
-  const T size = length(out);
-  if (is_of_rates_) return out[terms_] / size;
-  T along(0), turn(0), rate(0);
-  for (int i = 0; i < terms_; ++i) {
-    along += out[terms_ + i] * rates[i];
-    turn += out[terms_ + i] * out[i];
-    rate += out[i] * rates[i];
-  }
-  return (along - rate * turn / (size * size)) / size;
-}
-
 bool RelationLaw::is_regular(const double* x, const double* rates) const {
-  double factors[most];
+  double factors[most_terms];
   const double at = value(x, rates, factors);
   return std::isfinite(at) && std::isfinite(bias(x, rates));
 }

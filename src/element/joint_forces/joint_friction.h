@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "element/joint_forces/dry_friction.h"
+#include "math/choose.h"
 #include "util/text.h"
 
 namespace gelenk {
@@ -151,7 +152,7 @@ struct JointFriction : DryFriction<JointFriction> {
   template <class T>
   T engagement(const T* u) const {
     if (!is_engaged_by_input()) return T(1);
-    return u[0] > T(0) ? u[0] : T(0);
+    return choose(u[0], [&] { return u[0]; }, [] { return T(0); });
   }
   // Of the law: the signals that it names take the place of inputs. What decides on its branches.
   const Formula& formula() const { return law; }
@@ -198,7 +199,7 @@ struct JointFriction : DryFriction<JointFriction> {
   // At this speed in the direction of motion; where a step continues a little beyond 0, at its size.
   template <class T>
   T by_law(const T& q, const T& speed, const T* signals) const {
-    const T size = speed < T(0) ? T(-speed) : speed;
+    const T size = choose(T(-speed), [&] { return T(-speed); }, [&] { return speed; });
     const T at[] = {q, size, q, size};
     return law.value(at, signals);
   }
@@ -220,8 +221,8 @@ struct JointFriction : DryFriction<JointFriction> {
     T x = v * T((side < 0 ? -1 : 1) / stribeck);
     if (exponent != 1) {
       x = T(x * x);
-    } else if (x < T(0)) {
-      x = x / sqrt(T(T(1) + x * x));
+    } else {
+      x = choose(T(-x), [&] { return T(x / sqrt(T(T(1) + x * x))); }, [&] { return x; });
     }
     return T(in_motion) + T(at_rest - in_motion) * exp(T(-x));
   }

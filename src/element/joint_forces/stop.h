@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "element/joint_forces/coordinate_force.h"
+#include "math/choose.h"
 #include "util/text.h"
 
 namespace gelenk {
@@ -129,7 +130,10 @@ struct Stop {
   template <class T>
   T energy(const T& q) const {
     if (is_excess()) return T(0);
-    const T depth = std::max({T(q - upper), T(lower - q), T(0)});
+    const T above = q - T(upper);
+    const T below = T(lower) - q;
+    const T depth =
+        choose(above, [&] { return above; }, [&] { return choose(below, [&] { return below; }, [] { return T(0); }); });
     return T(stiffness / 2) * depth * depth;
   }
 
