@@ -12,8 +12,8 @@ import pytest
 ROOT = Path(__file__).resolve().parent.parent
 
 # What a room may include of ours: itself and these.
-BELOW: dict[str, set[str]] = {"util": set(), "math": set(), "expression": {"util", "math"}}
-BELOW["field"] = {"expression", *BELOW["expression"]}
+BELOW: dict[str, set[str]] = {"util": set(), "math": set(), "linear": set(), "expression": {"util", "math"}}
+BELOW["field"] = BELOW["recording"] = {"expression", *BELOW["expression"]}
 BELOW["shape"] = {"field", "math", *BELOW["field"]}
 BELOW["collision"] = {"shape", *BELOW["shape"]}
 BELOW["joint"] = {"field", "math", *BELOW["field"]}
@@ -23,7 +23,6 @@ BELOW["check"] = {"scene", *BELOW["scene"]}
 BELOW["scene_file"] = {"check", *BELOW["check"]}
 BELOW["scene_schema"] = {"scene_file", *BELOW["scene_file"]}
 BELOW["mechanism"] = {"scene", *BELOW["scene"]}
-BELOW["linear"] = set()
 BELOW["complementarity"] = {"linear"}
 BELOW["kinematics"] = {"mechanism", "linear", *BELOW["mechanism"]}
 BELOW["derivatives"] = {"kinematics", *BELOW["kinematics"]}
@@ -46,7 +45,8 @@ BELOW["fmu/runtime"] = {"modelDescription", *BELOW["modelDescription"]}
 BELOW["fmu/export"] = {"modelDescription", "scene_schema", "inspection", *BELOW["modelDescription"]}
 BELOW["fmu"] = {"fmu/runtime", *BELOW["fmu/runtime"]}
 BELOW["fmu/fmi2"] = BELOW["fmu/fmi3"] = {"fmu", *BELOW["fmu"]}
-BELOW["bindings"] = {"scene_schema", "inspection", "runs", "fmu/runtime", "fmu/export"}
+BELOW["equations"] = {"recording", "simulation", *BELOW["simulation"]}
+BELOW["bindings"] = {"equations", "recording", "scene_schema", "inspection", "runs", "fmu/runtime", "fmu/export"}
 BELOW["bindings"] |= {"modelDescription", *BELOW["modelDescription"]}
 
 FOLDERS = {room: ROOT / "src" / room for room in BELOW} | {
@@ -136,14 +136,14 @@ PACKAGE = ROOT / "python" / "gelenk"
 # What a package of Python, or a module beside the packages, may import of ours: itself, other modules beside
 # them, and these packages. Modules that are not listed may import none.
 IMPORTS: dict[str, set[str]] = {"model": set()}
-IMPORTS["viewer"] = {"model"}
+IMPORTS["viewer"] = IMPORTS["symbolic"] = {"model"}
 IMPORTS["simulation"] = {"model", "viewer"}
 for package in ("sweeps", "gradients", "learning", "io", "linear"):
     IMPORTS[package] = {"simulation", *IMPORTS["simulation"]}
 IMPORTS["modal"] = {"linear", *IMPORTS["linear"]}
 IMPORTS["equilibria"] = {"linear", *IMPORTS["linear"]}
 IMPORTS["chart"] = {"io", "modal", "equilibria", *IMPORTS["modal"]}
-IMPORTS["cli"] = {"chart", "sweeps", "viewer", *IMPORTS["chart"]}
+IMPORTS["cli"] = {"chart", "sweeps", "symbolic", "viewer", *IMPORTS["chart"]}
 IMPORTS["demo"] = set()
 IMPORTS["__main__"] = {"cli"}
 USERS = {"chart", "cli", "demo"}  # these use the whole as everybody does: `import gelenk`

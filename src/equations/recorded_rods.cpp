@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Rods for numbers that record.
+#include "equations/recorded_algebra.h"
+#include "joint/rod_impl.h"
+
+namespace gelenk {
+
+GELENK_INSTANTIATE(PlanarAlgebra<Recorded>)
+GELENK_INSTANTIATE(SpatialAlgebra<Recorded>)
+
+}  // namespace gelenk

@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "recording/recorded.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "expression/functions.h"
+
+namespace gelenk::recording {
+namespace {
+
+using expression::Graph;
+using expression::Node;
+using expression::Operation;
+using expression::Term;
+
+thread_local Graph* recorded_in = nullptr;
+
+}  // namespace
+
+Recording::Recording(Graph& graph) : outer_(recorded_in) { recorded_in = &graph; }
+Recording::~Recording() { recorded_in = outer_; }
+
+Recorded::Recorded(Term term) {
+  const Node& node = (*recorded_in)[term];
+  if (node.operation == Operation::constant) {
+    value_ = node.value;
+  } else {
+    term_ = term;
+  }
+}
+
+Recorded Recorded::variable(int index) { return Recorded(recorded_in->variable(index)); }
+
+// There is one zero: 0 and -0 are the same constant.
+Term Recorded::term() const { return is_constant() ? recorded_in->constant(value_ == 0 ? 0 : value_) : term_; }
+
+const Node& Recorded::node() const { return (*recorded_in)[term_]; }
+
+std::pair<double, Recorded> Recorded::scaled() const {
+  if (is_constant()) return {1, *this};
+  const Node& of = node();
+  if (of.operation == Operation::negate) return {-1, Recorded(of.of[0])};
+  if (of.operation == Operation::multiply) {
+    for (const int k : {0, 1}) {
+      const Term factor = of.of[static_cast<std::size_t>(k)];
+      if (recorded_in->is_constant(factor))
+        return {(*recorded_in)[factor].value, Recorded(of.of[static_cast<std::size_t>(1 - k)])};
+    }
+  }
+  return {1, *this};
+}
+
+std::pair<double, Recorded> Recorded::shifted() const {
+  if (is_constant() || node().operation != Operation::add) return {0, *this};
+  const Node& of = node();
+  for (const int k : {0, 1}) {
+    const Term summand = of.of[static_cast<std::size_t>(k)];
+    if (recorded_in->is_constant(summand))
+      return {(*recorded_in)[summand].value, Recorded(of.of[static_cast<std::size_t>(1 - k)])};
+  }
+  return {0, *this};
+}
+
+// Constants are gathered, multiples of the same are added up, and negative multiples are subtracted, so that equal
+// expressions become one node more often.
+Recorded operator+(const Recorded& a, const Recorded& b) {
+  if (a.is_constant() && b.is_constant()) return a.value_ + b.value_;
+  if (a.is(0)) return b;
+  if (b.is(0)) return a;
+  const auto [ca, xa] = a.shifted();
+  const auto [cb, xb] = b.shifted();
+  if ((ca != 0 && b.is_constant()) || (cb != 0 && a.is_constant()) || (ca != 0 && cb != 0)) {
+    const Recorded constant = (a.is_constant() ? a.value_ : ca) + (b.is_constant() ? b.value_ : cb);
+    if (a.is_constant()) return constant + xb;
+    if (b.is_constant()) return constant + xa;
+    return constant + (xa + xb);
+  }
+  const auto [ka, ta] = a.scaled();
+  const auto [kb, tb] = b.scaled();
+  if (!a.is_constant() && ta.term_ == tb.term_) return Recorded(ka + kb) * ta;
+  if (kb < 0) return a - Recorded(-kb) * tb;
+  if (ka < 0) return b - Recorded(-ka) * ta;
+  return Recorded(recorded_in->add(a.term(), b.term()));
+}
+
+Recorded operator-(const Recorded& a, const Recorded& b) {
+  if (b.is_constant()) return a + Recorded(-b.value_);
+  if (a.is(0)) return -b;
+  const auto [ka, ta] = a.scaled();
+  const auto [kb, tb] = b.scaled();
+  if (!a.is_constant() && ta.term_ == tb.term_) return Recorded(ka - kb) * ta;
+  if (kb < 0) return a + Recorded(-kb) * tb;
+  if (ka < 0) return -(Recorded(-ka) * ta + b);
+  return Recorded(recorded_in->subtract(a.term(), b.term()));
+}
+
+Recorded operator-(const Recorded& a) {
+  if (a.is_constant()) return -a.value_;
+  const Node of = a.node();
+  if (of.operation == Operation::subtract) return Recorded(of.of[1]) - Recorded(of.of[0]);
+  const auto [k, x] = a.scaled();
+  if (k != 1) return Recorded(-k) * x;
+  return Recorded(recorded_in->negate(a.term()));
+}
+
+Recorded operator*(const Recorded& a, const Recorded& b) {
+  if (a.is_constant() && b.is_constant()) return a.value_ * b.value_;
+  if (a.is(0) || b.is(0)) return 0;
+  if (a.is(1)) return b;
+  if (b.is(1)) return a;
+  if (a.is(-1)) return -b;
+  if (b.is(-1)) return -a;
+  const auto [ka, xa] = a.scaled();
+  const auto [kb, xb] = b.scaled();
+  if (a.is_constant())
+    return kb == 1 ? Recorded(recorded_in->multiply(a.term(), b.term())) : Recorded(a.value_ * kb) * xb;
+  if (b.is_constant()) return b * a;
+  if (ka != 1 || kb != 1) return Recorded(ka * kb) * (xa * xb);
+  return Recorded(recorded_in->multiply(a.term(), b.term()));
+}
+
+Recorded operator/(const Recorded& a, const Recorded& b) {
+  if (a.is_constant() && b.is_constant()) return a.value_ / b.value_;
+  if (b.is_constant()) return Recorded(1 / b.value_) * a;
+  if (a.is(0)) return 0;
+  const auto [ka, xa] = a.scaled();
+  const auto [kb, xb] = b.scaled();
+  if (!a.is_constant() && xa.term_ == xb.term_) return ka / kb;
+  if (ka != 1 || kb != 1) return Recorded(ka / kb) * (xa / xb);
+  return Recorded(recorded_in->divide(a.term(), b.term()));
+}
+
+std::partial_ordering operator<=>(const Recorded& a, const Recorded& b) {
+  if (a.is_constant() && b.is_constant()) return a.value_ <=> b.value_;
+  if (b.is(0) && a.node().operation == Operation::sqrt) return std::partial_ordering::greater;
+  if (a.is(0) && b.node().operation == Operation::sqrt) return std::partial_ordering::less;
+  throw HiddenBranch();
+}
+
+double value_of(const Recorded& a) {
+  if (!a.is_constant()) throw HiddenBranch();
+  return a.value_;
+}
+
+Recorded Recorded::function(Operation operation, const Recorded& a) {
+  if (a.is_constant()) return expression::value_at(operation, a.value_);
+  return Recorded(recorded_in->function(operation, a.term()));
+}
+
+Recorded sin(const Recorded& a) {
+  if (!a.is_constant() && a.node().operation == Operation::negate)
+    return -Recorded::function(Operation::sin, Recorded(a.node().of[0]));
+  return Recorded::function(Operation::sin, a);
+}
+Recorded cos(const Recorded& a) {
+  const bool is_negated = !a.is_constant() && a.node().operation == Operation::negate;
+  return Recorded::function(Operation::cos, is_negated ? Recorded(a.node().of[0]) : a);
+}
+Recorded exp(const Recorded& a) { return Recorded::function(Operation::exp, a); }
+Recorded sqrt(const Recorded& a) { return Recorded::function(Operation::sqrt, a); }
+Recorded abs(const Recorded& a) { return Recorded::chosen(a, a, -a); }
+Recorded atan2(const Recorded& y, const Recorded& x) {
+  if (x.is_constant() && y.is_constant()) return std::atan2(y.value_, x.value_);
+  return Recorded(recorded_in->function(Operation::atan2, y.term(), x.term()));
+}
+
+Recorded Recorded::power(const Recorded& a, const Recorded& b) {
+  return Recorded(recorded_in->power(a.term(), b.term()));
+}
+
+Recorded Recorded::chosen(const Recorded& g, const Recorded& a, const Recorded& b) {
+  if (g.is_constant()) return g.value_ > 0 ? a : b;
+  return Recorded(recorded_in->choose(g.term(), a.term(), b.term()));
+}
+
+Recorded in_turn_of(double reference, const Recorded& q) {
+  if (q.is_constant())
+    return q + Recorded(2 * std::numbers::pi * std::round((reference - value_of(q)) / (2 * std::numbers::pi)));
+  const Recorded from = q - Recorded(reference);
+  return Recorded(reference) + atan2(sin(from), cos(from));
+}
+
+// a = axis times the sine of the angle; at a = 0 it is the rotation vector itself.
+Eigen::Matrix<Recorded, 3, 1> rotation_vector(const Eigen::Matrix<Recorded, 3, 3>& R) {
+  const Eigen::Matrix<Recorded, 3, 1> a =
+      Recorded(0.5) * Eigen::Matrix<Recorded, 3, 1>(R(2, 1) - R(1, 2), R(0, 2) - R(2, 0), R(1, 0) - R(0, 1));
+  const Recorded sine = sqrt(Recorded(a.squaredNorm()));
+  const Recorded cosine = Recorded(0.5) * (R(0, 0) + R(1, 1) + R(2, 2) - Recorded(1));
+  const Recorded factor = choose(sine, [&] { return atan2(sine, cosine) / sine; }, [] { return Recorded(1); });
+  return factor * a;
+}
+
+}  // namespace gelenk::recording
