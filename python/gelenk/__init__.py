@@ -51,6 +51,7 @@ if TYPE_CHECKING:
     from gelenk.model import Assemblies, Branch, Inspection, Scene, assemblies, inspect, load
     from gelenk.simulation import Result, Simulation, live_view, simulate, view
     from gelenk.sweeps import sobol, sweep
+    from gelenk.symbolic import Equations, equations
     from gelenk.viewer import View
 
     __version__: str
@@ -60,6 +61,7 @@ __all__ = [
     "AssemblyError",
     "Branch",
     "DifferentiatedRun",
+    "Equations",
     "Equilibrium",
     "EquilibriumError",
     "ExportError",
@@ -88,6 +90,7 @@ __all__ = [
     "assemblies",
     "control_system",
     "environment",
+    "equations",
     "equilibrium",
     "export_fmu",
     "fit",
@@ -123,6 +126,7 @@ _get, _dir = _lazy.lazy(
         ".model": ["Assemblies", "Branch", "Inspection", "Scene", "assemblies", "inspect", "load"],
         ".simulation": ["Result", "Simulation", "live_view", "simulate", "view"],
         ".sweeps": ["sobol", "sweep"],
+        ".symbolic": ["Equations", "equations"],
         ".viewer": ["View"],
     },
 )

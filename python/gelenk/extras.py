@@ -11,6 +11,7 @@ from gelenk.errors import UsageError
 EXTRAS = {
     "PIL": "view",
     "SALib": "sobol",
+    "casadi": "casadi",
     "cloudpickle": "sweep",
     "distributed": "sweep",
     "h5netcdf": "tables",
@@ -20,6 +21,7 @@ EXTRAS = {
     "pandas": "tables",
     "pebble": "sweep",
     "pyarrow": "tables",
+    "sympy": "sympy",
     "tqdm": "progress",
     "trimesh": "mesh",
     "xarray": "tables",

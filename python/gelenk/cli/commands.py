@@ -13,7 +13,7 @@ from typing import Annotated
 import typer
 
 import gelenk
-from gelenk.cli import analysis, completion, pictures, runs, sweep
+from gelenk.cli import analysis, completion, equation_text, pictures, runs, sweep
 from gelenk.cli.arguments import (
     AssemblyTolerance,
     Outputs,
@@ -244,6 +244,7 @@ def import_(
 runs.register(app)
 sweep.register(app)
 analysis.register(app)
+equation_text.register(app)
 pictures.register(app)
 
 

@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The equations that are handed out are those that simulations solve, in all shipped scenes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import gelenk
+from gelenk.errors import SceneError
+
+from .states import closed_states, closeness, random_states
+
+ROOT = Path(__file__).resolve().parents[2]
+SCENES = {path.stem: path for path in sorted(ROOT.glob("scenes/*.yaml"))}
+SCENES |= {path.parent.name: path for path in sorted(ROOT.glob("docs/gallery/*/scene.yaml"))}
+
+# Scenes that cannot be written as expressions, and what their messages name.
+REFUSED: dict[str, tuple[str, ...]] = {}
+WRITTEN = [name for name in SCENES if name not in REFUSED]
+
+
+@pytest.mark.parametrize("name", WRITTEN)
+def test_matrices_and_energies_are_those_of_the_kernels(name: str) -> None:
+    """At 100 states anywhere, relative to the largest of them; round-off of some thousand operations."""
+    equations = gelenk.equations(SCENES[name])
+    functions = equations.to_numpy()
+    states = random_states(equations, 100)
+    by_kernels = [equations._system.traced.values(*state) for state in states]
+    for quantity in equations._system.quantities.values():
+        if quantity.name == "rates" and not quantity.terms:
+            continue
+        compute = getattr(functions, quantity.name)
+        found = [compute(*(state["qvu".index(of)] for of in quantity.arguments)) for state in states]
+        error = closeness(found, [getattr(values, quantity.name) for values in by_kernels])
+        assert error < 1e-12, f"{quantity.name}: {error:.1e}"
+
+
+@pytest.mark.parametrize("name", WRITTEN)
+def test_accelerations_are_those_of_the_kernels(name: str) -> None:
+    """At states on the constraints; 1e-9 where they are near a singular position, 1e-12 in the middle."""
+    equations = gelenk.equations(SCENES[name])
+    functions = equations.to_numpy()
+    errors = []
+    for q, v, u in closed_states(equations, functions, 30):
+        vdot, _ = functions.accelerations(q, v, u)
+        errors.append(closeness(vdot, equations._system.traced.values(q, v, u).vdot))
+    assert len(errors) >= 10
+    assert max(errors) < 1e-9
+    assert np.median(errors) < 1e-12
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_what_cannot_be_written_is_refused_by_name(name: str) -> None:
+    with pytest.raises(SceneError) as refusal:
+        gelenk.equations(SCENES[name])
+    for word in REFUSED[name]:
+        assert word in str(refusal.value)
