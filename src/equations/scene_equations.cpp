@@ -271,8 +271,8 @@ void TracedScene::trace(std::size_t island) {
   append(recorded.rate, out.rate);
   append(recorded.qdot, out.qdot);
   append(recorded.rates, out.rates);
-  const Recorded before_kinetic = out.kinetic < 0 ? Recorded(0) : Recorded(out.kinetic);
-  const Recorded before_potential = out.potential < 0 ? Recorded(immobile_energy_) : Recorded(out.potential);
+  const Recorded before_kinetic = out.kinetic < 0 ? Recorded(0) : Recorded::of(out.kinetic);
+  const Recorded before_potential = out.potential < 0 ? Recorded(immobile_energy_) : Recorded::of(out.potential);
   out.kinetic = (before_kinetic + recorded.kinetic).term();
   out.potential = (before_potential + recorded.potential).term();
 }

@@ -21,16 +21,15 @@ thread_local Graph* recorded_in = nullptr;
 Recording::Recording(Graph& graph) : outer_(recorded_in) { recorded_in = &graph; }
 Recording::~Recording() { recorded_in = outer_; }
 
-Recorded::Recorded(Term term) {
+Recorded Recorded::of(Term term) {
   const Node& node = (*recorded_in)[term];
-  if (node.operation == Operation::constant) {
-    value_ = node.value;
-  } else {
-    term_ = term;
-  }
+  if (node.operation == Operation::constant) return node.value;
+  Recorded out;
+  out.term_ = term;
+  return out;
 }
 
-Recorded Recorded::variable(int index) { return Recorded(recorded_in->variable(index)); }
+Recorded Recorded::variable(int index) { return Recorded::of(recorded_in->variable(index)); }
 
 // There is one zero: 0 and -0 are the same constant.
 Term Recorded::term() const { return is_constant() ? recorded_in->constant(value_ == 0 ? 0 : value_) : term_; }
@@ -39,13 +38,13 @@ const Node& Recorded::node() const { return (*recorded_in)[term_]; }
 
 std::pair<double, Recorded> Recorded::scaled() const {
   if (is_constant()) return {1, *this};
-  const Node& of = node();
-  if (of.operation == Operation::negate) return {-1, Recorded(of.of[0])};
-  if (of.operation == Operation::multiply) {
+  const Node& at = node();
+  if (at.operation == Operation::negate) return {-1, of(at.of[0])};
+  if (at.operation == Operation::multiply) {
     for (const int k : {0, 1}) {
-      const Term factor = of.of[static_cast<std::size_t>(k)];
+      const Term factor = at.of[static_cast<std::size_t>(k)];
       if (recorded_in->is_constant(factor))
-        return {(*recorded_in)[factor].value, Recorded(of.of[static_cast<std::size_t>(1 - k)])};
+        return {(*recorded_in)[factor].value, of(at.of[static_cast<std::size_t>(1 - k)])};
     }
   }
   return {1, *this};
@@ -53,11 +52,11 @@ std::pair<double, Recorded> Recorded::scaled() const {
 
 std::pair<double, Recorded> Recorded::shifted() const {
   if (is_constant() || node().operation != Operation::add) return {0, *this};
-  const Node& of = node();
+  const Node& at = node();
   for (const int k : {0, 1}) {
-    const Term summand = of.of[static_cast<std::size_t>(k)];
+    const Term summand = at.of[static_cast<std::size_t>(k)];
     if (recorded_in->is_constant(summand))
-      return {(*recorded_in)[summand].value, Recorded(of.of[static_cast<std::size_t>(1 - k)])};
+      return {(*recorded_in)[summand].value, of(at.of[static_cast<std::size_t>(1 - k)])};
   }
   return {0, *this};
 }
@@ -81,7 +80,7 @@ Recorded operator+(const Recorded& a, const Recorded& b) {
   if (!a.is_constant() && ta.term_ == tb.term_) return Recorded(ka + kb) * ta;
   if (kb < 0) return a - Recorded(-kb) * tb;
   if (ka < 0) return b - Recorded(-ka) * ta;
-  return Recorded(recorded_in->add(a.term(), b.term()));
+  return Recorded::of(recorded_in->add(a.term(), b.term()));
 }
 
 Recorded operator-(const Recorded& a, const Recorded& b) {
@@ -92,16 +91,16 @@ Recorded operator-(const Recorded& a, const Recorded& b) {
   if (!a.is_constant() && ta.term_ == tb.term_) return Recorded(ka - kb) * ta;
   if (kb < 0) return a + Recorded(-kb) * tb;
   if (ka < 0) return -(Recorded(-ka) * ta + b);
-  return Recorded(recorded_in->subtract(a.term(), b.term()));
+  return Recorded::of(recorded_in->subtract(a.term(), b.term()));
 }
 
 Recorded operator-(const Recorded& a) {
   if (a.is_constant()) return -a.value_;
-  const Node of = a.node();
-  if (of.operation == Operation::subtract) return Recorded(of.of[1]) - Recorded(of.of[0]);
+  const Node at = a.node();
+  if (at.operation == Operation::subtract) return Recorded::of(at.of[1]) - Recorded::of(at.of[0]);
   const auto [k, x] = a.scaled();
   if (k != 1) return Recorded(-k) * x;
-  return Recorded(recorded_in->negate(a.term()));
+  return Recorded::of(recorded_in->negate(a.term()));
 }
 
 Recorded operator*(const Recorded& a, const Recorded& b) {
@@ -114,10 +113,10 @@ Recorded operator*(const Recorded& a, const Recorded& b) {
   const auto [ka, xa] = a.scaled();
   const auto [kb, xb] = b.scaled();
   if (a.is_constant())
-    return kb == 1 ? Recorded(recorded_in->multiply(a.term(), b.term())) : Recorded(a.value_ * kb) * xb;
+    return kb == 1 ? Recorded::of(recorded_in->multiply(a.term(), b.term())) : Recorded(a.value_ * kb) * xb;
   if (b.is_constant()) return b * a;
   if (ka != 1 || kb != 1) return Recorded(ka * kb) * (xa * xb);
-  return Recorded(recorded_in->multiply(a.term(), b.term()));
+  return Recorded::of(recorded_in->multiply(a.term(), b.term()));
 }
 
 Recorded operator/(const Recorded& a, const Recorded& b) {
@@ -128,7 +127,7 @@ Recorded operator/(const Recorded& a, const Recorded& b) {
   const auto [kb, xb] = b.scaled();
   if (!a.is_constant() && xa.term_ == xb.term_) return ka / kb;
   if (ka != 1 || kb != 1) return Recorded(ka / kb) * (xa / xb);
-  return Recorded(recorded_in->divide(a.term(), b.term()));
+  return Recorded::of(recorded_in->divide(a.term(), b.term()));
 }
 
 std::partial_ordering operator<=>(const Recorded& a, const Recorded& b) {
@@ -145,33 +144,33 @@ double value_of(const Recorded& a) {
 
 Recorded Recorded::function(Operation operation, const Recorded& a) {
   if (a.is_constant()) return expression::value_at(operation, a.value_);
-  return Recorded(recorded_in->function(operation, a.term()));
+  return Recorded::of(recorded_in->function(operation, a.term()));
 }
 
 Recorded sin(const Recorded& a) {
   if (!a.is_constant() && a.node().operation == Operation::negate)
-    return -Recorded::function(Operation::sin, Recorded(a.node().of[0]));
+    return -Recorded::function(Operation::sin, Recorded::of(a.node().of[0]));
   return Recorded::function(Operation::sin, a);
 }
 Recorded cos(const Recorded& a) {
   const bool is_negated = !a.is_constant() && a.node().operation == Operation::negate;
-  return Recorded::function(Operation::cos, is_negated ? Recorded(a.node().of[0]) : a);
+  return Recorded::function(Operation::cos, is_negated ? Recorded::of(a.node().of[0]) : a);
 }
 Recorded exp(const Recorded& a) { return Recorded::function(Operation::exp, a); }
 Recorded sqrt(const Recorded& a) { return Recorded::function(Operation::sqrt, a); }
 Recorded abs(const Recorded& a) { return Recorded::chosen(a, a, -a); }
 Recorded atan2(const Recorded& y, const Recorded& x) {
   if (x.is_constant() && y.is_constant()) return std::atan2(y.value_, x.value_);
-  return Recorded(recorded_in->function(Operation::atan2, y.term(), x.term()));
+  return Recorded::of(recorded_in->function(Operation::atan2, y.term(), x.term()));
 }
 
 Recorded Recorded::power(const Recorded& a, const Recorded& b) {
-  return Recorded(recorded_in->power(a.term(), b.term()));
+  return Recorded::of(recorded_in->power(a.term(), b.term()));
 }
 
 Recorded Recorded::chosen(const Recorded& g, const Recorded& a, const Recorded& b) {
   if (g.is_constant()) return g.value_ > 0 ? a : b;
-  return Recorded(recorded_in->choose(g.term(), a.term(), b.term()));
+  return Recorded::of(recorded_in->choose(g.term(), a.term(), b.term()));
 }
 
 Recorded in_turn_of(double reference, const Recorded& q) {

@@ -26,7 +26,8 @@ class Recorded {
  public:
   Recorded() = default;
   Recorded(double value) : value_(value) {}  // NOLINT(google-explicit-constructor): constants are numbers too
-  explicit Recorded(expression::Term term);
+  // Not a constructor: terms are integers, and so are numbers such as T(0).
+  static Recorded of(expression::Term term);
   static Recorded variable(int index);
 
   bool is_constant() const { return term_ < 0; }

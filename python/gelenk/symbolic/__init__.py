@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 from gelenk._lazy import lazy
 
 if TYPE_CHECKING:
-    from gelenk.symbolic.equations import Equations, equations
+    from gelenk.symbolic.scene_equations import Equations, equations
 
 __all__ = ["Equations", "equations"]
 
 if not TYPE_CHECKING:
-    __getattr__, __dir__ = lazy(__name__, {".equations": ["Equations", "equations"]})
+    __getattr__, __dir__ = lazy(__name__, {".scene_equations": ["Equations", "equations"]})
