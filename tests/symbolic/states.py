@@ -35,6 +35,8 @@ def closed_states(equations: Equations, functions: SimpleNamespace, count: int, 
     for q, v, u in random_states(equations, 3 * count, seed):
         for _ in range(20):
             dv = -np.linalg.lstsq(functions.J(q), functions.Phi(q, u), rcond=1e-9)[0]
+            if not np.abs(dv).max(initial=0) < 10:
+                break  # it diverges
             q = q + functions.qdot(q, dv)
         if equations.rows and not np.abs(functions.Phi(q, u)).max() < 1e-12:
             continue

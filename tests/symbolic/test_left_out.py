@@ -44,7 +44,10 @@ TIRE = {
     [
         ({"forces": BUSHING}, "mount: found a law with branches"),
         ({"forces": TIRE}, "tire: found a law with branches"),
-        ({"tables": TABLE, "law": {"effort": "table(load, phi)"}}, "A.phi: found a law with branches or a table"),
+        (
+            {"tables": TABLE, "law": {"effort": "table(load, phi)"}},
+            "A.phi: found a law with branches or a table",
+        ),
     ],
 )
 def test_hidden_branches_are_refused(fields: dict[str, Any], name: str) -> None:

@@ -18,7 +18,15 @@ SCENES = {path.stem: path for path in sorted(ROOT.glob("scenes/*.yaml"))}
 SCENES |= {path.parent.name: path for path in sorted(ROOT.glob("docs/gallery/*/scene.yaml"))}
 
 # Scenes that cannot be written as expressions, and what their messages name.
-REFUSED: dict[str, tuple[str, ...]] = {}
+REFUSED: dict[str, tuple[str, ...]] = {
+    "bucket": ("scraping: found contacts between shapes",),
+    "cam": ("contact: found contacts between shapes",),
+    "car": ("tire_fl: found a law with branches", "tire_rr: found a law with branches"),
+    "gear_shift": ("clutch1.phi: found friction of a joint that closes a loop",),
+    "gripper": ("found contacts between shapes",),
+    "ratchet": ("catch: found contacts between shapes",),
+    "worm_hoist": ("friction that depends on the forces",),
+}
 WRITTEN = [name for name in SCENES if name not in REFUSED]
 
 
@@ -40,7 +48,9 @@ def test_matrices_and_energies_are_those_of_the_kernels(name: str) -> None:
 
 @pytest.mark.parametrize("name", WRITTEN)
 def test_accelerations_are_those_of_the_kernels(name: str) -> None:
-    """At states on the constraints; 1e-9 where they are near a singular position, 1e-12 in the middle."""
+    """At states on the constraints; 1e-9 where they are near a singular position, 1e-11 in the middle: another
+    elimination than the core's, of matrices with condition numbers of some 1e4 in spatial loops.
+    """
     equations = gelenk.equations(SCENES[name])
     functions = equations.to_numpy()
     errors = []
@@ -49,7 +59,7 @@ def test_accelerations_are_those_of_the_kernels(name: str) -> None:
         errors.append(closeness(vdot, equations._system.traced.values(q, v, u).vdot))
     assert len(errors) >= 10
     assert max(errors) < 1e-9
-    assert np.median(errors) < 1e-12
+    assert np.median(errors) < 1e-11
 
 
 @pytest.mark.parametrize("name", REFUSED)

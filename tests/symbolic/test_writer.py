@@ -84,7 +84,9 @@ def test_what_is_shared_is_written_once() -> None:
 
 def test_functions_of_latex_do_not_reach_beyond_their_argument() -> None:
     """In sin x y, y could be read as a part of the argument."""
-    graph = Graph([("variable", [], 0, 0), ("variable", [], 1, 0), ("sin", [0], 0, 0), ("multiply", [2, 1], 0, 0)])
+    graph = Graph(
+        [("variable", [], 0, 0), ("variable", [], 1, 0), ("sin", [0], 0, 0), ("multiply", [2, 1], 0, 0)]
+    )
     _, (text,) = Writer(graph, LaTeX(), [r"\varphi", "w"], {}).write([Output("y", 3)])
     assert text == r"w \, \sin \varphi"
 
