@@ -46,8 +46,8 @@ BELOW["fmu/export"] = {"modelDescription", "scene_schema", "inspection", *BELOW[
 BELOW["fmu"] = {"fmu/runtime", *BELOW["fmu/runtime"]}
 BELOW["fmu/fmi2"] = BELOW["fmu/fmi3"] = {"fmu", *BELOW["fmu"]}
 BELOW["equations"] = {"recording", "simulation", *BELOW["simulation"]}
-BELOW["bindings"] = {"equations", "recording", "scene_schema", "inspection", "runs", "fmu/runtime", "fmu/export"}
-BELOW["bindings"] |= {"modelDescription", *BELOW["modelDescription"]}
+BELOW["bindings"] = {"scene_schema", "inspection", "runs", "fmu/runtime", "fmu/export", "equations"}
+BELOW["bindings"] |= {"recording", "modelDescription", *BELOW["modelDescription"]}
 
 FOLDERS = {room: ROOT / "src" / room for room in BELOW} | {
     **{room: ROOT / room for room in BELOW if room.startswith(("fmu", "model"))},

@@ -48,8 +48,8 @@ def test_matrices_and_energies_are_those_of_the_kernels(name: str) -> None:
 
 @pytest.mark.parametrize("name", WRITTEN)
 def test_accelerations_are_those_of_the_kernels(name: str) -> None:
-    """At states on the constraints; 1e-9 where they are near a singular position, 1e-11 in the middle: another
-    elimination than the core's, of matrices with condition numbers of some 1e4 in spatial loops.
+    """At states on the constraints; 1e-9 where they are near a singular position, 1e-11 in the middle:
+    another elimination than the core's, of matrices with condition numbers of some 1e4 in spatial loops.
     """
     equations = gelenk.equations(SCENES[name])
     functions = equations.to_numpy()

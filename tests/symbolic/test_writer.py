@@ -75,8 +75,8 @@ def test_a_text_has_the_value_of_its_graph(seed: int) -> None:
 
 def test_what_is_shared_is_written_once() -> None:
     """sin(phi) + sin(phi)*w has one sine."""
-    graph = Graph([("variable", [], 0, 0), ("variable", [], 1, 0), ("sin", [0], 0, 0), ("multiply", [2, 1], 0, 0),
-                   ("add", [2, 3], 0, 0)])  # fmt: skip
+    product = [("variable", [], 0, 0), ("variable", [], 1, 0), ("sin", [0], 0, 0), ("multiply", [2, 1], 0, 0)]
+    graph = Graph([*product, ("add", [2, 3], 0, 0)])
     lines, expressions = Writer(graph, C(), NAMES, {2: "sin_A"}).write([Output("y", 4)])
     assert lines == [("sin_A", "sin(phi_A)")]
     assert expressions == ["sin_A + sin_A*w_A"]

@@ -20,7 +20,8 @@ def accelerations(q, v, u):
     diagonal = np.diag(M_)
     scale = 1 / np.sqrt(np.where(diagonal > 0, diagonal, 1))
     rows = J_ * scale
-    weight = 1 / np.maximum(np.abs(rows).max(axis=1, initial=0), 1e-300)
+    size = np.abs(rows).max(axis=1, initial=0)
+    weight = 1 / np.where(size > 0, size, 1)
     rows *= weight[:, None]
     matrix = np.block([[M_ * np.outer(scale, scale), rows.T], [rows, np.zeros((len(rows), len(rows)))]])
     x = np.linalg.lstsq(matrix, np.concatenate([-h_ * scale, gamma_ * weight]), rcond=1e-12)[0]
