@@ -122,7 +122,7 @@ def equations(scene: Source) -> Equations:
 
     >>> four_bar = gelenk.equations("scenes/four_bar.yaml")
     >>> [coordinate.name for coordinate in four_bar.q]
-    ['phi_A', 'phi_B', 'phi_C']
+    ['phi_A', 'phi_B', 'phi_D']
     """
     read = load(scene)
     return Equations(system_of(_core.TracedScene(read._core), read.name))
