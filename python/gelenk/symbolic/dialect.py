@@ -75,5 +75,6 @@ class Dialect:
         if name == "integer_power":
             return self.power(of[0], self.number(index))
         if name in ("add", "subtract", "multiply", "divide", "negate", "power", "choose"):
-            return getattr(self, name)(*of)
+            written: Written = getattr(self, name)(*of)
+            return written
         return self.call(name, *of)
