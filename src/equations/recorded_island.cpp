@@ -121,9 +121,19 @@ std::vector<int> forces_with_hidden_branches(const Mechanism& mechanism, const L
   return mechanism.planar ? found.operator()<PlanarAlgebra<Recorded>>() : found.operator()<SpatialAlgebra<Recorded>>();
 }
 
-bool has_friction_by_loads(const Mechanism& mechanism, const Loads& loads) {
-  if (mechanism.planar) return !friction_loads(Model<Planar>(mechanism), loads).empty();
-  return !friction_loads(Model<Spatial>(mechanism), loads).empty();
+std::vector<int> friction_by_loads(const Mechanism& mechanism, const Loads& loads) {
+  std::vector<int> out;
+  const auto add = [&](const std::vector<FrictionLoad>& all) {
+    for (const FrictionLoad& load : all) {
+      if (out.empty() || out.back() != load.force) out.push_back(load.force);
+    }
+  };
+  if (mechanism.planar) {
+    add(friction_loads(Model<Planar>(mechanism), loads));
+  } else {
+    add(friction_loads(Model<Spatial>(mechanism), loads));
+  }
+  return out;
 }
 
 }  // namespace gelenk

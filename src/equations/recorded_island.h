@@ -25,22 +25,23 @@ void record(const Mechanism& mechanism, const Loads& loads, const std::vector<do
             RecordedIsland& island);
 
 // The forces between bodies, by their index in the scene, of which the laws have hidden branches. island: as given to
-// record().
+// record(), and with the named signals.
 std::vector<int> forces_with_hidden_branches(const Mechanism& mechanism, const Loads& loads,
                                              const RecordedIsland& island);
 
-// Elements along tree joints, and cuts with their joints and elements, that have hidden branches.
+// Elements along tree joints, cuts with their joints and elements, relations, and element states of the island that
+// have hidden branches.
 struct HiddenAtJoints {
   struct Along {
     int joint = 0, component = 0;  // of the scene
   };
   std::vector<Along> elements;
-  std::vector<int> cuts;
+  std::vector<int> cuts, coordinate_rows, states;
 };
 HiddenAtJoints joints_with_hidden_branches(const Mechanism& mechanism, const Loads& loads,
                                            const std::vector<double>& cut_reference, const RecordedIsland& island);
 
-// Whether friction depends on forces that bearings, guides or meshes transmit.
-bool has_friction_by_loads(const Mechanism& mechanism, const Loads& loads);
+// The forces with modes, each once, that are friction by what bearings, guides or meshes transmit.
+std::vector<int> friction_by_loads(const Mechanism& mechanism, const Loads& loads);
 
 }  // namespace gelenk

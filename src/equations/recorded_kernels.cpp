@@ -3,6 +3,7 @@
 #include "derivatives/residual_evaluator_impl.h"
 #include "equations/recorded_algebra.h"
 #include "equations/recorded_island.h"
+#include "kinematics/coordinate_rows.h"
 #include "kinematics/load_kernels_impl.h"
 #include "kinematics/loop_kernels_impl.h"
 #include "kinematics/model_impl.h"
@@ -81,6 +82,15 @@ HiddenAtJoints hidden_at_joints(const Mechanism& mechanism, const Loads& loads,
       on.add(at.q.data(), at.v.data(), u, tau, modes.data());
     };
     if (has_hidden_branches(compute)) out.cuts.push_back(c);
+  }
+  kernels::each_coordinate_row(model, [&](const CoordinateRow& row, std::size_t i, std::size_t) {
+    Recorded factors[RelationLaw::most_terms];
+    if (row.relation && has_hidden_branches([&] { kernels::relation_value(row, q, factors); }))
+      out.coordinate_rows.push_back(static_cast<int>(i));
+  });
+  for (std::size_t k = 0; k < loads.rates.size(); ++k) {
+    if (has_hidden_branches([&] { loads.rates[k].value_among<Recorded>(nullptr, u); }))
+      out.states.push_back(static_cast<int>(k));
   }
   return out;
 }

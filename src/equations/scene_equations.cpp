@@ -152,9 +152,10 @@ void TracedScene::note_modes(std::size_t island, IslandArguments& of, std::vecto
   const Loads& loads = loads_[island];
   const std::string prefix = prefix_of(scene_);
   const auto refuse = [&](const std::string& what) { refused.push_back(prefix + what); };
+  std::vector<std::string> names;  // by force with modes
   const auto note = [&](const auto& force, bool of_cut) {
     using Law = std::decay_t<decltype(force.element)>;
-    const std::string name = coordinate_name(force.joint, force.component);
+    const std::string& name = names.emplace_back(coordinate_name(force.joint, force.component));
     const std::string group(Law::group);
     of.slides.push_back(Sticks<Law>);
     if constexpr (Sticks<Law>) {
@@ -170,22 +171,30 @@ void TracedScene::note_modes(std::size_t island, IslandArguments& of, std::vecto
   };
   loads.tree.each_switching([&](const auto& force) { note(force, false); });
   for (const JointLoads& cut : loads.cuts) cut.each_switching([&](const auto& force) { note(force, true); });
-  if (has_friction_by_loads(mechanism, loads))
-    refuse(
-        "found friction that depends on the forces in bearings, guides or gears, which the equations determine; "
-        "expected friction by numbers or by expressions of the speed");
+  for (const int force : friction_by_loads(mechanism, loads))
+    refuse(names[static_cast<std::size_t>(force)] +
+           ": found friction that depends on the forces in bearings, guides or gears, which the equations determine; "
+           "expected friction by numbers or by expressions of the speed");
   for (const int contact : mechanism.contact_table.contacts) {
     if (contact < 0) continue;
     refuse(scene_.contacts[static_cast<std::size_t>(contact)].name +
            ": found contacts between shapes; equations are handed out for mechanisms without");
     break;
   }
-  if (std::ranges::any_of(loads.named, [](const NamedQuantity& of) { return of.reading != nullptr; }))
-    refuse("found expressions that name outputs of sensors; expected names of inputs, states and coordinates");
-  if (loads.rates_read_forces())
-    refuse(
-        "found states with rates that depend on forces or accelerations; expected rates by positions, speeds, "
-        "inputs and states");
+  const std::string rest = ", which equations do not contain; expected names of inputs, states and coordinates";
+  if (std::ranges::any_of(loads.named, [](const NamedQuantity& of) { return of.reading != nullptr; })) {
+    for (const FormulaReader& reader : formula_readers(scene_)) {
+      for (const std::string& signal : reader.signals) {
+        if (find_sensor_output(scene_, signal))
+          refuse(reader.place.name + ": found an expression that names the output '" + signal + "' of a sensor" + rest);
+      }
+    }
+  }
+  for (std::size_t k = 0; k < loads.rates.size(); ++k) {
+    if (loads.rates[k].reads_forces())
+      refuse(scene_.states[static_cast<std::size_t>(mechanism.states[k])].name +
+             ": found a rate that depends on forces or accelerations" + rest);
+  }
   if (!loads.resets.empty()) equations_.notes.push_back("Jumps of states are left out: the rates hold between them.");
 }
 
@@ -221,7 +230,13 @@ std::vector<std::string> TracedScene::hidden_branches(std::size_t island, const 
       joints_with_hidden_branches(prepared.mechanism, loads_[island], prepared.cut_start, recorded);
   for (const HiddenAtJoints::Along& along : at.elements) add(coordinate_name(along.joint, along.component));
   for (const int cut : at.cuts) add(name_of(prepared.mechanism.cuts[static_cast<std::size_t>(cut)], scene_));
-  if (out.empty()) add(scene_.name);  // an energy, or the rate of a state
+  for (const int row : at.coordinate_rows) {
+    const int constraint = prepared.mechanism.coordinate_rows[static_cast<std::size_t>(row)].constraint;
+    add(scene_.constraints[static_cast<std::size_t>(constraint)].name);
+  }
+  for (const int state : at.states)
+    add(scene_.states[static_cast<std::size_t>(prepared.mechanism.states[static_cast<std::size_t>(state)])].name);
+  if (out.empty()) add(scene_.name);
   return out;
 }
 
@@ -243,6 +258,10 @@ void TracedScene::trace(std::size_t island) {
   try {
     record(prepared.mechanism, loads_[island], prepared.cut_start, recorded);
   } catch (const recording::HiddenBranch&) {
+    // Named quantities are as unknown as inputs.
+    for (int k = nq + nv + static_cast<int>(u.size());
+         static_cast<int>(recorded.signals.size()) < loads_[island].signals(); ++k)
+      recorded.signals.push_back(Recorded::variable(k));
     throw SceneError(hidden_branches(island, recorded));
   }
   // From the mechanism's signs to the user's.

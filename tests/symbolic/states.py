@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 from numpy.typing import NDArray
 
-from gelenk import Equations
+from gelenk import Equations, _core
 
 type Numbers = NDArray[np.float64]
 type State = tuple[Numbers, Numbers, Numbers]
@@ -49,6 +49,12 @@ def closed_states(equations: Equations, functions: SimpleNamespace, count: int, 
             v = Vt[rank:].T @ (Vt[rank:] @ v)
         out.append((q, v, u))
     return out[:count]
+
+
+def by_kernels(equations: Equations, state: State) -> _core.EquationValues:
+    """The same by the kernels that simulations run."""
+    q, v, u = (of.tolist() for of in state)
+    return equations._system.traced.values(q, v, u)
 
 
 def closeness(found: object, expected: object) -> float:

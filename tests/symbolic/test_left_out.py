@@ -11,11 +11,13 @@ import pytest
 import gelenk
 from gelenk.errors import SceneError
 
+SECTIONS = ("forces", "tables", "states", "sensors", "inputs", "constraints")
+
 
 def lever(**fields: Any) -> dict[str, Any]:
     """A lever on a joint A with these fields, or sections of the scene."""
     joint: dict[str, Any] = {"type": "revolute", "axis": [0, 1, 0], "parent": "ground", "child": "lever"}
-    sections = {name: fields.pop(name) for name in ("forces", "tables", "states") if name in fields}
+    sections: dict[str, Any] = {name: fields.pop(name) for name in SECTIONS if name in fields}
     return {
         "gelenk": 1,
         "name": "Lever",
@@ -47,6 +49,22 @@ TIRE = {
         (
             {"tables": TABLE, "law": {"effort": "table(load, phi)"}},
             "A.phi: found a law with branches or a table",
+        ),
+        (
+            {"tables": TABLE, "states": {"lag": "table(load, A.phi)"}, "law": {"effort": "lag"}},
+            "lag: found a law with branches or a table",
+        ),
+        (
+            {"forces": BUSHING, "states": {"lag": "A.phi"}, "law": {"effort": "lag*w"}},
+            "mount: found a law with branches",
+        ),
+        (
+            {"sensors": {"tip": {"type": "frame", "body": "lever"}}, "law": {"effort": "tip.v[1]"}},
+            r"A: found an expression that names the output 'tip.v\[1\]' of a sensor",
+        ),
+        (
+            {"states": {"lag": "A.a - lag"}, "law": {"effort": "lag"}},
+            "lag: found a rate that depends on forces or accelerations",
         ),
     ],
 )

@@ -7,18 +7,28 @@ from collections.abc import Sequence
 from types import SimpleNamespace
 from typing import Any
 
+from gelenk.symbolic.independent import independent
 from gelenk.symbolic.languages import CasADi
 from gelenk.symbolic.python_text import comment, nested, quantity_functions
 from gelenk.symbolic.system import System
 
+# CasADi solves without pivots, by orthogonal columns that are not orthogonal to rounding error where the
+# matrix is badly scaled or nearly singular: equations are scaled, and the solution is corrected once.
 ACCELERATIONS = '''\
 def accelerations(q, v, u):
-    """Return vdot and lambda; the constraint equations must not be redundant."""
+    """Return vdot and lambda, which is 0 where constraint equations are redundant."""
     M_, h_, J_, gamma_ = equations(q, v, u)
-    n, rows = h_.numel(), gamma_.numel()
-    matrix = ca.blockcat([[M_, J_.T], [J_, ca.SX(rows, rows)]])
-    x = ca.solve(ca.densify(matrix), ca.vertcat(-h_, gamma_))
-    return x[:n], x[n:]
+    n, kept = h_.numel(), ROWS
+    zeros = ca.SX(len(kept), len(kept))
+    scale = ca.DM([2.0**k for k in EXPONENTS])
+    matrix = ca.densify(ca.blockcat([[M_, J_[kept, :].T], [J_[kept, :], zeros]])) * (scale @ scale.T)
+    right = ca.vertcat(-h_, gamma_[kept]) * scale
+    x = ca.solve(matrix, right)
+    x = (x + ca.solve(matrix, right - matrix @ x)) * scale
+    lambda_ = ca.SX.zeros(gamma_.numel(), 1)
+    if kept:
+        lambda_[kept] = x[n:]
+    return x[:n], lambda_
 '''
 
 
@@ -35,7 +45,10 @@ def array(shape: tuple[int, ...], texts: Sequence[str]) -> str:
 
 def text(system: System) -> str:
     """Return the module."""
-    parts = [*quantity_functions(system, CasADi(), array, "ca.vertsplit({})"), ACCELERATIONS]
+    found = independent(system)
+    accelerations = ACCELERATIONS.replace("ROWS", repr(list(found.rows)))
+    accelerations = accelerations.replace("EXPONENTS", repr(list(found.exponents)))
+    parts = [*quantity_functions(system, CasADi(), array, "ca.vertsplit({})"), accelerations]
     return "\n".join(comment(system)) + "\nimport casadi as ca\n\n\n" + "\n\n".join(parts)
 
 

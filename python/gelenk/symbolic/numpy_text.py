@@ -24,7 +24,10 @@ def accelerations(q, v, u):
     weight = 1 / np.where(size > 0, size, 1)
     rows *= weight[:, None]
     matrix = np.block([[M_ * np.outer(scale, scale), rows.T], [rows, np.zeros((len(rows), len(rows)))]])
-    x = np.linalg.lstsq(matrix, np.concatenate([-h_ * scale, gamma_ * weight]), rcond=1e-12)[0]
+    right = np.concatenate([-h_ * scale, gamma_ * weight])
+    x = np.zeros(len(right))
+    for _ in range(2):  # the second time corrects rounding errors
+        x += np.linalg.lstsq(matrix, right - matrix @ x, rcond=1e-12)[0]
     return x[:n] * scale, x[n:] * weight
 '''
 
