@@ -21,7 +21,8 @@ def text(system: System) -> str:
     of = system.quantities
     counts = {"nq": len(system.q), "nv": len(system.v), "nu": len(system.u), "rows": rows}
     sizes = f"enum {{ {', '.join(f'{name}_{key} = {count}' for key, count in counts.items())} }};"
-    parts = ["/*\n" + "".join(f" * {line}".rstrip() + "\n" for line in system.head()) + " */"]
+    head = (line.replace("*/", "* /").replace("/*", "/ *") for line in system.head())
+    parts = ["/*\n" + "".join(f" * {line}".rstrip() + "\n" for line in head) + " */"]
     parts.append(f"#include <math.h>\n\n{sizes}")
     equations = [of[name] for name in (("M", "h", "J", "gamma") if rows else ("M", "h"))]
     parts.append(function(system, "equations", "qvu", equations, "The matrices, row by row."))

@@ -28,8 +28,9 @@ class C(Dialect):
         return self.call("pow", a, b)
 
     def choose(self, g: Written, a: Written, b: Written) -> Written:
-        """Write: a where g > 0, else b."""
-        return f"{self.within(g, SUM)} > 0 ? {self.within(a, SUM)} : {self.within(b, SUM)}", CHOICE
+        """Write: a where g > 0, else b. Of two whole numbers it would be one: 1/(g > 0 ? 2 : 3) is 0."""
+        first, second = (self.within((re.sub(r"^-?\d+$", r"\g<0>.0", of[0]), of[1]), SUM) for of in (a, b))
+        return f"{self.within(g, SUM)} > 0 ? {first} : {second}", CHOICE
 
 
 class NumPy(Dialect):
@@ -50,7 +51,15 @@ class SymPy(Dialect):
     """Python with SymPy."""
 
     prefix = "sp."
-    functions: ClassVar[dict[str, str]] = {"log10": "log10"}
+
+    def call(self, name: str, *arguments: Written) -> Written:
+        """Write the value of a function. The cube root of SymPy is complex where its argument is negative."""
+        x = arguments[0][0]
+        if name == "log10":
+            return f"sp.log({x}, 10)", ATOM
+        if name == "cbrt":
+            return f"sp.sign({x})*sp.cbrt(sp.Abs({x}))", PRODUCT
+        return super().call(name, *arguments)
 
     def choose(self, g: Written, a: Written, b: Written) -> Written:
         """Write: a where g > 0, else b."""
@@ -61,7 +70,13 @@ class CasADi(Dialect):
     """Python with CasADi."""
 
     prefix = "ca."
-    functions: ClassVar[dict[str, str]] = {"cbrt": "cbrt"}
+
+    def call(self, name: str, *arguments: Written) -> Written:
+        """Write the value of a function. CasADi has no cube root."""
+        x = arguments[0][0]
+        if name == "cbrt":
+            return f"ca.sign({x})*ca.fabs({x})**(1/3)", PRODUCT
+        return super().call(name, *arguments)
 
     def choose(self, g: Written, a: Written, b: Written) -> Written:
         """Write: a where g > 0, else b."""

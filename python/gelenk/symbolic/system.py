@@ -136,4 +136,5 @@ class System:
             lines.append(f"  {letter}: {shown or 'none'}")
         if self.rows:
             lines.append(f"  constraint equations of: {', '.join(self.rows)}")
-        return [*lines, *self.notes]
+        # Names of scenes and units may be any text.
+        return [re.sub(r"[\r\n\t]", " ", line) for line in (*lines, *self.notes)]

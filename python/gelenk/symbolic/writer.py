@@ -55,7 +55,8 @@ class Writer:
         for output in outputs:
             if uses[output.term] > 1 and not self._is_short(output.term):
                 named.setdefault(output.term, output.name)
-        free = (name for k in count(1) if (name := self._temporary.format(k)) not in self._names)
+        taken = {*self._names, *named.values()}
+        free = (name for k in count(1) if (name := self._temporary.format(k)) not in taken)
         lines: list[tuple[str, str]] = []
         written: dict[int, Written] = {}
         sizes: dict[int, int] = {}
