@@ -49,6 +49,7 @@ RESULTS: dict[str, tuple[list[str], dict[str, Any]]] = {
     "export": (["s.yaml", "-o", "y.fmu"], {"file": "y.fmu", "platforms": ["linux64"], "notes": []}),
     "check": (["s.yaml"], {"degrees_of_freedom": 1, "rank": 2, "inputs": {"drive.tau": "N.m"}}),
     "inspect": (["s.yaml"], {"name": "FourBar"}),
+    "equations": (["s.yaml", "-o", "s.c"], {"file": "s.c", "language": "c", "notes": []}),
     "assemblies": (["s.yaml"], {}),
     "import": (["r.urdf", "-o", "r.yaml"], {"file": "r.yaml", "name": "r"}),
     "simulate": (["x.fmu", "--stop", "0.01"], {"file": None, "rows": 11, "stop": 0.01, "events": []}),
