@@ -27,20 +27,28 @@ static int NAME_solve(double M[], const double f[], double x[]) {
 """
 
 # The matrix is indefinite: complete pivoting is stable, and leaves redundant equations to the end. Scaled,
-# its entries are of order 1; pivots below 1e-11 are rounding errors of those.
+# its entries are of order 1; pivots below 1e-11 are rounding errors of those. A constraint equation with
+# tiny coefficients, which may be rounding errors, must not be scaled to 1.
 SOLVE_CONSTRAINED = """
 /* Solves [M J^T; J 0] [x; lambda] = [f; c]; multipliers of redundant equations are 0.
    Returns 0 if x is not determined. */
 static int NAME_solve(const double M[], const double J[], const double f[], const double c[],
                       double x[], double lambda[]) {
   enum { n = NAME_nv, N = NAME_nv + NAME_rows };
-  double A[N][N + 1], scale[N], y[N];
+  double A[N][N + 1], scale[N], y[N], largest = 0;
   int place[N], rank = 0;
   for (int i = 0; i < N; ++i) {
     double size = 0;
     for (int k = 0; i >= n && k < n; ++k) size = fmax(size, fabs(J[(i - n) * n + k] * scale[k]));
     if (i < n) size = sqrt(fabs(M[i * n + i]));
+    else largest = fmax(largest, size);
+    scale[i] = i >= n ? size : size > 0 ? 1 / size : 1;
+  }
+  for (int i = n; i < N; ++i) {
+    const double size = scale[i] > 1e-6 * largest ? scale[i] : largest;
     scale[i] = size > 0 ? 1 / size : 1;
+  }
+  for (int i = 0; i < N; ++i) {
     place[i] = i;
     for (int k = 0; k <= i; ++k) {
       const double entry = i < n ? M[i * n + k] : k < n ? J[(i - n) * n + k] : 0;

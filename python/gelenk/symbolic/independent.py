@@ -16,6 +16,9 @@ type Numbers = NDArray[np.float64]
 
 TRIED = 6  # positions: at a singular one, such as the start may be, fewer equations are independent
 DEPENDENT = 1e-7  # what is left of an equation of size 1 is an error of the position
+SMALL = (
+    1e-6  # equations with coefficients below this, of the largest, may have hardly more than rounding errors
+)
 
 
 @dataclass(frozen=True)
@@ -69,7 +72,8 @@ def closed(functions: SimpleNamespace, q: Numbers, u: Numbers) -> Numbers | None
 def largest(J: Numbers) -> list[int]:
     """Return the rows that elimination with pivots finds independent, in ascending order."""
     size = np.abs(J).max(axis=1, initial=0)
-    left = J / np.where(size > 0, size, 1)[:, None]
+    largest = size.max(initial=0) or 1
+    left = J / np.where(size > SMALL * largest, size, largest)[:, None]
     out: list[int] = []
     while len(out) < len(J):
         lengths = np.linalg.norm(left, axis=1)

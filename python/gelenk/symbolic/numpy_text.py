@@ -11,7 +11,8 @@ from gelenk.symbolic.python_text import comment, nested, quantity_functions
 from gelenk.symbolic.system import System
 
 # Velocities are scaled by their masses, and constraint equations to coefficients of order 1, so that a small
-# singular value means a redundant equation.
+# singular value means a redundant equation. One with tiny coefficients keeps them:
+# they may be rounding errors.
 ACCELERATIONS = '''\
 def accelerations(q, v, u):
     """Return vdot and lambda, of minimum norm where constraint equations are redundant."""
@@ -21,7 +22,8 @@ def accelerations(q, v, u):
     scale = 1 / np.sqrt(np.where(diagonal > 0, diagonal, 1))
     rows = J_ * scale
     size = np.abs(rows).max(axis=1, initial=0)
-    weight = 1 / np.where(size > 0, size, 1)
+    largest = size.max(initial=0) or 1
+    weight = 1 / np.where(size > 1e-6 * largest, size, largest)
     rows *= weight[:, None]
     matrix = np.block([[M_ * np.outer(scale, scale), rows.T], [rows, np.zeros((len(rows), len(rows)))]])
     right = np.concatenate([-h_ * scale, gamma_ * weight])
