@@ -108,7 +108,7 @@ void record(const Mechanism& mechanism, const Loads& loads, const std::vector<do
 
 std::vector<int> forces_with_hidden_branches(const Mechanism& mechanism, const Loads& loads,
                                              const RecordedIsland& island) {
-  const auto found = [&]<class A>() {
+  const auto found = [&]<class A> {
     const Model<A> model(mechanism);
     Workspace<A> ws(model);
     std::vector<int> all;

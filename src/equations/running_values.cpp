@@ -26,7 +26,7 @@ void TracedScene::add_values(std::size_t island, const double* q, const double* 
   const PreparedIsland& prepared = prepared_.islands[island];
   const Loads& loads = loads_[island];
   const std::size_t n = of.v_sign.size();
-  const std::size_t rows = static_cast<std::size_t>(prepared.mechanism.rows);
+  const auto rows = static_cast<std::size_t>(prepared.mechanism.rows);
   std::vector<double> own_q(of.q_sign);
   std::vector<double> own_v(of.v_sign);
   for (std::size_t k = 0; k < own_q.size(); ++k) own_q[k] *= q[static_cast<std::size_t>(of.q) + k];

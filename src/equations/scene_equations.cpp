@@ -92,7 +92,7 @@ void TracedScene::name_coordinates(std::size_t island, IslandArguments& of) {
     const JointPlace& place = prepared_.reduced.joints[static_cast<std::size_t>(signal.joint)];
     if (place.role != JointPlace::Role::tree || place.island != static_cast<int>(island)) continue;
     const bool is_rate = signal.level == 1;
-    const auto k = static_cast<std::size_t>((is_rate ? place.iv : place.iq) + signal.component);
+    const auto k = static_cast<std::size_t>(is_rate ? place.iv : place.iq) + static_cast<std::size_t>(signal.component);
     const double sign = (is_rate ? place.v_sign : place.q_sign)[static_cast<std::size_t>(signal.component)];
     (is_rate ? of.v_sign : of.q_sign)[k] = sign;
     const double start = sign * (is_rate ? prepared.start.v : prepared.start.q)[k];
@@ -115,8 +115,8 @@ void TracedScene::name_inputs() {
   signals_ = equations_.u.size();
   for (std::size_t i = 0; i < arguments_.size(); ++i) {
     arguments_[i].state = static_cast<int>(equations_.u.size());
-    for (std::size_t k = 0; k < prepared_.islands[i].mechanism.states.size(); ++k) {
-      const ElementState& state = scene_.states[static_cast<std::size_t>(prepared_.islands[i].mechanism.states[k])];
+    for (const int number : prepared_.islands[i].mechanism.states) {
+      const ElementState& state = scene_.states[static_cast<std::size_t>(number)];
       equations_.u.push_back({state.name, state.unit, "element state", state.start});
       equations_.states.push_back(state.name);
     }
@@ -195,7 +195,8 @@ void TracedScene::note_modes(std::size_t island, IslandArguments& of, std::vecto
       refuse(scene_.states[static_cast<std::size_t>(mechanism.states[k])].name +
              ": found a rate that depends on forces or accelerations" + rest);
   }
-  if (!loads.resets.empty()) equations_.notes.push_back("Jumps of states are left out: the rates hold between them.");
+  if (!loads.resets.empty())
+    equations_.notes.emplace_back("Jumps of states are left out: the rates hold between them.");
 }
 
 template <class T>
