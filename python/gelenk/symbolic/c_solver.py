@@ -35,8 +35,8 @@ SOLVE_CONSTRAINED = """
 static int NAME_solve(const double M[], const double J[], const double f[], const double c[],
                       double x[], double lambda[]) {
   enum { n = NAME_nv, N = NAME_nv + NAME_rows };
-  double A[N][N + 1], scale[N], y[N], largest = 0;
-  int place[N], rank = 0;
+  double A[N][N], B[N][N], b[N], scale[N], y[N], z[N] = {0}, largest = 0;
+  int row_of[N], place[N], rank = 0;
   for (int i = 0; i < N; ++i) {
     double size = 0;
     for (int k = 0; i >= n && k < n; ++k) size = fmax(size, fabs(J[(i - n) * n + k] * scale[k]));
@@ -49,12 +49,12 @@ static int NAME_solve(const double M[], const double J[], const double f[], cons
     scale[i] = size > 0 ? 1 / size : 1;
   }
   for (int i = 0; i < N; ++i) {
-    place[i] = i;
+    row_of[i] = place[i] = i;
     for (int k = 0; k <= i; ++k) {
       const double entry = i < n ? M[i * n + k] : k < n ? J[(i - n) * n + k] : 0;
-      A[i][k] = A[k][i] = entry * scale[i] * scale[k];
+      A[i][k] = A[k][i] = B[i][k] = B[k][i] = entry * scale[i] * scale[k];
     }
-    A[i][N] = (i < n ? f[i] : c[i - n]) * scale[i];
+    b[i] = (i < n ? f[i] : c[i - n]) * scale[i];
   }
   for (; rank < N; ++rank) {
     int row = rank, column = rank;
@@ -62,22 +62,30 @@ static int NAME_solve(const double M[], const double J[], const double f[], cons
       for (int k = rank; k < N; ++k)
         if (fabs(A[i][k]) > fabs(A[row][column])) row = i, column = k;
     if (!(fabs(A[row][column]) > 1e-11)) break;
-    for (int k = 0; k <= N; ++k) { const double a = A[row][k]; A[row][k] = A[rank][k]; A[rank][k] = a; }
+    for (int k = 0; k < N; ++k) { const double a = A[row][k]; A[row][k] = A[rank][k]; A[rank][k] = a; }
     for (int i = 0; i < N; ++i) { const double a = A[i][column]; A[i][column] = A[i][rank]; A[i][rank] = a; }
+    { const int k = row_of[row]; row_of[row] = row_of[rank]; row_of[rank] = k; }
     { const int k = place[column]; place[column] = place[rank]; place[rank] = k; }
     for (int i = rank + 1; i < N; ++i) {
-      const double factor = A[i][rank] / A[rank][rank];
-      for (int k = rank; k <= N; ++k) A[i][k] -= factor * A[rank][k];
+      A[i][rank] /= A[rank][rank];
+      for (int k = rank + 1; k < N; ++k) A[i][k] -= A[i][rank] * A[rank][k];
     }
   }
-  for (int i = N - 1; i >= 0; --i) {
-    y[i] = i < rank ? A[i][N] : 0;
-    for (int k = i + 1; i < rank && k < rank; ++k) y[i] -= A[i][k] * y[k];
-    if (i < rank) y[i] /= A[i][i];
-    if (i >= rank && place[i] < n) return 0;
-    if (place[i] < n) x[place[i]] = y[i] * scale[place[i]];
-    else lambda[place[i] - n] = y[i] * scale[place[i]];
+  for (int i = rank; i < N; ++i) if (place[i] < n) return 0;
+  /* The second time corrects rounding errors. */
+  for (int pass = 0; pass < 2; ++pass) {
+    for (int i = 0; i < rank; ++i) {
+      y[i] = b[row_of[i]];
+      for (int k = 0; k < N; ++k) y[i] -= B[row_of[i]][k] * z[k];
+      for (int k = 0; k < i; ++k) y[i] -= A[i][k] * y[k];
+    }
+    for (int i = rank - 1; i >= 0; --i) {
+      for (int k = i + 1; k < rank; ++k) y[i] -= A[i][k] * y[k];
+      y[i] /= A[i][i];
+    }
+    for (int i = 0; i < rank; ++i) z[place[i]] += y[i];
   }
+  for (int i = 0; i < N; ++i) *(i < n ? &x[i] : &lambda[i - n]) = z[i] * scale[i];
   return 1;
 }
 """
