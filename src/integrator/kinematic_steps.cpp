@@ -4,7 +4,7 @@
 //   q + h (v + h/2 vdot),   v + h vdot,
 // and closes the constraints at its end, at the cost of one evaluation. There are as many solutions as assembly
 // configurations: that of the motion is the one that a step reaches which needs little correction. Where steps of some
-// length do not find it, as beyond a singular position, the general method goes on.
+// length do not find it, as beyond a singular position, the general method continues.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -58,7 +58,7 @@ class KinematicSteps final : public Integrator {
 
  private:
   bool step(double end);
-  void go_on_in_general(double end);
+  void continue_in_general(double end);
 
   Equations& system_;
   std::unique_ptr<Integrator> general_;
@@ -85,7 +85,7 @@ double KinematicSteps::advance_some(double end, double* y, long max_steps) {
     }
     modes.begin_stretch(NAN, NAN);
     if (!found) {
-      go_on_in_general(end);
+      continue_in_general(end);
       break;
     }
     if (t_ == stop && ahead <= end + near) modes.pass_break();
@@ -129,7 +129,7 @@ bool KinematicSteps::step(double end) {
 }
 
 // Nothing of the general method remains.
-void KinematicSteps::go_on_in_general(double end) {
+void KinematicSteps::continue_in_general(double end) {
   const long steps = general_->steps();
   const long rejected = general_->rejected_steps();
   general_->restart(t_, y_.data());

@@ -151,8 +151,9 @@ const std::string& StartReport::assembly() const { return impl_.prepared.report;
 const std::vector<std::string>& StartReport::warnings() const { return impl_.prepared.warnings; }
 const PreparedScene& StartReport::prepared() const { return impl_.prepared; }
 int StartReport::kinematic_parts() const {
-  return static_cast<int>(
-      std::ranges::count_if(impl_.islands, [](const auto& island) { return island->is_kinematic(); }));
+  return static_cast<int>(std::ranges::count_if(impl_.islands, [&](const auto& island) {
+    return is_kinematic(impl_.scene, island->prepared(), island->formulation());
+  }));
 }
 
 }  // namespace gelenk

@@ -29,6 +29,11 @@ FormulationOptions options_of(const Scene& scene, const MobilityAnalysis& mobili
 
 }  // namespace
 
+bool is_kinematic(const Scene& scene, const PreparedIsland& prepared, Formulation& equations) {
+  return scene.solver.reduces(Reduction::kinematic) && scene.solver.integrator == "auto" &&
+         scene.solver.formulation == "projection" && prepared.is_positioned() && equations.modes().indicators() == 0;
+}
+
 Island::Island(const Scene& scene, PreparedIsland prepared, Loads loads, Inputs& u, double time)
     : scene_(scene),
       prepared_(std::move(prepared)),
@@ -62,17 +67,12 @@ void Island::start_integrator(double tolerance) {
   options.rho_inf = scene_.solver.rho_inf;
   equations_->modes().locks().set_tolerance(tolerance);
   integrator_ = make_integrator(scene_.solver.integrator, *equations_, options);
-  if (is_kinematic()) integrator_ = make_kinematic_steps(*equations_, std::move(integrator_));
+  if (is_kinematic(scene_, prepared_, *equations_))
+    integrator_ = make_kinematic_steps(*equations_, std::move(integrator_));
   make_reading();
   integrator_->restart(time_, y_.data());
   evaluations_before_ = dynamics_->evaluations();
   warm_up(options.step);
-}
-
-bool Island::is_kinematic() const {
-  return scene_.solver.reduces(Reduction::kinematic) && scene_.solver.integrator == "auto" &&
-         scene_.solver.formulation == "projection" && prepared_.is_positioned() &&
-         equations_->modes().indicators() == 0;
 }
 
 std::vector<std::array<std::string, 2>> Island::event_texts() const {

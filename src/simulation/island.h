@@ -20,6 +20,9 @@
 
 namespace gelenk {
 
+// Whether prescribed motions alone give the positions of an island at any time, so that nothing is integrated.
+bool is_kinematic(const Scene& scene, const PreparedIsland& prepared, Formulation& equations);
+
 // Not movable: its parts refer to each other.
 class Island {
  public:
@@ -53,9 +56,6 @@ class Island {
   void replay(const ReplayStep& leg);
   void finish_replay(const ReplayPath& replay_path, double time);
   const Integrator* integrator() const { return integrator_.get(); }  // null if nothing can move
-
-  // Whether prescribed motions alone give the positions at any time, so that nothing is integrated.
-  bool is_kinematic() const;
 
   double time() const { return time_; }  // s
   // Call if an input has changed that outputs show, but that does not act.

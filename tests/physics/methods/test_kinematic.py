@@ -111,7 +111,7 @@ def test_restored_runs_have_the_same_bits() -> None:
 
 
 def test_where_the_loop_cannot_follow_the_general_method_says_so() -> None:
-    """At 1 rad the rod is perpendicular to the rail: the crank, which is longer, cannot go on."""
+    """At 1 rad the rod is perpendicular to the rail: the crank, which is longer, cannot continue."""
     messages = []
     for on in (True, False):
         scene = slider_crank({"law": "0.2 + t"}, rod=CRANK * math.sin(1.0), reductions={"kinematic": on})
