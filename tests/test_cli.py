@@ -249,7 +249,7 @@ def test_scene_that_is_wrong_is_told_line_by_line(command: list[str], tmp_path: 
         (["simulate", "SCENE", "--without", "planer"], "planer: no such reduction; did you mean planar?"),
         (["export", "SCENE", "--without", "x"],
          "x: no such reduction; there are weld, static, cut_choice, planar, redundant_rows, islands, "
-         "outputs, massless, all"),
+         "outputs, massless, kinematic, all"),
         (["simulate", "x.fmu", "--without", "planar"],
          "without: reductions of an FMU cannot be changed after its export"),
         (["export", "SCENE", "-o", "x.zip"], "x.zip: found the ending .zip, expected .fmu"),
