@@ -2,7 +2,8 @@
 // What contacts do where derivatives are taken: the part of ContactModes for linear models and sensitivities.
 #include <algorithm>
 #include <cmath>
-#include <functional>
+#include <optional>
+#include <vector>
 
 #include "event_driven/contact_modes.h"
 #include "event_driven/force_margin.h"
@@ -19,6 +20,13 @@ using Eigen::VectorXd;
 constexpr double edge_fraction = 1e-9;
 // Accelerations [natural units], relative to the largest, that are rounding.
 constexpr double acceleration_rounding = 1e-9;
+
+// What else constrains the mechanism so that a closed contact has no derivatives.
+std::optional<LawEdge::Of> obstacle_beside(const std::vector<CoordinateRow>& rows, bool at_rest) {
+  if (std::ranges::any_of(rows, &CoordinateRow::has_losses)) return LawEdge::Of::losses;
+  if (at_rest && !std::ranges::all_of(rows, &CoordinateRow::holds_position)) return LawEdge::Of::prescribed_speed;
+  return {};
+}
 
 }  // namespace
 
@@ -64,13 +72,10 @@ LawEdge ContactModes::edge_of_closed(double rest) {
   std::vector<ForceCone> cones;
   std::vector<int> contacts;
   double sum = 0;
-  const bool has_losses = std::ranges::any_of(mechanism_.coordinate_rows, &CoordinateRow::has_losses);
-  const bool has_speeds = std::ranges::any_of(mechanism_.coordinate_rows, std::not_fn(&CoordinateRow::holds_position));
   for (const ContactEquations::Entry& entry : contact_equations_.rows().entries) {
     const int contact = contact_equations_.candidates()[entry.candidate].contact;
     if (std::abs(entry.at.rate) > rest) return {contact, LawEdge::Of::impact};
-    if (has_losses) return {contact, LawEdge::Of::losses};
-    if (has_speeds && entry.is_at_rest()) return {contact, LawEdge::Of::prescribed_speed};
+    if (const auto of = obstacle_beside(mechanism_.coordinate_rows, entry.is_at_rest())) return {contact, *of};
     sum += std::abs(solved.x[entry.first]);
     cones.push_back({.normal = entry.first});
     contacts.push_back(contact);

@@ -83,6 +83,9 @@ class Equations {
   virtual void polish(bool /*on*/) {}
   // The latest time at which a step of variable length from t should end.
   virtual double end_of_step(double /*t*/) { return INFINITY; }
+  // How far the state of the last rhs() or project() is from a singular configuration of the loops, where assembly
+  // configurations meet: about 1 where they are farthest apart, 0 where they cannot be told apart.
+  virtual double singular_distance() const { return 1; }
   // Displaces q by dv, velocities times time.
   virtual void displace(double* q, const double* dv) const = 0;
   // Call when a step has been accepted; y satisfies the constraints.

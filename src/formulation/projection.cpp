@@ -62,6 +62,7 @@ class Projection final : public Formulation {
   }
   bool project(double t, double* y) override;
   void polish(bool on) override { polishing_ = on; }
+  double singular_distance() const override { return mechanism_.cuts.empty() ? 1 : rows_.singular_distance(); }
   double end_of_step(double t) override { return recorded_ > 1 ? approach_.end_of_step(t) : INFINITY; }
   void accepted(double t, const double* y) override;
   void start(const std::vector<double>& cut_q, double t, const double* y) override;
@@ -255,7 +256,7 @@ void Projection::compare_accelerations(double t, const double* y) {
     size = std::max({size, std::abs(extrapolated[k]), y[mechanism_.nq + k] * y[mechanism_.nq + k]});
   }
   const double fraction = rows_.pivot_fraction();
-  approach_.compare(fraction, deviation, constraint_noise * size / (fraction * fraction * fraction));
+  approach_.compare(fraction, deviation, size, constraint_noise * size / (fraction * fraction * fraction));
   approach_.remove_energy(energy_before_, energy_after_, modes().locks().tolerance());
   rows_.set_near_miss(approach_.misses());
 }

@@ -22,14 +22,16 @@ constexpr double least_exponent = 2.3;
 // has some 3e3, a four-bar that misses by 1e-9 of its length 3e6. What misses by less than some 1e-10 of it is taken
 // to reach the singular configuration.
 constexpr double clear_of_rounding = 1e5;
-// Of the kinetic energy, that projections may remove in all: this fraction of the tolerance, and never less than
-// roundings of some hundred steps. Where deviations are beyond rounding, what reaches a singular configuration loses
-// 1e-10 of a tolerance. Mechanisms of two loops that miss it by 1e-7 of their length, whose exponents differ from those
-// above, lose all their energy if they are not recognized by this.
+// Mechanisms of two loops that miss a singular configuration by 1e-7 of their length, whose exponents differ from those
+// above, would lose all their energy. Of the kinetic energy, projections may remove this fraction of the tolerance in
+// all, and never less than roundings of some hundred steps, if deviations contradict the extrapolation on the way in:
+// beyond rounding, and by more than its accelerations. Near a singular configuration that is reached, slider-cranks
+// lose up to 2e-6 of their energy by errors of the state, with deviations up to 1.03 times the accelerations.
+constexpr double least_contradiction = 1.5;
 constexpr double largest_removed = 1e-5;
 constexpr double least_removed = 1e-13;
-// Where deviations may be rounding, slider-cranks that reach a singular configuration lose up to 7e-9.
-constexpr double evident_removed = 1e-7;
+// Beyond this without any condition.
+constexpr double evident_removed = 1e-4;
 
 }  // namespace
 
@@ -46,13 +48,14 @@ double SingularApproach::end_of_step(double t) const {
   return t + (fraction_ - wanted) / -rate_;
 }
 
-void SingularApproach::compare(double fraction, double deviation, double rounding) {
-  contradicts_ = deviation > clear_of_rounding * rounding;
+void SingularApproach::compare(double fraction, double deviation, double size, double rounding) {
+  const bool is_clear = deviation > clear_of_rounding * rounding;
+  contradicts_ = rate_ < 0 && is_clear && deviation > least_contradiction * size;
   if (decided_ || fraction > (compared_ == 0 ? largest_first : largest_next * fractions_[compared_ - 1])) return;
   fractions_[compared_] = fraction;
   deviations_[compared_] = deviation;
-  decided_ = ++compared_ == needed || !contradicts_;
-  misses_ = compared_ == needed && contradicts_;
+  decided_ = ++compared_ == needed || !is_clear;
+  misses_ = compared_ == needed && is_clear;
   if (!misses_) return;
   for (int i = 1; i < needed; ++i) {
     const double exponent = std::log(deviations_[i] / deviations_[i - 1]) / std::log(fractions_[i - 1] / fractions_[i]);

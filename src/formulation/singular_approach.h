@@ -19,9 +19,9 @@ class SingularApproach {
   void clear() { *this = SingularApproach(); }
   // A state with this pivot fraction has been accepted at t.
   void pass(double t, double fraction);
-  // The accelerations of the equations and the extrapolated ones differ by this at the accepted state; rounding: what
-  // may come from it.
-  void compare(double fraction, double deviation, double rounding);
+  // The accelerations of the equations and the extrapolated ones differ by `deviation` at the accepted state; size: of
+  // the latter; rounding: what may come from it.
+  void compare(double fraction, double deviation, double size, double rounding);
   // After compare(): the projection onto the constraint equations has changed the kinetic energy of the accepted state
   // [J]. What contradicts the equations by more than rounding and loses energy misses the singular configuration.
   // tolerance: of the run.

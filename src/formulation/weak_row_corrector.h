@@ -22,6 +22,11 @@ class WeakRowCorrector final : public ConstraintProjector {
   bool is_regular() const { return regular_; }
   // Pivot ratio relative to the largest one.
   double pivot_fraction() const { return dynamics_.pivot_ratio() / best_pivot_ratio_; }
+  // The same, also by what was known before the run; 0: weak rows have not been corrected in full.
+  double singular_distance() const {
+    const double best = std::max(best_pivot_ratio_, best_known_pivot_ratio_);
+    return regular_ && best > 0 ? dynamics_.pivot_ratio() / best : 0;
+  }
   bool below(double pivot_fraction) const { return dynamics_.pivot_ratio() < pivot_fraction * best_pivot_ratio_; }
   // At the start of a run: determines from earlier knowledge whether that is near a singular configuration.
   void assess_start() {

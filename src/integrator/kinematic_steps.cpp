@@ -3,8 +3,8 @@
 // at any time, so that nothing is integrated. A step extrapolates from the state where it begins,
 //   q + h (v + h/2 vdot),   v + h vdot,
 // and closes the constraints at its end, at the cost of one evaluation. There are as many solutions as assembly
-// configurations: that of the motion is the one that a step reaches which needs little correction. Where steps of some
-// length do not find it, as beyond a singular position, the general method continues.
+// configurations: that of the motion is the one that a step reaches which is short compared with the distance to the
+// singular configurations where they meet, and needs little correction. Near these the general method continues.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -16,6 +16,12 @@
 namespace gelenk {
 namespace {
 
+// The general method takes over below this distance to a singular configuration (Equations::singular_distance()).
+constexpr double least_distance = 0.2;
+// A step may change coordinates [rad or natural units of length] and velocities by this part of that distance and of
+// the largest velocity: the distance changes by about as much as an angle of the loop.
+constexpr double most_changed = 0.3;
+constexpr double most_accelerated = 0.5;
 // What the projection may add to an extrapolated position [rad or natural units of length], and as a fraction of its
 // change: assembly configurations that come close to each other stay distinguishable.
 constexpr double most_corrected = 1e-2;
@@ -37,7 +43,7 @@ class KinematicSteps final : public Integrator {
         y_(system.size()),
         ydot_(system.size()),
         next_(system.size()),
-        extrapolated_(nq_),
+        extrapolated_(system.size()),
         dq_(nv_) {}
 
   void restart(double t, const double* y) override {
@@ -57,7 +63,8 @@ class KinematicSteps final : public Integrator {
   }
 
  private:
-  bool step(double end);
+  enum class Found { step, shorter_step, nothing };
+  Found step(double end);
   void continue_in_general(double end);
 
   Equations& system_;
@@ -77,14 +84,14 @@ double KinematicSteps::advance_some(double end, double* y, long max_steps) {
     const double ahead = modes.has_breaks() ? modes.next_break(t_ + near) : INFINITY;
     const double stop = ahead < end - near ? ahead : end;
     modes.begin_stretch(t_, ahead);
-    bool found = false;
-    while (!found && step_ > shortest) {
+    Found found = Found::shorter_step;
+    while (found == Found::shorter_step && step_ > shortest) {
       const double left = stop - t_;
       const double steps = std::ceil(left / step_ - 1e-9);
       found = step(steps <= 1 ? stop : t_ + left / steps);
     }
     modes.begin_stretch(NAN, NAN);
-    if (!found) {
+    if (found != Found::step) {
       continue_in_general(end);
       break;
     }
@@ -94,38 +101,48 @@ double KinematicSteps::advance_some(double end, double* y, long max_steps) {
   return t_;
 }
 
-// Makes a step and returns true, or sets a shorter one.
-bool KinematicSteps::step(double end) {
+// Makes a step, or sets a shorter one.
+KinematicSteps::Found KinematicSteps::step(double end) {
   const double h = end - t_;
   bool found = system_.rhs(t_, y_.data(), ydot_.data());
+  const double distance = system_.singular_distance();
+  if (!found || distance < least_distance) return Found::nothing;
   double change = 0;
-  for (int i = 0; i < nv_ && found; ++i) {
+  double speed = 0;
+  for (int i = 0; i < nv_; ++i) {
     const double v = y_[nq_ + i];
     const double vdot = ydot_[nq_ + i];
     dq_[i] = h * (v + h / 2 * vdot);
     change = std::max({change, std::abs(h * v), std::abs(dq_[i])});
     next_[nq_ + i] = v + h * vdot;
+    speed = std::max({speed, std::abs(v), std::abs(next_[nq_ + i])});
   }
+  found = change <= most_changed * distance;
   double corrected = 0;
+  double corrected_speed = 0;
+  std::ranges::copy(next_, extrapolated_.begin());
   if (found) {
     std::copy_n(y_.begin(), nq_, next_.begin());
     system_.displace(next_.data(), dq_.data());
-    std::copy_n(next_.begin(), nq_, extrapolated_.begin());
-    found = system_.project(end, next_.data());
+    std::ranges::copy(next_, extrapolated_.begin());
+    found = system_.project(end, next_.data()) && system_.singular_distance() > 0;
   }
   for (int i = 0; i < nq_; ++i) corrected = std::max(corrected, std::abs(next_[i] - extrapolated_[i]));
+  for (int i = nq_; i < nq_ + nv_; ++i)
+    corrected_speed = std::max(corrected_speed, std::abs(next_[i] - extrapolated_[i]));
   const double allowed = std::min(most_corrected, std::max(most_corrected_fraction * change, 1e-9));
-  if (!found || !(corrected <= allowed)) {
+  found = found && corrected <= allowed && corrected_speed <= most_accelerated * std::max(speed, 1e-9);
+  if (!found) {
     ++rejected_;
     step_ = h / 2;
-    return false;
+    return Found::shorter_step;
   }
   t_ = end;
   std::swap(y_, next_);
   system_.accepted(t_, y_.data());
   ++steps_;
   if (corrected <= little_corrected * allowed) step_ = std::max(step_, 2 * h);
-  return true;
+  return Found::step;
 }
 
 // Nothing of the general method remains.
