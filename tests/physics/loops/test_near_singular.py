@@ -220,7 +220,7 @@ def three_cranks(missing: float) -> dict[str, Any]:
 def test_two_loops_that_narrowly_miss_at_once_keep_their_energy(missing: float, integrator: str) -> None:
     """Against independent coordinates at 1e-12; missing by 1e-7, the cranks lost a quarter of their energy.
 
-    At 1e-4 integrators step over what is less than 1e-6 m; at 1e-8 what is less than 1e-5 m is not recognized in time.
+    At 1e-4 integrators step over what is less than 1e-6 m; at 1e-8 less than 1e-5 m is recognized late.
     """
 
     def final(tolerance: float, **solver: str) -> list[float]:
