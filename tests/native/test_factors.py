@@ -76,14 +76,16 @@ def assert_weak_rows_are_weighted(factor: Any, Q: Array, pivots: Array, weak: fl
     rng = np.random.default_rng(11)
     a, gamma, expected = rng.standard_normal(n), rng.standard_normal(m) * pivots, rng.standard_normal(n)
     factor.set_weak(weak)
-    weight = (pivots / largest) ** 2 / ((pivots / largest) ** 2 + weak**2)
+    ratios = pivots / largest / weak
+    weight = ratios**2 / (ratios**2 + 1)  # of a correction
+    of_equation = ratios**6 / (ratios**6 + 1)  # beside an extrapolation: of least variance
     constrained = gamma / pivots
     np.testing.assert_allclose(factor.constrain(a, gamma), a + Q @ (constrained - Q.T @ a), **CLOSE)
-    along = weight * constrained + (1 - weight) * (Q.T @ expected)
+    along = of_equation * constrained + (1 - of_equation) * (Q.T @ expected)
     np.testing.assert_allclose(factor.constrain(a, gamma, expected), a + Q @ (along - Q.T @ a), **CLOSE)
     np.testing.assert_allclose(factor.shortest(gamma, n), Q @ (weight * constrained), **CLOSE)
     follows = factor.constrain_columns(a, gamma, 1, True)
-    np.testing.assert_allclose(follows, a + Q @ (weight * constrained - Q.T @ a), **CLOSE)
+    np.testing.assert_allclose(follows, a + Q @ (of_equation * constrained - Q.T @ a), **CLOSE)
 
 
 def test_weak_rows_are_weighted_with_the_expected_solution(units: Any) -> None:
