@@ -84,7 +84,7 @@ class Equations {
   // The latest time at which a step of variable length from t should end.
   virtual double end_of_step(double /*t*/) { return INFINITY; }
   // How far the state of the last rhs() or project() is from a singular configuration of the loops, where assembly
-  // configurations meet: about 1 where they are farthest apart, 0 where they cannot be told apart.
+  // configurations meet: about 1 where they are farthest apart, 0 where they cannot be distinguished.
   virtual double singular_distance() const { return 1; }
   // Displaces q by dv, velocities times time.
   virtual void displace(double* q, const double* dv) const = 0;
