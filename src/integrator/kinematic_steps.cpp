@@ -65,6 +65,8 @@ class KinematicSteps final : public Integrator {
  private:
   enum class Found { step, shorter_step, nothing };
   Found step(double end);
+  Found shorten(double h);
+  double largest_correction(int first, int end) const;
   void continue_in_general(double end);
 
   Equations& system_;
@@ -74,11 +76,14 @@ class KinematicSteps final : public Integrator {
   std::vector<double> y_, ydot_, next_;
   std::vector<double> extrapolated_, dq_;
   double step_ = INFINITY;  // the longest that is tried [s]
+  bool evaluated_ = false;  // ydot_ and distance_ are those of the present state
+  double distance_ = 0;
 };
 
 double KinematicSteps::advance_some(double end, double* y, long max_steps) {
   EventSource& modes = system_.modes();
   const double shortest = least_fraction * (end - t_);
+  evaluated_ = false;
   for (long made = 0; t_ < end && made < max_steps && (made == 0 || !system_.budget_exhausted()); ++made) {
     const double near = shortest_stretch * std::max(std::abs(t_), std::abs(end));
     const double ahead = modes.has_breaks() ? modes.next_break(t_ + near) : INFINITY;
@@ -104,9 +109,11 @@ double KinematicSteps::advance_some(double end, double* y, long max_steps) {
 // Makes a step, or sets a shorter one.
 KinematicSteps::Found KinematicSteps::step(double end) {
   const double h = end - t_;
-  bool found = system_.rhs(t_, y_.data(), ydot_.data());
-  const double distance = system_.singular_distance();
-  if (!found || distance < least_distance) return Found::nothing;
+  // A shorter step from the same state needs no other evaluation, unless a projection has come between.
+  if (!evaluated_ && !system_.rhs(t_, y_.data(), ydot_.data())) return Found::nothing;
+  if (!evaluated_) distance_ = system_.singular_distance();
+  evaluated_ = true;
+  if (distance_ < least_distance) return Found::nothing;
   double change = 0;
   double speed = 0;
   for (int i = 0; i < nv_; ++i) {
@@ -117,32 +124,34 @@ KinematicSteps::Found KinematicSteps::step(double end) {
     next_[nq_ + i] = v + h * vdot;
     speed = std::max({speed, std::abs(v), std::abs(next_[nq_ + i])});
   }
-  found = change <= most_changed * distance;
-  double corrected = 0;
-  double corrected_speed = 0;
+  if (!(change <= most_changed * distance_)) return shorten(h);
+  std::copy_n(y_.begin(), nq_, next_.begin());
+  system_.displace(next_.data(), dq_.data());
   std::ranges::copy(next_, extrapolated_.begin());
-  if (found) {
-    std::copy_n(y_.begin(), nq_, next_.begin());
-    system_.displace(next_.data(), dq_.data());
-    std::ranges::copy(next_, extrapolated_.begin());
-    found = system_.project(end, next_.data()) && system_.singular_distance() > 0;
-  }
-  for (int i = 0; i < nq_; ++i) corrected = std::max(corrected, std::abs(next_[i] - extrapolated_[i]));
-  for (int i = nq_; i < nq_ + nv_; ++i)
-    corrected_speed = std::max(corrected_speed, std::abs(next_[i] - extrapolated_[i]));
+  evaluated_ = false;
+  if (!system_.project(end, next_.data()) || system_.singular_distance() == 0) return shorten(h);
+  const double corrected = largest_correction(0, nq_);
   const double allowed = std::min(most_corrected, std::max(most_corrected_fraction * change, 1e-9));
-  found = found && corrected <= allowed && corrected_speed <= most_accelerated * std::max(speed, 1e-9);
-  if (!found) {
-    ++rejected_;
-    step_ = h / 2;
-    return Found::shorter_step;
-  }
+  if (!(corrected <= allowed) || !(largest_correction(nq_, nq_ + nv_) <= most_accelerated * std::max(speed, 1e-9)))
+    return shorten(h);
   t_ = end;
   std::swap(y_, next_);
   system_.accepted(t_, y_.data());
   ++steps_;
   if (corrected <= little_corrected * allowed) step_ = std::max(step_, 2 * h);
   return Found::step;
+}
+
+KinematicSteps::Found KinematicSteps::shorten(double h) {
+  ++rejected_;
+  step_ = h / 2;
+  return Found::shorter_step;
+}
+
+double KinematicSteps::largest_correction(int first, int end) const {
+  double out = 0;
+  for (int i = first; i < end; ++i) out = std::max(out, std::abs(next_[i] - extrapolated_[i]));
+  return out;
 }
 
 // Nothing of the general method remains.
