@@ -14,6 +14,8 @@ constexpr std::size_t capacity_without_stops = 8;
 constexpr std::size_t capacity_with_stops = 256;
 // Of changes of scheme, which follow each other after tens of steps.
 constexpr std::size_t capacity_of_schemes = 32;
+// Of uncertain events of a run; later ones follow from a motion that is uncertain already.
+constexpr std::size_t capacity_of_uncertain = 5;
 
 constexpr const char* ambiguous_remark =
     ", although friction and limits permit more than one motion from there, or none exactly";
@@ -48,6 +50,7 @@ void EventLog::describe(std::vector<std::array<std::string, 2>> texts, long max_
   max_events_ = max_events;
   first_of_contacts_ = first_of_contacts;
   scheme_changes_.reserve(capacity_of_schemes);
+  uncertain_.reserve(capacity_of_uncertain);
   events_.reserve(texts_.empty() ? capacity_without_stops : capacity_with_stops);
 }
 
@@ -66,6 +69,11 @@ void EventLog::begin(double t) {
 
 void EventLog::begin_part() {
   before_part_ = in_step_;
+  for (const Event& event : events_) {
+    if (!event.is_uncertain()) continue;
+    ++uncertain_count_;
+    if (uncertain_.size() < capacity_of_uncertain) uncertain_.push_back(event);  // steps allocate no memory
+  }
   events_.clear();
   scheme_changes_.clear();
 }
@@ -83,7 +91,9 @@ void EventLog::serialize(Archive& archive) {
     archive.serialize(repeated_, last_.time, last_.positive);
     archive.serialize_in_range(last_.indicator, Event::singular_position, static_cast<int>(texts_.size()) - 1);
   }
-  if (archive.reading()) begin_part();
+  if (!archive.reading()) return;
+  events_.clear();  // of steps that were made in vain
+  begin_part();
 }
 
 void EventLog::add(const Event& event) {
@@ -92,6 +102,7 @@ void EventLog::add(const Event& event) {
   for (auto other = events_.rbegin(); other != events_.rend() && other->time == event.time; ++other) {
     if (text(*other) != text(event)) continue;
     other->is_ambiguous = other->is_ambiguous || event.is_ambiguous;
+    other->other = std::max(other->other, event.other);
     ++repeated_;
     return;
   }
@@ -115,7 +126,21 @@ EventReport EventLog::report(const SchemeChange& change, double length) {
 }
 
 EventReport EventLog::report(const Event& event) const {
-  return {event.time, std::string(text(event)) + (event.is_ambiguous ? ambiguous_remark : ""), event.is_doubtful()};
+  std::string words(text(event));
+  if (event.is_ambiguous) words += ambiguous_remark;
+  if (event.other >= 0)
+    words += " so shortly before \"" + std::string(texts_.at(static_cast<std::size_t>(event.other))[1]) +
+             "\" that, within the tolerance, their order and the motion afterwards are uncertain";
+  return {event.time, words, event.is_doubtful()};
+}
+
+std::vector<EventReport> EventLog::uncertain() const {
+  std::vector<EventReport> out;
+  for (const Event& event : uncertain_) out.push_back(report(event));
+  for (const Event& event : events_) {
+    if (event.is_uncertain() && out.size() < capacity_of_uncertain) out.push_back(report(event));
+  }
+  return out;
 }
 
 std::string EventLog::too_many() const {

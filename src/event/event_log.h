@@ -2,6 +2,7 @@
 // The events of a run: their number, and those of the last communication step with their times.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <string>
 #include <string_view>
@@ -18,8 +19,12 @@ struct Event {
   int indicator = 0;          // index of the indicator that changed sign, or singular_position
   bool positive = true;       // the new sign
   bool is_ambiguous = false;  // more than one outcome is consistent, or none
+  // The indicator of another impact, so near in time that the accuracy of the run does not say which comes first; -1:
+  // there is none.
+  int other = -1;
 
-  bool is_doubtful() const { return is_ambiguous || indicator == singular_position; }
+  bool is_uncertain() const { return is_ambiguous || other >= 0; }
+  bool is_doubtful() const { return is_uncertain() || indicator == singular_position; }
 };
 
 // Where a run goes over to time steps with impulses, or returns to located events.
@@ -81,12 +86,17 @@ class EventLog {
   bool contacts_prevail() const { return 2 * in_step_.contacts >= in_step_.all; }
   // An error message if there are too many events in this communication step; otherwise empty.
   std::string too_many() const;
-  // The list of events is not saved.
+  // The first of the events of the run so far of which the outcome is uncertain, and their number.
+  std::vector<EventReport> uncertain() const;
+  long uncertain_count() const { return uncertain_count_ + std::ranges::count_if(events_, &Event::is_uncertain); }
+  // Lists of events are not saved.
   void serialize(Archive& archive);
 
  private:
   std::vector<std::array<std::string, 2>> texts_;
   std::vector<Event> events_;
+  std::vector<Event> uncertain_;  // before the last part
+  long uncertain_count_ = 0;
   std::vector<SchemeChange> scheme_changes_;
   long max_events_ = 0;
   int first_of_contacts_ = 0;

@@ -35,6 +35,19 @@ std::vector<JointImpacts::Struck> JointImpacts::struck(const double* y, const st
   return out;
 }
 
+std::vector<JointImpacts::Bound> JointImpacts::near_bounds(double distance) const {
+  std::vector<Bound> out;
+  for (int i = 0; i < modes_.count(); ++i) {
+    const SwitchingForces::Lock& lock = forces_.lock(i);
+    if (lock.limit < 0 || lock.one_way || modes_.touched_side(i) != 0) continue;
+    for (const int side : {1, -1}) {
+      const double depth = forces_.depth(i, side).depth;
+      if (-depth < distance) out.push_back({i, side, modes_.limit_indicator(i, side), -depth});
+    }
+  }
+  return out;
+}
+
 void JointImpacts::let_go() {
   if (modes_.empty()) return;
   LockModes::State open = modes_.state();
@@ -55,7 +68,7 @@ bool JointImpacts::is_lost(const Struck& at, double speed, const double* vdot, c
 }
 
 void JointImpacts::finish(double t, const double* y, const std::vector<Struck>& struck,
-                          const std::vector<double>& rebounds, bool found) {
+                          const std::vector<double>& rebounds, bool found, int other) {
   const double* v = y + modes_.nq_;
   double fastest = 1;
   for (int k = 0; k < modes_.nv_; ++k) fastest = std::max(fastest, std::abs(v[k]));
@@ -66,7 +79,7 @@ void JointImpacts::finish(double t, const double* y, const std::vector<Struck>& 
     const int indicator = modes_.limit_indicator(at.lock, at.side);
     if (at.approaches) {
       ++modes_.counts_.impacts;
-      if (!forces_.lock(at.lock).one_way) modes_.log_.add({t, indicator, true, !found});
+      if (!forces_.lock(at.lock).one_way) modes_.log_.add({t, indicator, true, !found, other});
     }
     if (rebounds[i] < -stopped_fraction * fastest) modes_.modes_.unstoppable = indicator;
   }

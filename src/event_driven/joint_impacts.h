@@ -34,10 +34,19 @@ class JointImpacts {
                double mobility) const;
   // Counts series of impacts that have ended, of what approached its bound.
   void count_closed_series(const Struck& at) { modes_.counts_.closed_series += at.approaches && !at.stops ? 1 : 0; }
+  // Bounds nearer than this that are not touched [rad, m]; indicator: of the event that meets it.
+  struct Bound {
+    int lock = 0, side = 0, indicator = 0;
+    double distance = 0;
+  };
+  std::vector<Bound> near_bounds(double distance) const;
+  // The rate of the distance to a bound, from velocities; or its acceleration, from vdot.
+  double distance_rate(const Bound& at, const double* v) const { return -at.side * forces_.speed(at.lock, v); }
+  double tolerance() const { return modes_.tolerance(); }
   // After it, in the modes before it: records what has been struck. y: after it; rebounds: by element of `struck`,
-  // speeds after it away from what is struck.
+  // speeds after it away from what is struck; other: see Event.
   void finish(double t, const double* y, const std::vector<Struck>& struck, const std::vector<double>& rebounds,
-              bool found);
+              bool found, int other);
 
  private:
   LockModes& modes_;

@@ -11,6 +11,8 @@ namespace {
 
 // Of what is let go and comes to rest again at the same instant.
 constexpr int most_returns = 20;
+// Of a load: 0: negative; 1: positive.
+constexpr int unknown_sign = 2;
 
 }  // namespace
 
@@ -24,6 +26,7 @@ ModeChanges::ModeChanges(const Context& context)
       contact_equations_(context.contacts.equations()),
       joints_(context.joints),
       joint_impacts_(context.joints),
+      order_(context.contacts, joint_impacts_, context.first_indicator),
       decisions_({context.mechanism, context.dynamics, context.equations, context.joints, context.contacts}),
       triggered_(contact_equations_.modes().size()),
       vdot_(static_cast<std::size_t>(context.mechanism.nv)),
@@ -36,6 +39,7 @@ void ModeChanges::start(double t, const double* y) {
   started_ = true;
   jumped_ = false;
   refusal_.clear();
+  std::ranges::fill(load_signs_, unknown_sign);
   if (!joints_.empty()) start_joints(t, y);
 }
 
@@ -86,8 +90,7 @@ bool ModeChanges::recall(double t, double* y) {
     changed = true;
   }
   if (dynamics_.switching_forces().loads().signed_count() > 0) {
-    const bool doubtful = load_signs_changed() || determines || jumped || started_;
-    changed = (doubtful && seize(t, y)) || changed;
+    changed = seize(t, y, determines || jumped || started_) || changed;
   }
   started_ = jumped_ = false;
   return changed;
@@ -138,7 +141,7 @@ void ModeChanges::change(double t, double* y) {
   joints_.forget_rebounds(y);
   if (!joints_.is_triggered() && std::ranges::none_of(triggered_, &Trigger::any)) return;
   determine(t, y);
-  if (dynamics_.switching_forces().loads().signed_count() > 0) seize(t, y);
+  if (dynamics_.switching_forces().loads().signed_count() > 0) seize(t, y, true);
 }
 
 // Impulses, and the modes that follow.
@@ -181,17 +184,16 @@ void ModeChanges::refuse_ends(double t) {
   }
 }
 
-// Whether the loads of meshes have other signs than at the last call, or are not known.
+// Whether the loads of meshes in the last solution have other signs than at the last call, or are not known.
 bool ModeChanges::load_signs_changed() {
-  constexpr char unknown = 2;
   LoadDependence& loads = dynamics_.switching_forces().loads();
   const auto count = static_cast<std::size_t>(loads.signed_count());
   load_indicators_.resize(count);
-  load_signs_.resize(count, unknown);
+  load_signs_.resize(count, unknown_sign);
   loads.indicators(load_indicators_.data());
   bool changed = false;
   for (std::size_t i = 0; i < count; ++i) {
-    const char sign = load_indicators_[i] > 0 ? 1 : 0;
+    const int sign = load_indicators_[i] > 0 ? 1 : 0;
     changed = changed || sign != load_signs_[i];
     load_signs_[i] = sign;
   }
@@ -200,10 +202,12 @@ bool ModeChanges::load_signs_changed() {
 
 // Where friction of a mesh in motion depends so much on its load that no motion agrees with it, as where a load
 // decelerates a self-locking gear, the load rises without limit, and the motion stops at once: an impact without a
-// collision (Painleve 1895; Le Suan An 1990). The impulses that stop it agree with the law of the mesh. Returns whether
-// there is such a friction.
-bool ModeChanges::seize(double t, double* y) {
+// collision (Painleve 1895; Le Suan An 1990). The impulses that stop it agree with the law of the mesh. Otherwise than
+// when loads change their signs, it does so only where it is doubtful. Returns whether there is such a friction.
+bool ModeChanges::seize(double t, double* y, bool is_doubtful) {
+  // Not those of the last solution, which may be of another state: a restored one, or one within the last step.
   equations_.accelerations_at(t, y, vdot_.data());
+  if (!load_signs_changed() && !is_doubtful) return false;
   const int force = dynamics_.switching_forces().loads().seized();
   if (force < 0) return false;
   const LockModes::State before = joints_.state();
@@ -269,10 +273,11 @@ void ModeChanges::record_contact_changes(double t, const std::vector<CandidateMo
 void ModeChanges::serialize(Archive& archive) {
   if (joints_.empty() && !contacts_.any()) return;
   archive.serialize(started_, jumped_, counts_.impacts, counts_.closed_series, counts_.ambiguous);
+  load_signs_.resize(static_cast<std::size_t>(dynamics_.switching_forces().loads().signed_count()), unknown_sign);
+  for (int& sign : load_signs_) archive.serialize_in_range(sign, 0, unknown_sign);
   if (!archive.reading()) return;
   std::ranges::fill(triggered_, Trigger{});  // a step may have been given up between an event and what follows
   refusal_.clear();
-  load_signs_.clear();
 }
 
 }  // namespace gelenk

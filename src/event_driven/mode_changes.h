@@ -9,6 +9,7 @@
 
 #include "event_driven/contact_modes.h"
 #include "event_driven/impact_equations.h"
+#include "event_driven/impact_order.h"
 #include "event_driven/joint_changes.h"
 #include "event_driven/joint_impacts.h"
 #include "event_driven/mode_decisions.h"
@@ -67,7 +68,7 @@ class ModeChanges {
   void stop_returning(double t, double* y, const LockModes::State& before);
   void refuse_ends(double t);
   bool load_signs_changed();
-  bool seize(double t, double* y);
+  bool seize(double t, double* y, bool is_doubtful);
 
   void strike(double t, double* y, const std::vector<int>& returning, const LockModes::State& before);
   // What is known before an impact: what is struck of joints, the accelerations with what is kept at rest, of what is
@@ -80,7 +81,7 @@ class ModeChanges {
   bool is_lost(std::size_t i, const BeforeImpact& before, const ImpactEquations& impact) const;
   bool end_series(const BeforeImpact& before, ImpactEquations& impact);
   void record_impacts(double t, const double* y, const std::vector<int>& candidates, const ImpactEquations& impact,
-                      bool found);
+                      bool found, int other);
 
   bool decide(double t, const double* y, Recording records, ModeDecisions::Asked asked = ModeDecisions::Asked::all);
   void record_doubt(double t);
@@ -98,6 +99,7 @@ class ModeChanges {
   ContactEquations& contact_equations_;
   JointChanges joints_;
   JointImpacts joint_impacts_;
+  ImpactOrder order_;
   ModeDecisions decisions_;
   std::vector<Trigger> triggered_;  // by candidate
   bool started_ = true, jumped_ = false;
@@ -108,7 +110,7 @@ class ModeChanges {
   std::string refusal_;
   std::vector<double> vdot_, before_;
   std::vector<double> load_indicators_;          // of the loads of meshes
-  std::vector<char> load_signs_;                 // where a step began last
+  std::vector<int> load_signs_;                  // where a step began last
   std::vector<double> checked_, checked_rates_;  // indicators where inputs have jumped
   std::unique_ptr<bool[]> expected_;
 };

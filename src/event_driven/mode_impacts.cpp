@@ -38,6 +38,7 @@ void ModeChanges::strike(double t, double* y, const std::vector<int>& returning,
   equations_.accelerations_at(t, y, vdot_.data());
   at.vdot = vdot_;
   at.holding = joint_impacts_.holding_forces();
+  order_.find(y, mechanism_.nq, vdot_);
   const std::vector<CandidateMode> present = contact_equations_.modes();
   const LockModes::State present_joints = joints_.state();
   const FrozenLoads frozen(dynamics_.switching_forces().loads());  // friction of joints exerts no impulses
@@ -56,15 +57,17 @@ void ModeChanges::strike(double t, double* y, const std::vector<int>& returning,
     joints_.set_state(present_joints);
   }
   impact.apply(v);
-  record_impacts(t, y, candidates, impact, found);
+  const int other = order_.changed(v);
+  if (other >= 0) ++counts_.ambiguous;
+  record_impacts(t, y, candidates, impact, found, other);
   std::vector<double> rebounds;
   for (std::size_t i = candidates.size(); i < impact.law().count(); ++i) rebounds.push_back(impact.law().rebound(i));
-  joint_impacts_.finish(t, y, joints, rebounds, found);
+  joint_impacts_.finish(t, y, joints, rebounds, found, other);
   equations_.mode_changed();
 }
 
 void ModeChanges::record_impacts(double t, const double* y, const std::vector<int>& candidates,
-                                 const ImpactEquations& impact, bool found) {
+                                 const ImpactEquations& impact, bool found, int other) {
   if (!found) ++counts_.ambiguous;
   if (candidates.empty()) return;
   // Impulses that miss their laws by little are used; none is found at all where what touches still approaches.
@@ -83,7 +86,7 @@ void ModeChanges::record_impacts(double t, const double* y, const std::vector<in
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     if (!(impact.law().approach(i) < -rest)) continue;
     ++counts_.impacts;
-    log_.add({t, first_indicator_ + per_candidate * candidates[i], true, !found});
+    log_.add({t, first_indicator_ + per_candidate * candidates[i], true, !found, other});
   }
 }
 

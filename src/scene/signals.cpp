@@ -238,7 +238,8 @@ std::vector<Signal> diagnostic_signals() {
   set(Diagnostic::impacts, "solver.impacts", "1", "impacts on limits since initialization");
   set(Diagnostic::zeno, "solver.zeno", "1", "infinite series of impacts since initialization, ended in contact");
   set(Diagnostic::ambiguous, "solver.ambiguous", "1",
-      "events since initialization at which friction and limits permit more than one motion, or none exactly");
+      "events since initialization with an uncertain outcome: friction and limits permit more than one motion or none "
+      "exactly, or the order of impacts is within the tolerance");
   set(Diagnostic::cone_residual, "solver.cone_residual", "m/s",
       "largest velocity by which the impulses of contacts, friction and limits of the last communication step fail "
       "their laws");

@@ -42,6 +42,10 @@ std::vector<EventReport> Simulation::events(bool only_doubtful) const {
 std::vector<std::string> SteppingReport::warnings() const {
   std::vector<std::string> out;
   for (const auto& island : impl_.islands) {
+    const std::vector<EventReport> uncertain = island->events().uncertain();
+    for (const EventReport& event : uncertain) out.push_back("t = " + text::rounded(event.time) + " s: " + event.text);
+    const long more = island->events().uncertain_count() - static_cast<long>(uncertain.size());
+    if (more > 0) out.push_back("and " + std::to_string(more) + " more events with an uncertain outcome");
     if (island->integrator() == nullptr) continue;
     const Integrator::SteppedTime of = island->integrator()->stepped_time();
     if (of.parts == 0) continue;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where `auto` has left located events for time steps with impulses during a run.
+// Why a run may not have kept its tolerance: time steps with impulses, and events of which the outcome is uncertain.
 #pragma once
 
 #include <string>
@@ -14,7 +14,8 @@ class SteppingReport {
  public:
   explicit SteppingReport(const Simulation& of) : impl_(*of.impl_) {}
 
-  // A sentence for each island in which it has: from when to when, the estimated error of positions, and why.
+  // Sentences, for each island: the first events with an uncertain outcome; where `auto` has left located events, from
+  // when to when, the estimated error of positions, and why.
   std::vector<std::string> warnings() const;
 
  private:

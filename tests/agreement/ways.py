@@ -175,7 +175,9 @@ def run(
                 rows.append(plant.values(names))
                 out.stepped.append(in_steps(plant, out.stepped[-1] if out.stepped else False))
                 out.said += [
-                    text for _, text in plant.events if "more than one" in text or "singular" in text
+                    text
+                    for _, text in plant.events
+                    if any(words in text for words in ("more than one", "singular", "are uncertain"))
                 ]
                 if outputs:
                     out.outputs.append(dict(zip(outputs, plant.values(outputs).tolist(), strict=True)))

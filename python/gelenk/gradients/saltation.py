@@ -33,7 +33,7 @@ RANK = 1e-6
 OTHER_EVENTS = (
     "neighboring runs have other events; it grazes, or coincides with another one or the end of a step"
 )
-DOUBTFUL = ("singular configuration", "more than one motion")
+DOUBTFUL = ("singular configuration", "more than one motion", "motion afterwards are uncertain")
 
 
 class NotPassed(Exception):  # noqa: N818

@@ -51,8 +51,9 @@ class Result:
         #: stop, singular configurations crossed. Empty for an FMU, which logs its events (category
         #: logEvents).
         self.events: tuple[tuple[float, str], ...] = ()
-        #: Why the run may not have kept its tolerance, a sentence each: from when to when contacts were
-        #: solved in time steps, and the estimated error (docs/time-stepping.md).
+        #: Why the run may not have kept its tolerance, a sentence each: events with an uncertain outcome
+        #: (docs/nonsmooth-laws.md); from when to when contacts were solved in time steps, and the estimated
+        #: error (docs/time-stepping.md).
         self.warnings: tuple[str, ...] = ()
 
     def __getstate__(self) -> dict[str, Any]:
