@@ -44,10 +44,8 @@ class Impact {
  private:
   Eigen::Index row(std::size_t i) const { return struck_[i].cone.first; }
   bool solve(ConeSolver& solver, double part);
-  double solve_cones(ConeSolver& solver, const Eigen::MatrixXd& matrix, const Eigen::VectorXd& b);
+  double solve_cones(ConeSolver& solver, const Eigen::VectorXd& b);
   double solve_boxes(const Eigen::VectorXd& b);
-  double solve_redundant(ConeSolver& solver, const Eigen::VectorXd& b);
-  void find_weights();
   bool adds_energy() const;
 
   Eigen::MatrixXd G_;

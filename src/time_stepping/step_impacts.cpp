@@ -20,8 +20,6 @@ constexpr double energy_rounding = 1e-9;
 constexpr double steps_of_fall = 4;
 // Of the part of the restitution that adds no energy.
 constexpr int most_bisections = 20;
-// Velocities that solutions miss, relative to the largest, beyond which there are none.
-constexpr double impossible_fraction = 1e-3;
 
 }  // namespace
 
@@ -121,7 +119,7 @@ double TimeStepper::gained_energy() {
 bool TimeStepper::is_impossible() const {
   bool any_clutch = false;
   for (std::size_t i = 0; i < joints_.count(); ++i) any_clutch = any_clutch || joints_[i].is_of_speed;
-  return any_clutch && last_residual_ > impossible_fraction * velocity_tolerance() / cone_tolerance_;
+  return any_clutch && misses(last_residual_);
 }
 
 // Where the laws would add energy, as where unlike restitutions are struck together, restitution is reduced; where they

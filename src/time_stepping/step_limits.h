@@ -13,6 +13,8 @@ inline constexpr double residual_floor = 1e-3;
 
 // Of a cone problem.
 inline constexpr int most_cone_iterations = 200;
+// Velocities that solutions miss, relative to the largest, beyond which they are none.
+inline constexpr double impossible_fraction = 1e-3;
 
 // A step is divided into halves, and these again, up to this number of times.
 inline constexpr int most_halvings = 4;
