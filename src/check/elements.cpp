@@ -64,14 +64,15 @@ struct Checker {
                    " joint, does; a rack couples a rotation and a translation");
   }
 
-  void coordinate(const ElementPlace& element, const std::string& path) {
+  void coordinate(const ElementPlace& element, const Port& port, const std::string& path) {
     const JointKind* kind = kind_of_joint(scene, element.joints.front());
     if (kind == nullptr || (partial && element.coordinate.empty())) return;
+    if (!port.is_prescribed && element.coordinate.empty() && kind->nq == 1) return;  // the only one
     const std::string whole = element.joints.front() + "." + element.coordinate;
     if (std::ranges::find(kind->q, element.coordinate, &Quantity::name) == kind->q.end()) {
       faults.add(path + ".coordinate", text::quoted(element.coordinate),
                  "a coordinate of joint " + element.joints.front());
-    } else if (!prescribed.insert(whole).second) {
+    } else if (port.is_prescribed && !prescribed.insert(whole).second) {
       faults.add(path, "a second motion of " + whole, "one motion per coordinate");
     }
   }
@@ -110,7 +111,7 @@ struct Checker {
       }
       joint(port, element.joints.at(joints++), path + "." + std::string(port.name));
       if (port.is_alike) alike(element, element.joints.at(joints - 1), path + "." + std::string(port.name));
-      if (port.has_coordinate) coordinate(element, path);
+      if (port.has_coordinate) coordinate(element, port, path);
     }
     if (section.name == sensors_section.name) return;
     const auto duplicate = [](std::vector<std::string> names) {

@@ -69,12 +69,19 @@ class DisjointSets {
 
 }  // namespace
 
+void check_force(const Joint& joint, std::size_t i, const std::string& path, const JointForceKind& kind,
+                 Faults& faults) {
+  const void* there = kind.in(*joint.along[i]);
+  if (there == nullptr) return;
+  const Coordinate coordinate = coordinate_of(kind_of(*joint.is), static_cast<int>(i));
+  check_element(kind.fields, there, path, coordinate, [&] { return kind.fault(there, coordinate); }, faults);
+}
+
 void check_forces(const Joint& joint, const std::string& path, const JointForceKind& kind, Faults& faults) {
+  const bool has_names = joint.along.size() > 1 && !kind.group.empty();
   for (std::size_t i = 0; i < joint.along.size(); ++i) {
-    const void* there = kind.in(*joint.along[i]);
-    if (there == nullptr) continue;
-    const Coordinate coordinate = coordinate_of(kind_of(*joint.is), static_cast<int>(i));
-    check_element(kind.fields, there, path, coordinate, [&] { return kind.fault(there, coordinate); }, faults);
+    const std::string name(coordinate_of(kind_of(*joint.is), static_cast<int>(i)).name);
+    check_force(joint, i, path + (has_names ? "." + name : ""), kind, faults);
   }
 }
 

@@ -50,10 +50,12 @@ void warn_about_forces(const Joint& joint, const JointKind& kind, const std::str
   for (const JointForceKind& force : joint_force_kinds()) {
     for (int i = 0; i < kind.nv; ++i) {
       const void* there = force.fits(kind) ? force.in(*joint.along[i]) : nullptr;
-      const std::string group = force.group.empty() ? "" : "." + std::string(force.group);
       if (there == nullptr) continue;
       const Coordinate coordinate = coordinate_of(kind, i);
-      const std::string index = kind.nv > 1 ? "[" + std::to_string(i + 1) + "]" : "";
+      const bool is_one_of_several = kind.nv > 1;
+      std::string group = force.group.empty() ? "" : "." + std::string(force.group);
+      if (is_one_of_several && !group.empty()) group += "." + std::string(coordinate.name);
+      const std::string index = is_one_of_several && group.empty() ? "[" + std::to_string(i + 1) + "]" : "";
       warn_about_numbers(force.fields, there, coordinate, path + group, faults, index);
       if (!kind.springs() || !joint.start.q_given[i]) continue;
       const auto warning = force.doubt(there, joint.start.q[i], coordinate);
@@ -66,7 +68,7 @@ void warn_about_motors(const Scene& scene, Faults& faults) {
   std::map<std::string, std::string> drives;
   for (const Motor& motor : scene.motors) {
     const std::string& joint = motor.joints.front();
-    const auto [first, alone] = drives.try_emplace(joint, motor.name);
+    const auto [first, alone] = drives.try_emplace(joint + "." + motor.coordinate, motor.name);
     if (alone) continue;
     faults.warn("motors." + motor.name + ".joint", text::quoted(joint) + ", already driven by '" + first->second + "'",
                 "one motor per joint; if both are intended, their torques or forces add up");

@@ -46,6 +46,7 @@ struct Port {
   bool optional = false;
   bool on_ground = true;                     // of a frame: whether the body may be the ground
   bool has_coordinate = false;               // of a joint: the element refers to one of its coordinates
+  bool is_prescribed = false;                // of a coordinate: no other element may prescribe it
   bool is_alike = false;                     // of a joint: its coordinate has the unit of that of the first joint
   bool (*fits)(const JointKind&) = nullptr;  // permitted joint types; null for all
 

@@ -11,6 +11,13 @@ inline constexpr Port driven_joint = {.kind = Port::Kind::joint,
                                       .text = "Joint with one degree of freedom",
                                       .fits = [](const JointKind& kind) { return kind.nq == 1 && kind.nv == 1; }};
 
+// A joint of which one coordinate is driven.
+inline constexpr Port driven_coordinate = {.kind = Port::Kind::joint,
+                                           .name = "joint",
+                                           .text = "Joint with coordinates that are angles or lengths",
+                                           .has_coordinate = true,
+                                           .fits = [](const JointKind& kind) { return kind.springs(); }};
+
 inline constexpr FieldInfo gear_ratio_info = {.name = "gear_ratio",
                                               .unit = "1",
                                               .text = "travel of the motor per travel of joint {joint}",

@@ -44,6 +44,14 @@ bool takes_loads(const JointForces& forces) {
   return any;
 }
 
+bool has_bearing(const JointForces& forces) {
+  bool any = false;
+  each_locking(forces.all(), [&](const auto& element) {
+    if constexpr (TakesLoads<std::decay_t<decltype(*element)>>) any = any || element->bearing.has_value();
+  });
+  return any;
+}
+
 bool is_loaded_guide(const JointForces& forces) {
   bool any = false;
   each_locking(forces.all(), [&](const auto& element) {

@@ -14,6 +14,8 @@ std::string_view locking_element(const JointForces& forces);
 
 // Whether there is friction to which losses of meshes can be added.
 bool takes_loads(const JointForces& forces);
+// Whether the friction depends on the force that a bearing or guide transmits.
+bool has_bearing(const JointForces& forces);
 // Whether the friction depends on the force across a guide.
 bool is_loaded_guide(const JointForces& forces);
 // Which of its joints has the friction by which a constraint loses power; -1: it loses none.

@@ -38,10 +38,8 @@ struct JointKind {
   std::span<const double> q_zero;   // nq coordinates of the reference configuration, X_FM = 1
   std::span<const Field> fields{};  // parameters of the joint, such as the pitch of a screw
 
-  // Whether its coordinates can have springs: only if qdot = v, hence no quaternions.
+  // Whether its coordinates can have springs, friction and limits: only if qdot = v, hence no quaternions.
   bool springs() const { return nq == nv && nv > 0; }
-  // Whether it can have a stop.
-  bool stops() const { return nq == 1 && nv == 1; }
   bool has_quaternion() const { return nq > nv; }
   // Whether coordinate i is a component of the quaternion, and velocity i one of its angular velocity; both come last.
   // Any other velocity i is the time derivative of coordinate i.

@@ -105,13 +105,15 @@ struct LoadCollector {
     Loads& loads = out[place.island];
     for (int i = 0; i < input_count(*motor.is); ++i) loads.inputs.push_back(input + i);
     const bool cut = place.role == JointPlace::Role::cut;
+    const int j = joint_number.at(motor.joints.front());
+    const int along = component_of(kind_of(*scene.joints[j].is), motor.coordinate);
     std::visit(
         [&]<class E>(const E& element) {
-          add(*to, element, place, cut, 0, input, joint_number.at(motor.joints.front()));
+          add(*to, element, place, cut, along, input, j);
           std::get<std::vector<AlongCoordinate<E>>>(to->lists).back().owner = m;
         },
         *motor.is);
-    if (!cut) loads.added_inertia[place.iv] += inertia_of(*motor.is);
+    if (!cut) loads.added_inertia[place.iv + along] += inertia_of(*motor.is);
   }
 
   void effort(const JointEffort& effort) {

@@ -10,6 +10,9 @@
 
 namespace gelenk {
 
+// "a universal joint", in messages.
+inline std::string a_kind(const JointKind& kind) { return "a " + std::string(kind.name) + " joint"; }
+
 struct Scene;
 
 // One number of an element: a scalar field or a component of a vector or list, possibly inside a group of fields.

@@ -63,7 +63,7 @@ void add_joint(std::vector<SettableNumber>& out, const Joint& joint, std::size_t
         const void* there = force.in(*joint.along[static_cast<std::size_t>(i)]);
         if (there == nullptr || !has_meaning(field, force.fields, there)) continue;
         add(out, Of::along, j, std::span(&field, 1), there,
-            [&](const SettableNumber& x) { return x.along(force, i, kind->nv); });
+            [&](const SettableNumber& x) { return x.along(force, i, *kind); });
       }
     }
   }
@@ -87,9 +87,10 @@ SettableNumber SettableNumber::in_section(int section) const {
   return out;
 }
 
-SettableNumber SettableNumber::along(const JointForceKind& force, int coordinate, int coordinates) const {
-  SettableNumber out = at(coordinate, coordinates);
+SettableNumber SettableNumber::along(const JointForceKind& force, int coordinate, const JointKind& joint) const {
+  SettableNumber out = force.group.empty() ? at(coordinate, joint.nv) : *this;
   out.force_ = &force;
+  if (joint.nv > 1) out.among_ = coordinate_of(joint, coordinate).name;
   out.coordinate_ = coordinate;
   return out;
 }
@@ -109,6 +110,7 @@ std::string SettableNumber::key() const {
   if (of_ == Of::child) return "child.position";
   std::string group;
   if (force_ != nullptr) group = force_->group;
+  if (!group.empty() && !among_.empty()) group += "." + std::string(among_);
   if (group_ != nullptr) group = group_->name;
   return (group.empty() ? "" : group + ".") + std::string(field_->name);
 }

@@ -23,7 +23,7 @@ class SettableNumber {
       : of_(of), owner_(owner), i_(i), size_(size), group_(group), field_(&field) {}
   SettableNumber at(int i, int size) const;
   SettableNumber in_section(int section) const;
-  SettableNumber along(const JointForceKind& force, int coordinate, int coordinates) const;
+  SettableNumber along(const JointForceKind& force, int coordinate, const JointKind& joint) const;
 
   const std::string& owner(const Scene& scene) const;
   std::string path(const Scene& scene) const;         // "crank.com": the same for all components
@@ -51,6 +51,7 @@ class SettableNumber {
   int section_ = -1;
   const JointForceKind* force_ = nullptr;
   int coordinate_ = 0;
+  std::string_view among_;  // its name if the joint has several
 };
 
 // Returns all settable numbers in the order of the file: bodies, joints, elements.

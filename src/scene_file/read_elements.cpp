@@ -25,8 +25,9 @@ std::string read_joint_name(Fields& fields, const Port& port, Reader& reader) {
   return {};
 }
 
-// Reads the name of a coordinate; by default the only coordinate of a joint that has one.
-std::string read_coordinate(Fields& fields, const std::string& joint, Reader& reader) {
+// Reads the name of a coordinate; by default the only coordinate of a joint that has one. Empty: of what is not
+// prescribed, that one.
+std::string read_coordinate(Fields& fields, const Port& port, const std::string& joint, Reader& reader) {
   const JointKind* kind = kind_of_joint(reader.scene, joint);
   const Json* value = fields.find("coordinate");
   std::vector<std::string> names;
@@ -35,13 +36,14 @@ std::string read_coordinate(Fields& fields, const std::string& joint, Reader& re
   }
   const std::string path = fields.path("coordinate");
   if (value == nullptr) {
-    if (names.size() <= 1) return names.empty() ? std::string() : names[0];
+    if (names.size() <= 1) return names.empty() || !port.is_prescribed ? std::string() : names[0];
     reader.faults.add(path, "nothing", text::one_of({}, names, "coordinates of " + joint));
     return {};
   }
   const auto name = read_text(*value, path, reader.faults, "the name of a coordinate");
   if (!name || kind == nullptr) return {};
-  if (std::ranges::find(names, *name) != names.end()) return *name;
+  if (std::ranges::find(names, *name) != names.end())
+    return names.size() == 1 && !port.is_prescribed ? std::string() : *name;
   reader.faults.add(path, text::quoted(*name), text::one_of(*name, names, "coordinates of " + joint));
   return {};
 }
@@ -93,7 +95,7 @@ void read_ports(Fields& fields, const ElementKind& kind, Reader& reader, Element
       continue;
     }
     element.joints.push_back(read_joint_name(fields, port, reader));
-    if (port.has_coordinate) element.coordinate = read_coordinate(fields, element.joints.back(), reader);
+    if (port.has_coordinate) element.coordinate = read_coordinate(fields, port, element.joints.back(), reader);
   }
 }
 

@@ -20,7 +20,6 @@ std::vector<std::string> kind_names() {
   return names;
 }
 
-std::string a_kind(const JointKind& kind) { return "a " + std::string(kind.name) + " joint"; }
 
 void read_one_axis(const Json* axis, Fields& fields, Joint& joint) {
   if (axis == nullptr) return;
@@ -113,21 +112,36 @@ void refuse(const Json& value, const std::string& path, std::string_view name, c
       "no " + std::string(name) + ": " + a_kind(of) + " " + (of.nv == 0 ? "cannot move" : std::string(kind.misfit)));
 }
 
-// Reads a group of fields along a joint; after an error the whole group is removed, since its numbers belong together.
-void read_group(const Json& value, const std::string& path, const JointForceKind& kind, Reader& reader, Joint& joint) {
+// Reads a group of fields along a coordinate; after an error the whole group is removed, since its numbers belong
+// together.
+void read_group(const Json& value, const std::string& path, const JointForceKind& kind, std::size_t i, Reader& reader,
+                Joint& joint) {
   const std::size_t before = reader.faults.count();
-  JointForces& at = *joint.along.front();
+  JointForces& at = *joint.along[i];
   std::vector<std::string> names;
   for (const Field& field : kind.fields) names.emplace_back(field.name);
   Fields fields(value, path, reader.faults, "{" + text::list(names) + "}");
   kind.emplace(at);
-  if (fields.valid())
-    read_fields(fields, kind.fields, kind.find(at), coordinate_of(kind_of(*joint.is), 0), reader.names);
+  const Coordinate coordinate = coordinate_of(kind_of(*joint.is), static_cast<int>(i));
+  if (fields.valid()) read_fields(fields, kind.fields, kind.find(at), coordinate, reader.names);
   fields.done();
-  if (reader.faults.count() == before) check_forces(joint, path, kind, reader.faults);
+  if (reader.faults.count() == before) check_force(joint, i, path, kind, reader.faults);
   if (reader.faults.count() == before) return;
   kind.erase(at);
   reader.suspect_names.insert(joint.name);
+}
+
+// Of a joint with several coordinates: groups by the names of coordinates.
+void read_groups(const Json& value, const std::string& path, const JointForceKind& kind, Reader& reader, Joint& joint) {
+  const JointKind& of = kind_of(*joint.is);
+  std::vector<std::string> names;
+  for (const Quantity& q : of.q) names.emplace_back(q.name);
+  Fields fields(value, path, reader.faults, "a mapping with coordinates of " + a_kind(of) + ": " + text::list(names));
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const Json* group = fields.find(names[i]);
+    if (group != nullptr) read_group(*group, fields.path(names[i]), kind, i, reader, joint);
+  }
+  fields.done();
 }
 
 // Returns the keys of a joint force in scene files.
@@ -158,7 +172,11 @@ void read_forces(Fields& fields, Reader& reader, Joint& joint) {
     } else if (group.empty()) {
       for (const Field& field : kind.fields) read_along(fields, kind, field, joint);
     } else if (const Json* value = fields.find(group)) {
-      read_group(*value, fields.path(group), kind, reader, joint);
+      if (of.nv == 1) {
+        read_group(*value, fields.path(group), kind, 0, reader, joint);
+      } else {
+        read_groups(*value, fields.path(group), kind, reader, joint);
+      }
     }
   }
 }

@@ -118,13 +118,18 @@ Json start(const JointStart& start, const JointKind& kind) {
   return out;
 }
 
-// Writes the forces along the coordinates: a number for one coordinate, a list for several.
+// Writes the forces along the coordinates: of several, numbers as a list, and groups by the name of the coordinate.
 void write_forces(Json& out, const Joint& joint, const JointKind& kind) {
   for (const JointForceKind& force : joint_force_kinds()) {
     if (!force.fits(kind)) continue;
     if (!force.group.empty()) {
-      const void* there = force.in(*joint.along.front());
-      if (there != nullptr) write_fields(out[std::string(force.group)], force.fields, there);
+      for (std::size_t i = 0; i < joint.along.size(); ++i) {
+        const void* there = force.in(*joint.along[i]);
+        if (there == nullptr) continue;
+        Json& group = out[std::string(force.group)];
+        const std::string name(coordinate_of(kind, static_cast<int>(i)).name);
+        write_fields(kind.nv == 1 ? group : group[name], force.fields, there);
+      }
       continue;
     }
     for (const Field& field : force.fields) {
@@ -166,7 +171,7 @@ Json element(const ElementPlace& element, const ElementKind& kind, const void* d
     if (port.kind == Port::Kind::joint) {
       const std::string& joint = element.joints.at(joints++);
       if (!joint.empty()) out[name] = joint;
-      if (port.has_coordinate) out["coordinate"] = element.coordinate;
+      if (!element.coordinate.empty()) out["coordinate"] = element.coordinate;
       continue;
     }
     const BodyFrame& at = element.frames.at(frames++);

@@ -122,6 +122,14 @@ Json group(const Field& field, const Coordinate* coordinate) {
   return out;
 }
 
+Json along(const JointForceKind& force, const Coordinate& coordinate) {
+  std::vector<std::string> required;
+  Json out = object(properties(force.fields, force.defaults(), &coordinate, required), required);
+  add_ways(out, force.fields);
+  out["description"] = sentence(std::string(force.summary));
+  return out;
+}
+
 Json joint_numbers(const JointKind& kind, std::vector<std::string>& required) {
   const Stored<AnyJoint> plain = make_joint(kind.name, default_axes(kind));
   Json out = properties(kind.fields, data_of(*plain), nullptr, required);
@@ -129,11 +137,13 @@ Json joint_numbers(const JointKind& kind, std::vector<std::string>& required) {
     if (!force.fits(kind)) continue;
     if (!force.group.empty()) {
       Json& group = out[std::string(force.group)];
-      const Coordinate coordinate = coordinate_of(kind, 0);
-      std::vector<std::string> of_group;
-      group = object(properties(force.fields, force.defaults(), &coordinate, of_group), of_group);
-      add_ways(group, force.fields);
-      group["description"] = sentence(std::string(force.summary));
+      Json by_name = Json::object();
+      for (int i = 0; i < kind.nv; ++i) {
+        const Coordinate coordinate = coordinate_of(kind, i);
+        by_name[std::string(coordinate.name)] = along(force, coordinate);
+      }
+      group = kind.nv == 1 ? by_name.front() : object(by_name, {});
+      if (kind.nv > 1) group["description"] = sentence(std::string(force.summary) + ", by the names of coordinates");
       continue;
     }
     for (const Field& field : force.fields) out[std::string(field.name)] = per_coordinate(field, kind);

@@ -6,6 +6,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from gelenk.errors import EquilibriumError, SceneError, UsageError
 from gelenk.linear.model import EQUILIBRIUM_RATE_TOLERANCE
@@ -248,14 +249,20 @@ class PosedScene:
         if side == 0:
             return 0.0, ""
         contact = min(force, 0.0) if side > 0 else max(force, 0.0)
-        if ONE_WAY in self._joints[name.rpartition(".")[0]]:
+        if self._group(name, ONE_WAY):
             return contact, ONE_WAY
         return contact, "upper" if side > 0 else "lower"
+
+    def _group(self, coordinate: str, key: str) -> Mapping[str, Any]:
+        """Return the entry of a coordinate among those of its joint, of several by their names; {}: none."""
+        joint, _, own = coordinate.rpartition(".")
+        entry: Mapping[str, Any] = self._joints[joint].get(key, {})
+        return entry.get(own, {}) if any(isinstance(x, Mapping) for x in entry.values()) else entry
 
     def _beyond_limits(self, starts: Mapping[str, Value]) -> list[str]:
         out = []
         for name, *_ in self._forces:
-            limit = self._joints[name.rpartition(".")[0]].get("limit", {})
+            limit = self._group(name, "limit")
             value = float(starts[start_parameter(name)])
             for bound, sign in (("lower", -1), ("upper", 1)):
                 if bound in limit and sign * (value - limit[bound]) > 0:

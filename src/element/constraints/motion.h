@@ -16,6 +16,7 @@ struct Motion {
                                     .name = "joint",
                                     .text = "Joint whose velocities are the time derivatives of its coordinates",
                                     .has_coordinate = true,
+                                    .is_prescribed = true,
                                     .fits = [](const JointKind& kind) { return kind.springs(); }}};
   static constexpr std::string_view sources[] = {"position", "speed"};
   static constexpr std::string_view derivatives[] = {"speed", "acceleration"};

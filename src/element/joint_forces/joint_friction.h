@@ -61,8 +61,9 @@ struct Bearing {
 struct JointFriction : DryFriction<JointFriction> {
   static constexpr std::string_view group = "friction";
   static constexpr std::string_view summary = "dry friction, which keeps the coordinate at rest up to a limit";
-  static constexpr std::string_view misfit = "has more than one degree of freedom";  // of a joint with coordinates
-  static bool fits(const JointKind& kind) { return kind.stops(); }
+  static constexpr std::string_view misfit =
+      "has no angles or lengths that it could act on";  // of a joint with coordinates
+  static bool fits(const JointKind& kind) { return kind.springs(); }
 
   double coulomb = std::numeric_limits<double>::quiet_NaN();       // N m (N), in motion
   double static_limit = std::numeric_limits<double>::quiet_NaN();  // N m (N), at rest; NaN: coulomb

@@ -10,8 +10,9 @@ namespace gelenk {
 struct JointLaw {
   static constexpr std::string_view group = "law";
   static constexpr std::string_view summary = "a force along the coordinate as an expression of it and of its speed";
-  static constexpr std::string_view misfit = "has more than one degree of freedom";  // of a joint with coordinates
-  static bool fits(const JointKind& kind) { return kind.stops(); }
+  static constexpr std::string_view misfit =
+      "has no angles or lengths that it could act on";  // of a joint with coordinates
+  static bool fits(const JointKind& kind) { return kind.springs(); }
 
   Formula force;
 

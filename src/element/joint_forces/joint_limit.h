@@ -18,8 +18,9 @@ namespace gelenk {
 struct JointLimit {
   static constexpr std::string_view group = "limit";
   static constexpr std::string_view summary = "hard limits of the coordinate, with impacts";
-  static constexpr std::string_view misfit = "has more than one degree of freedom";  // of a joint with coordinates
-  static bool fits(const JointKind& kind) { return kind.stops(); }
+  static constexpr std::string_view misfit =
+      "has no angles or lengths that it could act on";  // of a joint with coordinates
+  static bool fits(const JointKind& kind) { return kind.springs(); }
 
   double lower = -std::numeric_limits<double>::infinity();  // rad (m); infinite if there is no bound
   double upper = std::numeric_limits<double>::infinity();   // rad (m)

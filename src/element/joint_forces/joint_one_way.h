@@ -15,8 +15,9 @@ namespace gelenk {
 struct JointOneWay {
   static constexpr std::string_view group = "one_way";
   static constexpr std::string_view summary = "one-way clutch, which permits motion in one direction only";
-  static constexpr std::string_view misfit = "has more than one degree of freedom";  // of a joint with coordinates
-  static bool fits(const JointKind& kind) { return kind.stops(); }
+  static constexpr std::string_view misfit =
+      "has no angles or lengths that it could act on";  // of a joint with coordinates
+  static bool fits(const JointKind& kind) { return kind.springs(); }
 
   static constexpr std::string_view directions[] = {"positive", "negative"};
   Choice free = {0};  // index in directions

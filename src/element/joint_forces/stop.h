@@ -18,8 +18,9 @@ namespace gelenk {
 struct Stop {
   static constexpr std::string_view group = "stop";
   static constexpr std::string_view summary = "pushes back while the coordinate is beyond a bound, and never pulls";
-  static constexpr std::string_view misfit = "has more than one degree of freedom";  // of a joint with coordinates
-  static bool fits(const JointKind& kind) { return kind.stops(); }
+  static constexpr std::string_view misfit =
+      "has no angles or lengths that it could act on";  // of a joint with coordinates
+  static bool fits(const JointKind& kind) { return kind.springs(); }
 
   double lower = -std::numeric_limits<double>::infinity();  // rad (m); infinite if there is no bound
   double upper = std::numeric_limits<double>::infinity();   // rad (m)

@@ -11,7 +11,7 @@ namespace gelenk {
 struct Drive {
   static constexpr std::string_view kind = "drive";
   static constexpr std::string_view summary = "an ideal motor with gear ratio and rotor inertia at a joint";
-  static constexpr Port ports[] = {driven_joint};
+  static constexpr Port ports[] = {driven_coordinate};
 
   double gear_ratio = 1;     // motor angle / joint angle (prismatic: motor travel / joint travel)
   double rotor_inertia = 0;  // kg m2 on the motor side (prismatic: kg)
