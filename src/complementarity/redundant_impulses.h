@@ -16,9 +16,14 @@ namespace gelenk {
 // mixes.
 Eigen::VectorXd yielding_weights(const Eigen::Ref<const Eigen::MatrixXd>& G, std::span<const Cone> cones);
 
-// x <- the impulses, not from an initial guess.
+// x <- the impulses, not from an initial guess. options: of each iteration; most_iterations: of the solver, in all.
 ConeResult solve_redundant(ConeSolver& solver, const Eigen::Ref<const Eigen::MatrixXd>& G,
                            const Eigen::VectorXd& weights, const Eigen::Ref<const Eigen::VectorXd>& b,
-                           std::span<const Cone> cones, const ConeOptions& options, double* x);
+                           std::span<const Cone> cones, const ConeOptions& options, int most_iterations, double* x);
+
+// Where a solver has not converged, maybe since impulses are redundant: `found`, or a better solution. x: that of
+// `found`. Only of small problems, with up to ten times as many iterations as the options permit.
+ConeResult improve_redundant(ConeSolver& solver, const ConeProblem& problem, const ConeOptions& options,
+                             const ConeResult& found, double* x);
 
 }  // namespace gelenk

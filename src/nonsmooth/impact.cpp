@@ -20,6 +20,7 @@ using Eigen::VectorXd;
 constexpr double impact_cone_tolerance = 1e-13;
 constexpr double velocity_tolerance = 1e-8;
 constexpr int impact_cone_iterations = 500;
+constexpr int most_iterations = 20 * impact_cone_iterations;  // where impulses are redundant
 // The energy that an impact may gain by rounding, relative to what it exchanges.
 constexpr double energy_rounding = 1e-12;
 // Of the part of the restitution that adds no energy.
@@ -67,8 +68,9 @@ double Impact::solve_cones(ConeSolver& solver, const VectorXd& b) {
   options.max_iterations = impact_cone_iterations;
   const DenseConeOperator G(G_);
   const std::span<const double> right(b.data(), static_cast<std::size_t>(b.size()));
-  const ConeResult result = weights_.size() == 0 ? solver.solve({G, right, cones_, true}, options, x_.data())
-                                                 : solve_redundant(solver, G_, weights_, b, cones_, options, x_.data());
+  const ConeResult result = weights_.size() == 0
+                                ? solver.solve({G, right, cones_, true}, options, x_.data())
+                                : solve_redundant(solver, G_, weights_, b, cones_, options, most_iterations, x_.data());
   iterations_ += result.iterations;
   return result.residual;
 }

@@ -34,6 +34,7 @@ std::string read_coordinate(Fields& fields, const Port& port, const std::string&
   if (kind != nullptr) {
     for (const Quantity& q : kind->q) names.emplace_back(q.name);
   }
+  if (kind != nullptr && port.fits != nullptr && !port.fits(*kind)) return {};  // reported with the joint
   const std::string path = fields.path("coordinate");
   if (value == nullptr) {
     if (names.size() <= 1) return names.empty() || !port.is_prescribed ? std::string() : names[0];

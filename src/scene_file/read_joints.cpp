@@ -20,7 +20,6 @@ std::vector<std::string> kind_names() {
   return names;
 }
 
-
 void read_one_axis(const Json* axis, Fields& fields, Joint& joint) {
   if (axis == nullptr) return;
   joint.axes[0] = read_direction(*axis, fields.path("axis"), fields.faults()).value_or(joint.axes[0]);
@@ -136,7 +135,14 @@ void read_groups(const Json& value, const std::string& path, const JointForceKin
   const JointKind& of = kind_of(*joint.is);
   std::vector<std::string> names;
   for (const Quantity& q : of.q) names.emplace_back(q.name);
-  Fields fields(value, path, reader.faults, "a mapping with coordinates of " + a_kind(of) + ": " + text::list(names));
+  const std::string expected = "a mapping with coordinates of " + a_kind(of) + ": " + text::list(names);
+  const auto is_of_one = [&](const Field& field) { return value.is_object() && value.contains(field.name); };
+  if (const auto found = std::ranges::find_if(kind.fields, is_of_one); found != kind.fields.end()) {
+    const std::string key(found->name);
+    reader.suspect_names.insert(joint.name);
+    return reader.faults.add(path, text::quoted(key), expected + ", as {" + names[0] + ": {" + key + ": ...}}");
+  }
+  Fields fields(value, path, reader.faults, expected);
   for (std::size_t i = 0; i < names.size(); ++i) {
     const Json* group = fields.find(names[i]);
     if (group != nullptr) read_group(*group, fields.path(names[i]), kind, i, reader, joint);

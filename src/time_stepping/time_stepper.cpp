@@ -208,30 +208,12 @@ ConeResult TimeStepper::solve_for(const std::vector<Cone>& cones, std::vector<do
   const double rest = std::max(rest_speed, options.tolerance);
   const ConeResult found = may_rest ? rest_first_.solve(*solver_, problem, options, rest, x.data())
                                     : solver_->solve(problem, options, x.data());
-  if (!misses(found.residual) || operator_.dense() == nullptr) return found;
-  return solve_as_redundant(found, cones, options, x);
+  return misses(found.residual) ? improve_redundant(*solver_, problem, options, found, x.data()) : found;
 }
 
 // Whether this is no solution at all.
 bool TimeStepper::misses(double residual) const {
   return residual > impossible_fraction * velocity_tolerance() / cone_tolerance_;
-}
-
-// Where the solver has not converged, maybe since impulses are redundant.
-ConeResult TimeStepper::solve_as_redundant(const ConeResult& found, const std::vector<Cone>& cones,
-                                           const ConeOptions& options, std::vector<double>& x) {
-  const auto n = static_cast<Eigen::Index>(x.size());
-  const Eigen::Map<const Eigen::MatrixXd> G(operator_.dense(), n, n);
-  const Eigen::VectorXd weights = yielding_weights(G, cones);
-  if (weights.size() == 0) return found;
-  const std::vector<double> before = x;
-  ConeResult out =
-      solve_redundant(*solver_, G, weights, Eigen::Map<const Eigen::VectorXd>(b_.data(), n), cones, options, x.data());
-  out.iterations += found.iterations;
-  if (out.residual < found.residual) return out;
-  x = before;
-  out.residual = found.residual;
-  return out;
 }
 
 // Whether a limit or a one-way clutch and a point with friction push, and one of them has not in the last step. They

@@ -137,8 +137,6 @@ class TimeStepper final : public ContactReadings {
   bool may_remain_at_rest() const;
   ConeResult solve_for(const std::vector<Cone>& cones, std::vector<double>& x, bool may_rest = false);
   bool misses(double residual) const;
-  ConeResult solve_as_redundant(const ConeResult& found, const std::vector<Cone>& cones, const ConeOptions& options,
-                                std::vector<double>& x);
   bool may_be_prestressed() const;
   void relieve();
   struct Gap {

@@ -44,7 +44,9 @@ TIGHTER = 0.03
 MULTIPLE = 1e3  # of the tolerance
 SAFETY = 100.0  # times what other runs are sensitive to
 SENSITIVE = 1e-2  # allowed deviations beyond which nothing is compared
-STEPPED = 1e-2  # allowed where `auto` has gone over to time steps, which it reports with their estimated error
+STEPPED = (
+    1e-2  # allowed where `auto` has gone over to time steps, which it reports with their estimated error
+)
 FASTEST = 200.0  # m/s, rad/s: beyond, the motion diverges
 # Time steps, of first order across impacts and where friction ends: what is allowed at the smaller step, and
 # by how much it must have become less on the way from the larger one, unless it is small.

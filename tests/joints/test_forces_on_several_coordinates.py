@@ -317,7 +317,8 @@ def test_as_an_fmu(tmp_path: Path) -> None:
     [
         (
             {"friction": {"coulomb": 1}},
-            r"joints\.J\.friction\.coulomb: found an unknown field, expected one of phi_a, phi_b",
+            r"joints\.J\.friction: found 'coulomb', expected a mapping with coordinates of a universal joint: "
+            r"phi_a, phi_b, as \{phi_a: \{coulomb: \.\.\.\}\}",
         ),
         (
             {"friction": {"phi": {"coulomb": 1}}},

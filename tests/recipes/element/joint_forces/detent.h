@@ -12,7 +12,7 @@ struct Detent : DryFriction<Detent> {
   static constexpr std::string_view group = "detent";
   static constexpr std::string_view summary = "a magnetic detent, which holds the coordinate near a position";
   static constexpr std::string_view misfit = "has more than one degree of freedom";
-  static bool fits(const JointKind& kind) { return kind.stops(); }
+  static bool fits(const JointKind& kind) { return kind.nv == 1; }
 
   static constexpr bool depends_on_position = true;
 

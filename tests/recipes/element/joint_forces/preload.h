@@ -11,7 +11,7 @@ struct Preload {
   static constexpr std::string_view group = "preload";
   static constexpr std::string_view summary = "a constant effort";
   static constexpr std::string_view misfit = "has more than one degree of freedom";
-  static bool fits(const JointKind& kind) { return kind.stops(); }
+  static bool fits(const JointKind& kind) { return kind.nv == 1; }
 
   double size = 0;  // N m (N)
 
