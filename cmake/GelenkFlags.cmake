@@ -68,14 +68,19 @@ option(GELENK_TOGETHER "Compile all files of a folder together" ON)
 # folder in a folder of src with it. Apart are
 # files *_by_kind.cpp, which alone read the definitions of all kinds of forces: a new kind recompiles no others; and
 # *_dual.cpp and *_dual_by_kind.cpp, instances for derivatives, which no step executes and which are compiled for size.
+# So are *_vector.cpp, loops over lanes, which are vectorized; no result depends on these flags.
 function(gelenk_together target folder)
   string(REGEX REPLACE "^(src/[^/]+)/.*" "\\1" group ${folder})
   string(MAKE_C_IDENTIFIER ${group} group)
   set(apart ${ARGN})
-  list(FILTER apart INCLUDE REGEX "_(by_kind|dual)\\.cpp$")
+  list(FILTER apart INCLUDE REGEX "_(by_kind|dual|vector)\\.cpp$")
   set(duals ${apart})
   list(FILTER duals INCLUDE REGEX "_dual(_by_kind)?\\.cpp$")
   set_property(SOURCE ${duals} APPEND PROPERTY COMPILE_OPTIONS "$<$<CONFIG:Release>:-Os>")
+  set(vectors ${apart})
+  list(FILTER vectors INCLUDE REGEX "_vector\\.cpp$")
+  set_property(SOURCE ${vectors} APPEND PROPERTY COMPILE_OPTIONS
+    "$<$<CONFIG:Release>:-O3;-fno-math-errno;-fno-trapping-math;-Wno-psabi>")
   set_property(SOURCE ${ARGN} PROPERTY UNITY_GROUP ${group})
   set_property(SOURCE ${apart} PROPERTY SKIP_UNITY_BUILD_INCLUSION ON)
   target_sources(${target} PRIVATE ${ARGN})

@@ -17,6 +17,7 @@ void bind_inspection(nanobind::module_& m);
 void bind_assemblies(nanobind::module_& m);
 void bind_fmu(nanobind::module_& m);
 void bind_fmu_log(nanobind::module_& m);
+void bind_lane_batch(nanobind::module_& m);
 void bind_equations(nanobind::module_& m);
 void bind_elements(nanobind::module_& m);
 void bind_joints(nanobind::module_& m);

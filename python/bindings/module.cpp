@@ -10,6 +10,7 @@ NB_MODULE(_core, m) {
   gelenk::bind_pictures(m);
   gelenk::bind_inspection(m);
   gelenk::bind_equations(m);
+  gelenk::bind_lane_batch(m);
   gelenk::bind_assemblies(m);
   gelenk::bind_fmu(m);
   gelenk::bind_fmu_log(m);

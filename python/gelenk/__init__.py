@@ -7,8 +7,8 @@
 >>> fmu = gelenk.export_fmu(scene, "FourBar.fmu")
 
 Packages: `model` (scenes), `io` (URDF import, FMU export), `simulation`, `linear` (linear models), `modal`
-(modes of vibration), `equilibria`, `sweeps` (many runs), `gradients` (derivatives of runs, fits, designs),
-`learning`, `chart` (work-precision diagrams), `cli`; each is imported at first use.
+(modes of vibration), `equilibria`, `sweeps` (many runs), `batches` (many instances stepped together),
+`gradients` (derivatives of runs, fits, designs), `learning`, `chart` (work-precision diagrams), `cli`; each is imported at first use.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 from gelenk import _lazy, _moved
 
 if TYPE_CHECKING:
+    from gelenk.batches import Batch, batch
     from gelenk.equilibria import Equilibrium, equilibrium
     from gelenk.errors import (
         AssemblyError,
@@ -59,6 +60,7 @@ if TYPE_CHECKING:
 __all__ = [
     "Assemblies",
     "AssemblyError",
+    "Batch",
     "Branch",
     "DifferentiatedRun",
     "Equations",
@@ -88,6 +90,7 @@ __all__ = [
     "View",
     "__version__",
     "assemblies",
+    "batch",
     "control_system",
     "environment",
     "equations",
@@ -116,6 +119,7 @@ __all__ = [
 _get, _dir = _lazy.lazy(
     __name__,
     {
+        ".batches": ["Batch", "batch"],
         ".equilibria": ["Equilibrium", "equilibrium"],
         ".errors": [name for name in __all__ if name.endswith(("Error", "Warning"))],
         ".gradients": ["DifferentiatedRun", "Fit", "Optimum", "fit", "jvp", "optimize", "sensitivity", "vjp"],

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "dynamics/dynamics.h"
 #include "equations/recorded_island.h"
 #include "kinematics/visit.h"
 #include "mechanism/mechanism.h"
@@ -113,6 +114,8 @@ void TracedScene::name_inputs() {
     equations_.u.push_back({signal.name, signal.unit, signal.description, signal.start});
   if (reads_time(scene_)) equations_.u.push_back({"t", "s", "time", 0});
   signals_ = equations_.u.size();
+  equations_.reads_time = reads_time(scene_);
+  equations_.inputs = static_cast<int>(signals_) - (equations_.reads_time ? 1 : 0);
   for (std::size_t i = 0; i < arguments_.size(); ++i) {
     arguments_[i].state = static_cast<int>(equations_.u.size());
     for (const int number : prepared_.islands[i].mechanism.states) {
@@ -150,6 +153,10 @@ void TracedScene::name_targets(std::size_t island, IslandArguments& of) {
 void TracedScene::note_modes(std::size_t island, IslandArguments& of, std::vector<std::string>& refused) {
   const Mechanism& mechanism = prepared_.islands[island].mechanism;
   const Loads& loads = loads_[island];
+  double length = 1;
+  for (const Link& link : mechanism.links) length += link.X_PJ.p.norm();
+  equations_.length = std::max(equations_.length, length);
+  if (make_dynamics(mechanism, loads)->kinks().count() > 0) equations_.has_kinks = true;
   const std::string prefix = prefix_of(scene_);
   const auto refuse = [&](const std::string& what) { refused.push_back(prefix + what); };
   std::vector<std::string> names;  // by force with modes

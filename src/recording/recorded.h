@@ -11,6 +11,7 @@
 #include <compare>
 #include <stdexcept>
 #include <utility>
+#include <vector>
 
 #include "expression/graph.h"
 
@@ -25,7 +26,7 @@ class HiddenBranch : public std::runtime_error {
 class Recorded {
  public:
   Recorded() = default;
-  Recorded(double value) : value_(value) {}  // NOLINT(google-explicit-constructor): constants are numbers too
+  Recorded(double value);  // NOLINT(google-explicit-constructor): constants are numbers too
   // Not a constructor: terms are integers, and so are numbers such as T(0).
   static Recorded of(expression::Term term);
   static Recorded variable(int index);
@@ -64,6 +65,10 @@ class Recorded {
   static Recorded power(const Recorded& a, const Recorded& b);
 
  private:
+  friend Recorded in_turn_of(double reference, const Recorded& q);
+
+  // A constant that was computed from others: it is no number of a NumberList.
+  static Recorded computed(double value);
   // The operand times a factor: c*x is {c, x}, -x is {-1, x}.
   std::pair<double, Recorded> scaled() const;
   // c + x is {c, x}.
@@ -82,6 +87,27 @@ Recorded choose(const Recorded& g, const First& first, const Second& second) {
 Recorded in_turn_of(double reference, const Recorded& q);
 // Axis times angle, of less than half a turn.
 Eigen::Matrix<Recorded, 3, 1> rotation_vector(const Eigen::Matrix<Recorded, 3, 3>& R);
+
+// While it exists, it lists the numbers that this thread makes constants of a recording, in the order in which the code
+// gives them, which does not depend on their values. So the same code run with other numbers says what the constants of
+// the recording would be. Those that are chosen become variables.
+class NumberList {
+ public:
+  // variables: by place in the list, the variable that takes the place of the number; -1: none. Empty: none at all.
+  explicit NumberList(std::vector<int> variables = {});
+  ~NumberList();
+  NumberList(const NumberList&) = delete;
+  NumberList& operator=(const NumberList&) = delete;
+
+  const std::vector<double>& numbers() const { return numbers_; }
+  // Enters a number; returns its variable, or -1.
+  int add(double value);
+
+ private:
+  std::vector<int> variables_;
+  std::vector<double> numbers_;
+  NumberList* outer_;
+};
 
 // While it exists, numbers of this thread are recorded in the graph.
 class Recording {

@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Compiled on its own, with vectorized loops: cmake/GelenkPython.cmake.
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+#include "batch/block_steps.h"
+
+namespace gelenk {
+namespace {
+
+constexpr int W = BlockSteps::lanes;
+
+// Of a pivot where pivots were chosen: below it, errors of accelerations grow with its inverse square.
+constexpr double least_constraint_pivot = 0.03;
+// Masses, seen from a joint, vary a lot.
+constexpr double least_mass_pivot = 1e-8;
+
+// As in formulation/constraint_projector.cpp.
+constexpr double closure_tolerance = 1e-14;
+constexpr int most_projections = 30;
+constexpr double stall_ratio = 0.5;
+constexpr double renewal_ratio = 0.1;
+constexpr double slack = 1e3;
+
+lanes::Instruction scaled_sum(int to, double k, int a, int c) {
+  return {.code = lanes::Code::scale_add, .to = to, .a = a, .c = c, .k = k};
+}
+
+lanes::Instruction copied(int to, int a) { return {.code = lanes::Code::copy, .to = to, .a = a}; }
+
+}  // namespace
+
+BlockSteps::BlockSteps(const StepPrograms& programs, double length, double step)
+    : programs_(programs),
+      length_(length),
+      step_(step),
+      storage_(static_cast<std::size_t>(programs.frame.size() + 1) * W),
+      kept_(static_cast<std::size_t>(programs.factors) * W) {
+  void* first = storage_.data();
+  std::size_t space = storage_.size() * sizeof(double);
+  constexpr std::size_t alignment = 64;
+  memory_ = static_cast<double*>(std::align(alignment, space - alignment, first, space));
+  for (const auto& [number, value] : programs.frame.constants()) std::fill_n(slot(number), W, value);
+  const StepSlots& at = programs.slots;
+  for (int i = 0; i < programs.size(); ++i) {
+    const int y = at.y + i;
+    const int rate = at.rates + i;
+    const int before = at.before + i;
+    const int sum = at.sum + i;
+    begin_.push_back(copied(before, y));
+    first_.push_back(copied(sum, rate));
+    first_.push_back(scaled_sum(y, 0.5 * step, rate, before));
+    middle_.push_back(scaled_sum(sum, 2, rate, sum));
+    middle_.push_back(scaled_sum(y, 0.5 * step, rate, before));
+    third_.push_back(scaled_sum(sum, 2, rate, sum));
+    third_.push_back(scaled_sum(y, step, rate, before));
+    last_.push_back({.code = lanes::Code::add, .to = sum, .a = sum, .b = rate});
+    last_.push_back(scaled_sum(y, step / 6, sum, before));
+  }
+  guards_ = programs.constraint_pivots;
+  guards_.insert(guards_.end(), programs.mass_pivots.begin(), programs.mass_pivots.end());
+}
+
+void BlockSteps::evaluate(double time) {
+  if (programs_.reads_time) std::fill_n(slot(programs_.slots.time), W, time);
+  time_ = time;
+  run(programs_.evaluate);
+}
+
+void BlockSteps::limits_of(double* limits) {
+  for (std::size_t g = 0; g < guards_.size(); ++g) {
+    const double least = g < programs_.constraint_pivots.size() ? least_constraint_pivot : least_mass_pivot;
+    const double* const reciprocal = slot(guards_[g]);
+    for (int l = 0; l < W; ++l) limits[g * W + static_cast<std::size_t>(l)] = reciprocal[l] / least;
+  }
+}
+
+void BlockSteps::check_pivots(const double* limits, Stops& stops) {
+  for (std::size_t g = 0; g < guards_.size(); ++g) {
+    const double* const reciprocal = slot(guards_[g]);
+    const double* const limit = limits + g * W;
+    const bool is_mass = g >= programs_.constraint_pivots.size();
+    std::array<std::uint8_t, W> is_passed{};
+    std::uint8_t any = 0;
+    for (std::size_t l = 0; l < W; ++l) {
+      // A pivot of a mass does not change its sign, that of a constraint equation may, but for its size.
+      is_passed[l] = static_cast<std::uint8_t>(!(std::abs(reciprocal[l]) <= std::abs(limit[l])) ||
+                                               (is_mass && !(reciprocal[l] * limit[l] > 0)));
+      any |= is_passed[l];
+    }
+    if (any == 0) continue;
+    for (std::size_t l = 0; l < W; ++l) {
+      if (is_passed[l] != 0 && stops[l] == StopReason::none) stops[l] = is_mass ? StopReason::massless : StopReason::singular;
+    }
+  }
+}
+
+BlockSteps::Numbers BlockSteps::largest(int first, int count, double least) {
+  Numbers out;
+  out.fill(least);
+  for (int i = 0; i < count; ++i) {
+    const double* const x = slot(first + i);
+    for (std::size_t l = 0; l < W; ++l) {
+      const double size = std::abs(x[l]);
+      out[l] = size <= out[l] ? out[l] : size;  // keeps NaN
+    }
+  }
+  return out;
+}
+
+void BlockSteps::normalize() {
+  for (const int first : programs_.quaternions) {
+    double* const a = slot(programs_.slots.y + first);
+    for (int l = 0; l < W; ++l) {
+      const double x = a[l];
+      const double y = a[l + W];
+      const double z = a[l + 2 * W];
+      const double w = a[l + 3 * W];
+      const double length = std::sqrt(x * x + y * y + z * z + w * w);
+      for (int k = 0; k < 4; ++k) a[l + k * W] /= length;
+    }
+  }
+}
+
+// Factors at the present state for some lanes.
+void BlockSteps::renew_factors(const std::array<bool, lanes>& renews) {
+  const double* const factors = slot(programs_.slots.factors);
+  std::copy_n(factors, kept_.size(), kept_.begin());
+  evaluate(time_);
+  ++renewals_;
+  double* const now = slot(programs_.slots.factors);
+  for (std::size_t i = 0; i < kept_.size(); ++i) {
+    if (!renews[i % W]) now[i] = kept_[i];
+  }
+}
+
+void BlockSteps::correct_positions(const std::array<bool, lanes>& waits) {
+  run(programs_.displace);
+  if (!programs_.rates_are_velocities) run(programs_.move);
+  const int by = programs_.rates_are_velocities ? programs_.slots.displacement : programs_.slots.moved;
+  for (int k = 0; k < programs_.nq; ++k) {
+    double* const q = slot(programs_.slots.y + k);
+    const double* const dq = slot(by + k);
+    for (std::size_t l = 0; l < W; ++l) q[l] = waits[l] ? q[l] : q[l] + dq[l];
+  }
+  if (!programs_.quaternions.empty()) normalize();
+  run(programs_.gaps);
+}
+
+void BlockSteps::correct_velocities(const std::array<bool, lanes>& waits) {
+  std::copy_n(slot(programs_.slots.rate), static_cast<std::ptrdiff_t>(programs_.rows) * W, slot(programs_.slots.Phi));
+  run(programs_.displace);
+  for (int k = 0; k < programs_.nv; ++k) {
+    double* const v = slot(programs_.slots.y + programs_.nq + k);
+    const double* const dv = slot(programs_.slots.displacement + k);
+    for (std::size_t l = 0; l < W; ++l) v[l] = waits[l] ? v[l] : v[l] + dv[l];
+  }
+  run(programs_.gap_rates);
+}
+
+// Newton's method, until the residual of each lane is rounding.
+template <class Correct>
+void BlockSteps::close(int residual, const Numbers& floor, Stops& stops, Correct correct) {
+  Numbers before;
+  before.fill(std::numeric_limits<double>::infinity());
+  std::array<bool, lanes> waits{};
+  for (std::size_t l = 0; l < W; ++l) waits[l] = stops[l] != StopReason::none;
+  for (int i = 0;; ++i) {
+    const Numbers gap = largest(residual, programs_.rows, 0);
+    std::array<bool, lanes> renews{};
+    bool all_wait = true;
+    bool any_renews = false;
+    for (std::size_t l = 0; l < W; ++l) {
+      if (waits[l]) continue;
+      const bool stalls = gap[l] > stall_ratio * before[l] && gap[l] <= slack * floor[l];
+      waits[l] = gap[l] <= floor[l] || stalls;
+      if (waits[l]) continue;
+      if (!std::isfinite(gap[l]) || i == most_projections) {
+        stops[l] = std::isfinite(gap[l]) ? StopReason::open : StopReason::not_finite;
+        waits[l] = true;
+        continue;
+      }
+      renews[l] = gap[l] > renewal_ratio * before[l];
+      any_renews = any_renews || renews[l];
+      all_wait = false;
+      before[l] = gap[l];
+    }
+    if (all_wait) return;
+    if (any_renews) renew_factors(renews);
+    correct(waits);
+  }
+}
+
+void BlockSteps::close_positions(Stops& stops) {
+  run(programs_.gaps);
+  Numbers floor = largest(programs_.slots.y, programs_.nq, 0);
+  for (double& x : floor) x = length_ * std::max(closure_tolerance, 2e-16 * x);  // of many revolutions
+  close(programs_.slots.Phi, floor, stops, [&](const std::array<bool, lanes>& waits) { correct_positions(waits); });
+}
+
+void BlockSteps::close_velocities(Stops& stops) {
+  run(programs_.gap_rates);
+  Numbers floor = largest(programs_.slots.y + programs_.nq, programs_.nv, 1);
+  for (double& x : floor) x *= closure_tolerance * length_;
+  close(programs_.slots.rate, floor, stops, [&](const std::array<bool, lanes>& waits) { correct_velocities(waits); });
+}
+
+void BlockSteps::step(double time, const double* limits, Stops& stops) {
+  lanes::run(begin_, memory_);
+  evaluate(time);
+  lanes::run(first_, memory_);
+  evaluate(time + 0.5 * step_);
+  lanes::run(middle_, memory_);
+  evaluate(time + 0.5 * step_);
+  lanes::run(third_, memory_);
+  evaluate(time + step_);
+  lanes::run(last_, memory_);
+  check_pivots(limits, stops);
+  if (!programs_.quaternions.empty()) normalize();
+  if (programs_.rows > 0) {
+    close_positions(stops);
+    close_velocities(stops);
+  }
+  Numbers zero{};
+  for (int i = 0; i < programs_.size(); ++i) {
+    const double* const y = slot(programs_.slots.y + i);
+    for (std::size_t l = 0; l < W; ++l) zero[l] += y[l] * 0;
+  }
+  bool any = false;
+  for (std::size_t l = 0; l < W; ++l) {
+    if (!(zero[l] == 0) && stops[l] == StopReason::none) stops[l] = StopReason::not_finite;
+    any = any || stops[l] != StopReason::none;
+  }
+  if (!any) return;
+  for (int i = 0; i < programs_.size(); ++i) {
+    double* const y = slot(programs_.slots.y + i);
+    const double* const before = slot(programs_.slots.before + i);
+    for (std::size_t l = 0; l < W; ++l) y[l] = stops[l] == StopReason::none ? y[l] : before[l];
+  }
+}
+
+}  // namespace gelenk

@@ -1,0 +1,330 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "batch/lane_batch.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <thread>
+#include <utility>
+
+#include "recording/recorded.h"
+#include "scene_file/read.h"
+#include "simulation/parameters.h"
+#include "simulation/simulation.h"
+#include "util/text.h"
+
+namespace gelenk {
+namespace {
+
+constexpr int W = BlockSteps::lanes;
+
+// Beyond it, slots leave the second cache, and recording takes longer than most runs.
+constexpr int most_operations = 60'000;
+
+std::string prefix_of(const Scene& scene) { return (scene.file.empty() ? scene.name : scene.file) + ": "; }
+
+std::string in_lane(std::size_t lane) { return "lane " + std::to_string(lane) + ": "; }
+
+Scene with(const Scene& scene, const std::vector<Parameter>& table, const std::vector<double>& values) {
+  Scene out = scene;
+  for (std::size_t k = 0; k < table.size(); ++k) set_parameter(out, table[k], values[k]);
+  return checked(out);
+}
+
+// What no lane can do, in the names of the scene.
+void refuse_unsuited(const Scene& scene, const SceneEquations& equations) {
+  std::vector<std::string> faults;
+  for (const std::string& note : equations.notes) faults.push_back(prefix_of(scene) + note + " Lanes cannot do without.");
+  const std::size_t known = static_cast<std::size_t>(equations.inputs) + (equations.reads_time ? 1 : 0) +
+                            equations.states.size();
+  for (std::size_t k = known; k < equations.u.size(); ++k) {
+    const EquationArgument& of = equations.u[k];
+    faults.push_back(prefix_of(scene) + of.name + ": found a prescribed motion (" + of.text +
+                     "); lanes have forces and motors only");
+  }
+  if (equations.has_kinks)
+    faults.push_back(prefix_of(scene) +
+                     "found expressions with branches (abs, min, if, ...), at which steps end; lanes step together");
+  if (!faults.empty()) throw SceneError(faults);
+}
+
+}  // namespace
+
+LaneBatch::LaneBatch(const Scene& scene, int lanes, double step, const std::vector<std::string>& parameters)
+    : scene_(scene),
+      lanes_(lanes),
+      stride_((lanes + W - 1) / W * W),
+      step_(step),
+      parameters_(parameters),
+      first_(std::make_unique<NumberedScene>(numbered(scene))) {
+  refuse_unsuited(scene, equations());
+  const std::vector<double> varied = parameters.empty() ? first_->numbers : numbered(changed()).numbers;
+  if (varied.size() != first_->numbers.size())
+    throw SceneError({prefix_of(scene) + "the parameters change more than numbers of the equations"});
+  varied_ = std::make_unique<VariedNumbers>(first_->numbers, varied);
+  pivots_ = choose_pivots(*first_->scene);
+  const std::vector<double> numbers = first_->numbers;
+  {
+    const recording::NumberList list(varied_->variables());
+    first_->scene = std::make_unique<TracedScene>(scene);
+  }
+  programs_ = std::make_unique<StepPrograms>(equations(), pivots_, varied_->count());
+  if (programs_->operations() > most_operations)
+    throw SceneError({prefix_of(scene) + "found " + std::to_string(programs_->operations()) +
+                      " operations in an evaluation of the equations of motion, expected at most " +
+                      std::to_string(most_operations) + "; gelenk.sweep runs mechanisms of any size"});
+  const auto rows = [&](int count) {
+    return std::vector<double>(static_cast<std::size_t>(count) * static_cast<std::size_t>(stride_));
+  };
+  state_ = start_ = rows(programs_->size());
+  input_ = rows(programs_->inputs);
+  numbers_ = rows(varied_->count());
+  blocks_.resize(static_cast<std::size_t>(stride_ / W));
+  for (Block& block : blocks_) {
+    block.constants.resize(static_cast<std::size_t>(programs_->constants) * W);
+    block.limits.resize((programs_->constraint_pivots.size() + programs_->mass_pivots.size()) * W);
+  }
+  for (int k = 0; k < programs_->inputs; ++k)
+    std::fill_n(input_.data() + static_cast<std::ptrdiff_t>(k) * stride_, stride_,
+                equations().u[static_cast<std::size_t>(k)].start);
+  set({});
+}
+
+std::vector<EquationArgument> LaneBatch::inputs() const {
+  return {equations().u.begin(), equations().u.begin() + equations().inputs};
+}
+
+double LaneBatch::time() const { return static_cast<double>(steps_) * step_; }
+
+namespace {
+
+// The parameters with these names, in this order.
+std::vector<Parameter> named(const Scene& scene, const std::vector<std::string>& names) {
+  const std::vector<Parameter> all = scene_parameters(scene);
+  std::vector<Parameter> out;
+  for (const std::string& name : names) {
+    const auto found = std::ranges::find(all, name, &Parameter::name);
+    if (found == all.end()) throw UsageError(name + ": no such parameter");
+    if (found->type != ParameterType::real || name.starts_with("solver.") || name.starts_with("assembly."))
+      throw UsageError(name + ": the same for all lanes; expected a number of the mechanism");
+    out.push_back(*found);
+  }
+  return out;
+}
+
+}  // namespace
+
+// All parameters with other values, by different amounts: whatever depends on them is another number.
+Scene LaneBatch::changed() const {
+  const std::vector<Parameter> table = named(scene_, parameters_);
+  constexpr double changes[] = {1e-3, -1e-3, 1e-6, -1e-6};  // of their values; some are at their limits
+  for (const double change : changes) {
+    std::vector<double> values;
+    for (std::size_t k = 0; k < table.size(); ++k) {
+      const double value = table[k].get(scene_);
+      const double own = change * (1 + 0.7 * static_cast<double>(k + 1) / static_cast<double>(table.size() + 1));
+      values.push_back(value == 0 ? own : value * (1 + own));
+    }
+    try {
+      return with(scene_, table, values);
+    } catch (const std::runtime_error&) {  // values that contradict each other
+    } catch (const std::invalid_argument&) {
+    }
+  }
+  throw SceneError({prefix_of(scene_) + "no other values of these parameters are possible together"});
+}
+
+void LaneBatch::set(const std::vector<std::vector<double>>& values) {
+  const std::vector<Parameter> table = named(scene_, parameters_);
+  const bool is_same = values.empty();
+  const auto count = static_cast<std::size_t>(lanes_);
+  std::vector<std::vector<double>> expected(count);
+  std::vector<double> own(table.size());
+  for (std::size_t lane = 0; lane < count; ++lane) {
+    if (is_same && lane > 0) {
+      for (std::vector<double>* rows : {&numbers_, &start_}) {
+        for (std::size_t i = 0; i < rows->size(); i += static_cast<std::size_t>(stride_)) (*rows)[i + lane] = (*rows)[i];
+      }
+      expected[lane] = expected[0];
+      continue;
+    }
+    for (std::size_t k = 0; k < own.size(); ++k) own[k] = is_same ? table[k].get(scene_) : values[k][lane];
+    try {
+      const NumberedScene scene = numbered(with(scene_, table, own));
+      number_lane(lane, scene);
+      expected[lane] = expected_accelerations(*scene.scene);
+    } catch (const std::invalid_argument& e) {
+      throw UsageError(in_lane(lane) + e.what());
+    } catch (const SceneError& e) {
+      std::vector<std::string> lines = e.lines();
+      for (std::string& line : lines) line = in_lane(lane) + line;
+      throw SceneError(lines);
+    } catch (const AssemblyError& e) {
+      throw AssemblyError(in_lane(lane) + e.what());
+    }
+  }
+  // Lanes that complete the last block are copies of the last one.
+  for (std::vector<double>* rows : {&numbers_, &start_}) {
+    for (std::size_t i = 0; i < rows->size(); i += static_cast<std::size_t>(stride_))
+      std::fill(rows->data() + i + count, rows->data() + i + stride_, (*rows)[i + count - 1]);
+  }
+  prepare_blocks(expected);
+  reset();
+}
+
+void LaneBatch::number_lane(std::size_t lane, const NumberedScene& scene) {
+  std::vector<double> values(static_cast<std::size_t>(varied_->count()));
+  if (!varied_->find(scene.numbers, values.data()))
+    throw SceneError({"its parameters change more in the equations than those that may vary, as a zero does that is a "
+                      "structural one elsewhere"});
+  const auto put = [&](std::vector<double>& rows, std::size_t row, double value) {
+    rows[row * static_cast<std::size_t>(stride_) + lane] = value;
+  };
+  for (std::size_t k = 0; k < values.size(); ++k) put(numbers_, k, values[k]);
+  const SceneEquations& of = scene.scene->equations();
+  std::size_t row = 0;
+  for (const auto* list : {&of.q, &of.v}) {
+    for (const EquationArgument& x : *list) put(start_, row++, x.start);
+  }
+  const std::size_t first = of.u.size() - of.states.size();
+  for (std::size_t k = 0; k < of.states.size(); ++k) put(start_, row++, of.u[first + k].start);
+}
+
+// Velocities at which lanes are compared with the general kernels: at rest, many terms vanish. Redundant constraint
+// equations would contradict each other at any that are not those of a motion.
+double LaneBatch::check_velocity(std::size_t k, double start) const {
+  const bool any = pivots_.rows.size() == equations().rows.size();
+  return any ? start + 0.3 + 0.37 * static_cast<double>(k % 5) - 0.11 * static_cast<double>(k % 7) : start;
+}
+
+std::vector<double> LaneBatch::expected_accelerations(const TracedScene& scene) const {
+  std::vector<double> q;
+  std::vector<double> v;
+  std::vector<double> u;
+  for (const EquationArgument& of : scene.equations().q) q.push_back(of.start);
+  for (const EquationArgument& of : scene.equations().v) v.push_back(check_velocity(v.size(), of.start));
+  for (const EquationArgument& of : scene.equations().u) u.push_back(of.start);
+  return scene.values(q, v, u).vdot;
+}
+
+void LaneBatch::load(BlockSteps& steps, std::size_t block) const {
+  const std::size_t first = block * W;
+  const auto copy = [&](const std::vector<double>& rows, int slot) {
+    for (std::size_t i = 0; i < rows.size(); i += static_cast<std::size_t>(stride_))
+      std::copy_n(rows.data() + i + first, W, steps.slot(slot++));
+  };
+  copy(state_, programs_->slots.y);
+  copy(input_, programs_->slots.u);
+  std::ranges::copy(blocks_[block].constants, steps.slot(programs_->slots.constants));
+}
+
+// Constants and limits of pivots of each lane, and a comparison of its accelerations with those of the general kernels:
+// what is recorded wrongly is not run.
+void LaneBatch::prepare_blocks(const std::vector<std::vector<double>>& expected) {
+  constexpr double different = 1e-8;  // of the largest acceleration: mistakes, not rounding, even with weak pivots
+  BlockSteps steps(*programs_, equations().length, step_);
+  const auto nq = static_cast<std::size_t>(programs_->nq);
+  for (std::size_t b = 0; b < blocks_.size(); ++b) {
+    Block& block = blocks_[b];
+    for (int k = 0; k < programs_->varied; ++k)
+      std::copy_n(numbers_.data() + static_cast<std::ptrdiff_t>(k) * stride_ + static_cast<std::ptrdiff_t>(b * W), W,
+                  steps.slot(programs_->slots.numbers + k));
+    steps.prepare();
+    std::copy_n(steps.slot(programs_->slots.constants), block.constants.size(), block.constants.begin());
+    state_ = start_;
+    load(steps, b);
+    for (std::size_t k = 0; k < nq; ++k) std::fill_n(steps.slot(programs_->slots.y + static_cast<int>(k)), W, pivots_.q[k]);
+    steps.evaluate(0);
+    steps.limits_of(block.limits.data());
+    load(steps, b);
+    for (std::size_t k = 0; k < static_cast<std::size_t>(programs_->nv); ++k) {
+      double* const v = steps.slot(programs_->slots.y + programs_->nq + static_cast<int>(k));
+      for (int l = 0; l < W; ++l) v[l] = check_velocity(k, v[l]);
+    }
+    steps.evaluate(0);
+    BlockSteps::Stops stops{};
+    steps.check_pivots(block.limits.data(), stops);
+    for (std::size_t l = 0; l < W && b * W + l < expected.size(); ++l) {
+      if (stops[l] != StopReason::none) continue;  // the first step says so
+      double size = 0;
+      double error = 0;
+      for (std::size_t k = 0; k < expected[b * W + l].size(); ++k) {
+        const double of_kernels = expected[b * W + l][k];
+        const double here = steps.slot(programs_->slots.rates + programs_->nq + static_cast<int>(k))[l];
+        size = std::max(size, std::abs(of_kernels));
+        error = std::abs(here - of_kernels) <= error ? error : std::abs(here - of_kernels);
+      }
+      if (!(error <= different * size))
+        throw SceneError({in_lane(b * W + l) + "its accelerations at the start differ from those of a simulation by " +
+                          text::number(error) + ", of " + text::number(size) +
+                          "; please report this scene, which gelenk.sweep can run"});
+    }
+  }
+}
+
+void LaneBatch::reset() {
+  state_ = start_;
+  steps_ = 0;
+  stopped_.clear();
+  for (Block& block : blocks_) block.stops.fill(StopReason::none);
+}
+
+void LaneBatch::advance_block(BlockSteps& steps, std::size_t block, long count, std::vector<LaneStop>& stopped) {
+  load(steps, block);
+  BlockSteps::Stops& stops = blocks_[block].stops;
+  for (long i = 0; i < count; ++i) {
+    const BlockSteps::Stops before = stops;
+    const double time = static_cast<double>(steps_ + i) * step_;
+    steps.step(time, blocks_[block].limits.data(), stops);
+    if (stops == before) continue;
+    for (std::size_t l = 0; l < W; ++l) {
+      const int lane = static_cast<int>(block * W + l);
+      if (stops[l] != before[l] && lane < lanes_) stopped.push_back({lane, time, stops[l]});
+    }
+  }
+  int slot = programs_->slots.y;
+  for (std::size_t i = 0; i < state_.size(); i += static_cast<std::size_t>(stride_))
+    std::copy_n(steps.slot(slot++), W, state_.data() + i + block * W);
+}
+
+void LaneBatch::advance(long count, int threads) {
+  const auto workers = static_cast<std::size_t>(std::clamp<long>(threads, 1, static_cast<long>(blocks_.size())));
+  std::vector<std::vector<LaneStop>> stopped(workers);
+  std::vector<long> renewals(workers);
+  const auto work = [&](std::size_t worker) {
+    BlockSteps steps(*programs_, equations().length, step_);
+    const std::size_t first = worker * blocks_.size() / workers;
+    const std::size_t end = (worker + 1) * blocks_.size() / workers;
+    for (std::size_t block = first; block < end; ++block) advance_block(steps, block, count, stopped[worker]);
+    renewals[worker] = steps.renewals();
+  };
+  std::vector<std::thread> others;
+  for (std::size_t worker = 1; worker < workers; ++worker) others.emplace_back(work, worker);
+  work(0);
+  for (std::thread& other : others) other.join();
+  steps_ += count;
+  std::vector<LaneStop> found;
+  for (std::size_t worker = 0; worker < workers; ++worker) {
+    found.insert(found.end(), stopped[worker].begin(), stopped[worker].end());
+    evaluations_ += renewals[worker] * W;
+  }
+  std::ranges::stable_sort(found, {}, &LaneStop::time);
+  stopped_.insert(stopped_.end(), found.begin(), found.end());
+  evaluations_ += 4 * count * lanes_;
+}
+
+std::string LaneStop::text() const {
+  switch (stop) {
+    case StopReason::singular:
+      return "near a singular configuration, which lanes do not pass: a pivot of the constraint equations has fallen "
+             "below 0.03 of its size where they were recorded";
+    case StopReason::massless:
+      return "a mass as seen from a joint vanishes";
+    case StopReason::open:
+      return "constraint projection did not converge";
+    default:
+      return "the state is not finite";
+  }
+}
+
+}  // namespace gelenk

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The programs of which a step is made, and the slots that they share.
+#pragma once
+
+#include <vector>
+
+#include "batch/elimination.h"
+#include "equations/scene_equations.h"
+#include "lanes/program.h"
+
+namespace gelenk {
+
+// The first of consecutive slots.
+struct StepSlots {
+  int y = 0;         // where the equations are evaluated: q, v, element states
+  int rates = 0;     // of these
+  int before = 0;    // the state at the start of the step
+  int sum = 0;       // of the rates of the stages
+  int u = 0;         // inputs
+  int time = 0;      // one
+  int Phi = 0;       // by row of the pivots; what a displacement removes is here, too
+  int rate = 0;      // J v - b
+  int displacement = 0;
+  int moved = 0;     // rates of the coordinates at this displacement, if they are not velocities
+  int numbers = 0;   // that vary
+  int constants = 0;  // what depends on these alone
+  int factors = 0;   // what displacement needs from the last evaluation
+};
+
+struct StepPrograms {
+  // varied: as many variables from VariedNumbers::first_variable on.
+  StepPrograms(const SceneEquations& equations, const Pivots& pivots, int varied);
+
+  lanes::Frame frame;
+  StepSlots slots;
+  int nq = 0, nv = 0, states = 0, inputs = 0, rows = 0, varied = 0;
+  int constants = 0, factors = 0;  // how many
+  bool reads_time = false;
+  bool rates_are_velocities = true;  // of the coordinates
+  std::vector<int> quaternions;      // their first coordinates
+
+  lanes::Program prepare;       // constants, once
+  lanes::Program evaluate;      // rates and factors
+  lanes::Program gaps;          // Phi and what `gap_rates` needs of positions
+  lanes::Program gap_rates;     // rate
+  lanes::Program displace;      // displacement, from Phi and the factors
+  lanes::Program move;          // moved
+
+  // Reciprocals of pivots, among the factors: those of the constraint equations, and of masses.
+  std::vector<int> constraint_pivots, mass_pivots;
+
+  int size() const { return nq + nv + states; }
+  // Instructions of an evaluation.
+  int operations() const { return static_cast<int>(evaluate.instructions().size()); }
+};
+
+}  // namespace gelenk

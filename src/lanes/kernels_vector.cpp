@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Compiled on its own, with vectorized loops: cmake/GelenkPython.cmake.
+#include <cmath>
+#include <cstdint>
+
+#include "expression/functions.h"
+#include "lanes/kernels.h"
+#include "lanes/sine.h"
+
+// What is not the same on every processor is chosen when a program runs.
+#if defined(__x86_64__) && defined(__GNUC__)
+#define GELENK_AVX2
+#endif
+
+namespace gelenk::lanes {
+namespace {
+
+constexpr int W = lanes_per_block;
+
+double of_arguments(const Instruction& i, double x, double y) {
+  switch (i.function) {
+    case expression::Operation::atan2:
+      return std::atan2(x, y);
+    case expression::Operation::power:
+      return std::pow(x, y);
+    default:
+      return expression::value_at(i.function, x);
+  }
+}
+
+void by_library(const Instruction& i, double* memory) {
+  const double* const x = memory + i.a * W;
+  const double* const y = i.b < 0 ? x : memory + i.b * W;
+  double* const to = memory + i.to * W;
+  for (int l = 0; l < W; ++l) to[l] = of_arguments(i, x[l], y[l]);
+}
+
+// Angles of many turns, which are rare, by the library; so are infinite ones and NaN.
+[[gnu::noinline]] void mend_circular(const double* x, double* sine, double* cosine) {
+  for (int l = 0; l < W; ++l) {
+    if (std::abs(x[l]) <= circular_limit) continue;
+    if (sine != nullptr) sine[l] = std::sin(x[l]);
+    if (cosine != nullptr) cosine[l] = std::cos(x[l]);
+  }
+}
+
+[[gnu::always_inline]] inline bool is_far(const double* x) {
+  std::int64_t far = 0;
+  for (int l = 0; l < W; ++l) far |= std::abs(x[l]) <= circular_limit ? 0 : 1;
+  return far != 0;
+}
+
+// Lanes are independent of each other, which compilers need not find out.
+#ifdef __clang__
+#define GELENK_INDEPENDENT _Pragma("clang loop vectorize(assume_safety)")
+#else
+#define GELENK_INDEPENDENT _Pragma("GCC ivdep")
+#endif
+// Four lanes: vectors of the compiler, of which processors without such large ones compute halves.
+using Vector [[gnu::vector_size(32), gnu::may_alias]] = double;
+constexpr int vector_lanes = 4;
+// expression: of a, b, c, d in these lanes, and the constant k. What it does not contain is not looked up.
+#define GELENK_EACH_LANE(expression)                                               \
+  {                                                                                \
+    Vector* const to = slot(memory, at->to);                                       \
+    [[maybe_unused]] const Vector* const pa = slot(memory, at->a);                 \
+    [[maybe_unused]] const Vector* const pb = slot(memory, at->b);                 \
+    [[maybe_unused]] const Vector* const pc = slot(memory, at->c);                 \
+    [[maybe_unused]] const Vector* const pd = slot(memory, at->d);                 \
+    for (int l = 0; l < W / vector_lanes; ++l) {                                   \
+      [[maybe_unused]] const Vector a = pa[l], b = pb[l], c = pc[l], d = pd[l];    \
+      to[l] = Vector(expression);                                                  \
+    }                                                                              \
+    break;                                                                         \
+  }
+
+[[gnu::always_inline]] inline Vector* slot(double* memory, int number) {
+  return reinterpret_cast<Vector*>(memory) + static_cast<std::size_t>(static_cast<unsigned>(number)) * (W / vector_lanes);
+}
+[[gnu::always_inline]] inline void circular(const Instruction& i, double* memory) {
+  const double* const x = memory + i.a * W;
+  double* const to = memory + i.to * W;
+  if (i.code == Code::sine) {
+    GELENK_INDEPENDENT for (int l = 0; l < W; ++l) to[l] = sine_cosine(x[l]).sine;
+    if (is_far(x)) mend_circular(x, to, nullptr);
+  } else if (i.code == Code::cosine) {
+    GELENK_INDEPENDENT for (int l = 0; l < W; ++l) to[l] = sine_cosine(x[l]).cosine;
+    if (is_far(x)) mend_circular(x, nullptr, to);
+  } else {
+    double* const cosine = memory + i.b * W;
+    GELENK_INDEPENDENT for (int l = 0; l < W; ++l) {
+      const SineCosine both = sine_cosine(x[l]);
+      to[l] = both.sine;
+      cosine[l] = both.cosine;
+    }
+    if (is_far(x)) mend_circular(x, to, cosine);
+  }
+}
+
+[[gnu::always_inline]] inline void run_all(const Instruction* at, const Instruction* end, double* memory) {
+  for (; at != end; ++at) {
+    const double k = at->k;
+    switch (at->code) {
+      case Code::copy:
+        GELENK_EACH_LANE(a)
+      case Code::add:
+        GELENK_EACH_LANE(a + b)
+      case Code::subtract:
+        GELENK_EACH_LANE(a - b)
+      case Code::multiply:
+        GELENK_EACH_LANE(a * b)
+      case Code::divide:
+        GELENK_EACH_LANE(a / b)
+      case Code::negate:
+        GELENK_EACH_LANE(-a)
+      case Code::add_constant:
+        GELENK_EACH_LANE(a + k)
+      case Code::subtract_from_constant:
+        GELENK_EACH_LANE(k - a)
+      case Code::scale:
+        GELENK_EACH_LANE(k * a)
+      case Code::divide_constant:
+        GELENK_EACH_LANE(k / a)
+      case Code::multiply_add:
+        GELENK_EACH_LANE(a * b + c)
+      case Code::multiply_subtract:
+        GELENK_EACH_LANE(a * b - c)
+      case Code::subtract_multiply:
+        GELENK_EACH_LANE(c - a * b)
+      case Code::multiply_add_multiply:
+        GELENK_EACH_LANE(a * b + c * d)
+      case Code::multiply_subtract_multiply:
+        GELENK_EACH_LANE(a * b - c * d)
+      case Code::scale_add:
+        GELENK_EACH_LANE(k * a + c)
+      case Code::scale_subtract:
+        GELENK_EACH_LANE(k * a - c)
+      case Code::subtract_scale:
+        GELENK_EACH_LANE(c - k * a)
+      case Code::choose:
+        GELENK_EACH_LANE(a > 0 ? b : c)
+      case Code::square_root: {
+        const double* const x = memory + at->a * W;
+        double* const y = memory + at->to * W;
+        GELENK_INDEPENDENT for (int l = 0; l < W; ++l) y[l] = std::sqrt(x[l]);
+        break;
+      }
+      case Code::sine:
+      case Code::cosine:
+      case Code::sine_cosine:
+        circular(*at, memory);
+        break;
+      case Code::function:
+        by_library(*at, memory);
+        break;
+    }
+  }
+}
+#undef GELENK_EACH_LANE
+
+void run_baseline(const Instruction* at, const Instruction* end, double* memory) { run_all(at, end, memory); }
+
+#ifdef GELENK_AVX2
+[[gnu::target("avx2")]] void run_avx2(const Instruction* at, const Instruction* end, double* memory) {
+  run_all(at, end, memory);
+}
+bool has_avx2() { return __builtin_cpu_supports("avx2") != 0; }
+#else
+void run_avx2(const Instruction* at, const Instruction* end, double* memory) { run_all(at, end, memory); }
+bool has_avx2() { return false; }
+#endif
+
+bool uses_avx2 = has_avx2();
+
+}  // namespace
+
+void run(std::span<const Instruction> program, double* memory) {
+  const Instruction* const first = program.data();
+  (uses_avx2 ? run_avx2 : run_baseline)(first, first + program.size(), memory);
+}
+
+std::string_view instruction_set() { return uses_avx2 ? "avx2" : "baseline"; }
+
+void use_all_instructions(bool on) { uses_avx2 = on && has_avx2(); }
+
+}  // namespace gelenk::lanes
