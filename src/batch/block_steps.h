@@ -28,6 +28,8 @@ class BlockSteps {
   double* slot(int number) { return memory_ + static_cast<std::ptrdiff_t>(number) * lanes; }
   // Computes the constants from the numbers that vary, which are in their slots.
   void prepare() { run(programs_.prepare); }
+  // Call when the state in its slots has been written.
+  void begin() { has_gaps_ = false; }
   // Rates at the state in its slots.
   void evaluate(double time);
   // Reciprocals of pivots, of which those of a lane in a regular position are at most `limits`; see limits_of().
@@ -59,6 +61,7 @@ class BlockSteps {
   std::vector<lanes::Instruction> begin_, first_, middle_, third_, last_;  // of the stages
   std::vector<int> guards_;                                                // slots
   double time_ = 0;
+  bool has_gaps_ = false;  // whether `gaps` has run at the present state
   long renewals_ = 0;
 };
 

@@ -44,21 +44,21 @@ BlockSteps::BlockSteps(const StepPrograms& programs, double length, double step)
   memory_ = static_cast<double*>(std::align(alignment, space - alignment, first, space));
   for (const auto& [number, value] : programs.frame.constants()) std::fill_n(slot(number), W, value);
   const StepSlots& at = programs.slots;
-  for (int i = 0; i < programs.size(); ++i) {
-    const int y = at.y + i;
-    const int rate = at.rates + i;
-    const int before = at.before + i;
-    const int sum = at.sum + i;
-    begin_.push_back(copied(before, y));
-    first_.push_back(copied(sum, rate));
+  const auto each = [&](auto add) {
+    for (int i = 0; i < programs.size(); ++i) add(at.y + i, programs.rate_slots[static_cast<std::size_t>(i)], at.before + i, at.sum + i);
+  };
+  // The rates of coordinates may be velocities: these are changed last.
+  each([&](int y, int, int before, int) { begin_.push_back(copied(before, y)); });
+  each([&](int, int rate, int, int sum) { first_.push_back(copied(sum, rate)); });
+  each([&](int, int rate, int, int sum) { middle_.push_back(scaled_sum(sum, 2, rate, sum)); });
+  each([&](int, int rate, int, int sum) { last_.push_back({.code = lanes::Code::add, .to = sum, .a = sum, .b = rate}); });
+  third_ = middle_;
+  each([&](int y, int rate, int before, int) {
     first_.push_back(scaled_sum(y, 0.5 * step, rate, before));
-    middle_.push_back(scaled_sum(sum, 2, rate, sum));
     middle_.push_back(scaled_sum(y, 0.5 * step, rate, before));
-    third_.push_back(scaled_sum(sum, 2, rate, sum));
     third_.push_back(scaled_sum(y, step, rate, before));
-    last_.push_back({.code = lanes::Code::add, .to = sum, .a = sum, .b = rate});
-    last_.push_back(scaled_sum(y, step / 6, sum, before));
-  }
+  });
+  each([&](int y, int, int before, int sum) { last_.push_back(scaled_sum(y, step / 6, sum, before)); });
   guards_ = programs.constraint_pivots;
   guards_.insert(guards_.end(), programs.mass_pivots.begin(), programs.mass_pivots.end());
 }
@@ -66,7 +66,8 @@ BlockSteps::BlockSteps(const StepPrograms& programs, double length, double step)
 void BlockSteps::evaluate(double time) {
   if (programs_.reads_time) std::fill_n(slot(programs_.slots.time), W, time);
   time_ = time;
-  run(programs_.evaluate);
+  run(has_gaps_ ? programs_.evaluate_closed : programs_.evaluate);
+  has_gaps_ = false;
 }
 
 void BlockSteps::limits_of(double* limits) {
@@ -128,6 +129,7 @@ void BlockSteps::normalize() {
 void BlockSteps::renew_factors(const std::array<bool, lanes>& renews) {
   const double* const factors = slot(programs_.slots.factors);
   std::copy_n(factors, kept_.size(), kept_.begin());
+  has_gaps_ = false;
   evaluate(time_);
   ++renewals_;
   double* const now = slot(programs_.slots.factors);
@@ -169,6 +171,9 @@ void BlockSteps::close(int residual, const Numbers& floor, Stops& stops, Correct
   for (std::size_t l = 0; l < W; ++l) waits[l] = stops[l] != StopReason::none;
   for (int i = 0;; ++i) {
     const Numbers gap = largest(residual, programs_.rows, 0);
+    std::int64_t any_open = 0;
+    for (std::size_t l = 0; l < W; ++l) any_open |= gap[l] <= floor[l] ? 0 : 1;
+    if (any_open == 0) return;
     std::array<bool, lanes> renews{};
     bool all_wait = true;
     bool any_renews = false;
@@ -223,17 +228,18 @@ void BlockSteps::step(double time, const double* limits, Stops& stops) {
     close_positions(stops);
     close_velocities(stops);
   }
+  has_gaps_ = programs_.rows > 0;
   Numbers zero{};
   for (int i = 0; i < programs_.size(); ++i) {
     const double* const y = slot(programs_.slots.y + i);
     for (std::size_t l = 0; l < W; ++l) zero[l] += y[l] * 0;
   }
-  bool any = false;
+  int any = 0;
+  for (std::size_t l = 0; l < W; ++l) any |= static_cast<int>(stops[l]) | (zero[l] == 0 ? 0 : 1);
+  if (any == 0) return;
   for (std::size_t l = 0; l < W; ++l) {
     if (!(zero[l] == 0) && stops[l] == StopReason::none) stops[l] = StopReason::not_finite;
-    any = any || stops[l] != StopReason::none;
   }
-  if (!any) return;
   for (int i = 0; i < programs_.size(); ++i) {
     double* const y = slot(programs_.slots.y + i);
     const double* const before = slot(programs_.slots.before + i);

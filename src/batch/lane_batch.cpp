@@ -216,6 +216,7 @@ void LaneBatch::load(BlockSteps& steps, std::size_t block) const {
   copy(state_, programs_->slots.y);
   copy(input_, programs_->slots.u);
   std::ranges::copy(blocks_[block].constants, steps.slot(programs_->slots.constants));
+  steps.begin();
 }
 
 // Constants and limits of pivots of each lane, and a comparison of its accelerations with those of the general kernels:

@@ -59,6 +59,32 @@ Terms independent_parts(const Graph& graph, const Terms& of, const std::function
   return {out.begin(), out.end()};
 }
 
+std::vector<bool> parts_of(const Graph& graph, const Terms& of) {
+  std::vector<bool> out(static_cast<std::size_t>(graph.size()), false);
+  for (const Term term : of) out[static_cast<std::size_t>(term)] = true;
+  for (Term term = graph.size() - 1; term >= 0; --term) {
+    if (!out[static_cast<std::size_t>(term)]) continue;
+    for (const Term operand : graph[term].of) {
+      if (operand >= 0) out[static_cast<std::size_t>(operand)] = true;
+    }
+  }
+  return out;
+}
+
+// Sines and cosines that are parts of a and of b.
+Terms circular_in_both(const Graph& graph, const Terms& a, const Terms& b) {
+  const std::vector<bool> in_a = parts_of(graph, a);
+  const std::vector<bool> in_b = parts_of(graph, b);
+  Terms out;
+  for (Term term = 0; term < graph.size(); ++term) {
+    const Operation operation = graph[term].operation;
+    if ((operation == Operation::sin || operation == Operation::cos) && in_a[static_cast<std::size_t>(term)] &&
+        in_b[static_cast<std::size_t>(term)])
+      out.push_back(term);
+  }
+  return out;
+}
+
 std::vector<lanes::Output> outputs(const Terms& of, int first) {
   std::vector<lanes::Output> out;
   for (const Term term : of) out.emplace_back(term, first++);
@@ -133,6 +159,8 @@ StepPrograms::StepPrograms(const SceneEquations& equations, const Pivots& pivots
   slots.constants = frame.add(constants);
   slots.factors = frame.add(factors);
   const int gap_parts = frame.add(static_cast<int>(of_positions.size()));
+  const Terms circular = circular_in_both(graph, rates, Phi);
+  const int circular_slots = frame.add(static_cast<int>(circular.size()));
 
   // Where variables are; u are inputs, the time, element states.
   lanes::Slots given;
@@ -146,14 +174,26 @@ StepPrograms::StepPrograms(const SceneEquations& equations, const Pivots& pivots
     of_numbers.emplace(graph.variable(VariedNumbers::first_variable + k), slots.numbers + k);
   prepare = lanes::Program(graph, of_numbers, outputs(prepared, slots.constants), frame);
   give(prepared, slots.constants, given);
-  std::vector<lanes::Output> evaluated = outputs(rates, slots.rates);
+  // Rates that are velocities need not be copied.
+  std::vector<lanes::Output> evaluated;
+  for (int k = 0; k < size(); ++k) {
+    const Term term = rates[static_cast<std::size_t>(k)];
+    const bool is_velocity = k < nq && graph[term].operation == Operation::variable && nq <= graph[term].index &&
+                             graph[term].index < nq + nv;
+    rate_slots.push_back(is_velocity ? slots.y + graph[term].index : slots.rates + k);
+    if (!is_velocity) evaluated.emplace_back(term, slots.rates + k);
+  }
   for (const lanes::Output& output : outputs(needed, slots.factors)) evaluated.push_back(output);
   evaluate = lanes::Program(graph, given, evaluated, frame);
 
   if (rows > 0) {
     std::vector<lanes::Output> gap = outputs(Phi, slots.Phi);
     for (const lanes::Output& output : outputs(of_positions, gap_parts)) gap.push_back(output);
+    for (const lanes::Output& output : outputs(circular, circular_slots)) gap.push_back(output);
     gaps = lanes::Program(graph, given, gap, frame);
+    lanes::Slots closed = given;
+    give(circular, circular_slots, closed);
+    evaluate_closed = lanes::Program(graph, closed, evaluated, frame);
     lanes::Slots at_position = given;
     give(of_positions, gap_parts, at_position);
     gap_rates = lanes::Program(graph, at_position, outputs(rate, slots.rate), frame);
@@ -175,7 +215,7 @@ StepPrograms::StepPrograms(const SceneEquations& equations, const Pivots& pivots
     for (int k = 0; k < nv; ++k) by_displacement.emplace(graph.variable(nq + k), slots.displacement + k);
     move = lanes::Program(graph, by_displacement, outputs(equations.qdot, slots.moved), frame);
   }
-  for (std::size_t k = 0; k + 3 < equations.q.size() + 0; ++k) {
+  for (std::size_t k = 0; k + 3 < equations.q.size(); ++k) {
     if (equations.q[k].name.ends_with(".Q[1]")) quaternions.push_back(static_cast<int>(k));
   }
 
@@ -189,7 +229,7 @@ StepPrograms::StepPrograms(const SceneEquations& equations, const Pivots& pivots
   };
   constraint_pivots = find_pivots(elimination.reciprocal_pivots());
   mass_pivots = find_pivots(elimination.reciprocal_masses());
-  for (lanes::Program* program : {&prepare, &evaluate, &gaps, &gap_rates, &displace, &move})
+  for (lanes::Program* program : {&prepare, &evaluate, &evaluate_closed, &gaps, &gap_rates, &displace, &move})
     program->place_temporaries(frame);
 }
 

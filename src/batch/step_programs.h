@@ -13,7 +13,7 @@ namespace gelenk {
 // The first of consecutive slots.
 struct StepSlots {
   int y = 0;         // where the equations are evaluated: q, v, element states
-  int rates = 0;     // of these
+  int rates = 0;     // of these; not of coordinates of which the rates are velocities
   int before = 0;    // the state at the start of the step
   int sum = 0;       // of the rates of the stages
   int u = 0;         // inputs
@@ -38,10 +38,12 @@ struct StepPrograms {
   bool reads_time = false;
   bool rates_are_velocities = true;  // of the coordinates
   std::vector<int> quaternions;      // their first coordinates
+  std::vector<int> rate_slots;       // where the rate of each row of y is
 
   lanes::Program prepare;       // constants, once
   lanes::Program evaluate;      // rates and factors
-  lanes::Program gaps;          // Phi and what `gap_rates` needs of positions
+  lanes::Program evaluate_closed;  // the same where `gaps` has run at this state
+  lanes::Program gaps;          // Phi, what `gap_rates` needs of positions, and sines and cosines
   lanes::Program gap_rates;     // rate
   lanes::Program displace;      // displacement, from Phi and the factors
   lanes::Program move;          // moved

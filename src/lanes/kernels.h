@@ -12,7 +12,7 @@ namespace gelenk::lanes {
 
 // Lanes of a block: the loops over them have this length when they are compiled. Few, so that the slots of a program
 // remain in the first cache; enough that loops take longer than finding out which one is next.
-inline constexpr int lanes_per_block = 16;
+inline constexpr int lanes_per_block = 32;
 
 // memory: the slots, lanes_per_block numbers each, aligned to 64 bytes.
 void run(std::span<const Instruction> program, double* memory);

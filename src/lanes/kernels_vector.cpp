@@ -61,18 +61,19 @@ using Vector [[gnu::vector_size(32), gnu::may_alias]] = double;
 constexpr int vector_lanes = 4;
 // expression: of a, b, c, d in these lanes, and the constant k. What it does not contain is not looked up.
 #define GELENK_EACH_LANE(expression)                                               \
-  {                                                                                \
+  do {                                                                             \
     Vector* const to = slot(memory, at->to);                                       \
     [[maybe_unused]] const Vector* const pa = slot(memory, at->a);                 \
     [[maybe_unused]] const Vector* const pb = slot(memory, at->b);                 \
     [[maybe_unused]] const Vector* const pc = slot(memory, at->c);                 \
     [[maybe_unused]] const Vector* const pd = slot(memory, at->d);                 \
+    [[maybe_unused]] const double k = at->k;                                       \
     for (int l = 0; l < W / vector_lanes; ++l) {                                   \
       [[maybe_unused]] const Vector a = pa[l], b = pb[l], c = pc[l], d = pd[l];    \
       to[l] = Vector(expression);                                                  \
     }                                                                              \
-    break;                                                                         \
-  }
+  } while (++at != end && at->code == code);                                       \
+  break;
 
 [[gnu::always_inline]] inline Vector* slot(double* memory, int number) {
   return reinterpret_cast<Vector*>(memory) + static_cast<std::size_t>(static_cast<unsigned>(number)) * (W / vector_lanes);
@@ -98,9 +99,9 @@ constexpr int vector_lanes = 4;
 }
 
 [[gnu::always_inline]] inline void run_all(const Instruction* at, const Instruction* end, double* memory) {
-  for (; at != end; ++at) {
-    const double k = at->k;
-    switch (at->code) {
+  while (at != end) {
+    const Code code = at->code;
+    switch (code) {
       case Code::copy:
         GELENK_EACH_LANE(a)
       case Code::add:
@@ -143,15 +144,16 @@ constexpr int vector_lanes = 4;
         const double* const x = memory + at->a * W;
         double* const y = memory + at->to * W;
         GELENK_INDEPENDENT for (int l = 0; l < W; ++l) y[l] = std::sqrt(x[l]);
+        ++at;
         break;
       }
       case Code::sine:
       case Code::cosine:
       case Code::sine_cosine:
-        circular(*at, memory);
+        circular(*at++, memory);
         break;
       case Code::function:
-        by_library(*at, memory);
+        by_library(*at++, memory);
         break;
     }
   }

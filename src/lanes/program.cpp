@@ -52,6 +52,15 @@ bool has_third_alone(const Instruction& i) {
   return i.code == Code::scale_add || i.code == Code::scale_subtract || i.code == Code::subtract_scale;
 }
 
+template <class Use>
+void each_operand(Instruction& i, Use use) {
+  const auto of = operands();
+  for (int k = 0; k < operand_count(i); ++k) {
+    const bool is_third = has_third_alone(i) && k == 1;
+    use(i.*of[static_cast<std::size_t>(is_third ? 2 : k)]);
+  }
+}
+
 // Translates terms to instructions on numbered values, which then get slots.
 class Compiler {
  public:
@@ -61,6 +70,7 @@ class Compiler {
     count_uses(outputs);
     for (const auto& [term, slot] : outputs) translate(term);
     for (const auto& [term, slot] : outputs) put(term, slot);
+    gather();
   }
 
   std::vector<Instruction> allocated();
@@ -104,6 +114,7 @@ class Compiler {
   int power(int x, int exponent);
   int circular(Term term);
   void put(Term term, int slot);
+  void gather();
 
   const Graph& graph_;
   Frame& frame_;
@@ -282,17 +293,47 @@ void Compiler::put(Term term, int slot) {
   }
 }
 
+// In another order, with more instructions of the same kind one after the other, so that there are fewer branches
+// that processors cannot predict. Only what comes soon anyway is taken, so that values are not kept long.
+void Compiler::gather() {
+  constexpr std::size_t horizon = 24;
+  std::vector<std::size_t> writer(slots_.size(), code_.size());
+  std::vector<int> waiting(code_.size(), 0);           // by instruction: of how many it needs results
+  std::vector<std::vector<std::size_t>> next(code_.size());
+  for (std::size_t k = 0; k < code_.size(); ++k) {
+    each_operand(code_[k], [&](int& x) {
+      const std::size_t before = writer[static_cast<std::size_t>(x)];
+      if (before == code_.size()) return;
+      next[before].push_back(k);
+      ++waiting[k];
+    });
+    writer[static_cast<std::size_t>(code_[k].to)] = k;
+    if (code_[k].code == Code::sine_cosine) writer[static_cast<std::size_t>(code_[k].b)] = k;
+  }
+  std::vector<Instruction> out;
+  std::vector<bool> is_done(code_.size(), false);
+  std::size_t first = 0;
+  Code last = Code::copy;
+  while (out.size() < code_.size()) {
+    while (is_done[first]) ++first;
+    std::size_t chosen = first;
+    for (std::size_t k = first; k < std::min(first + horizon, code_.size()); ++k) {
+      if (is_done[k] || waiting[k] > 0 || code_[k].code != last) continue;
+      chosen = k;
+      break;
+    }
+    is_done[chosen] = true;
+    for (const std::size_t k : next[chosen]) --waiting[k];
+    last = code_[chosen].code;
+    out.push_back(code_[chosen]);
+  }
+  code_ = std::move(out);
+}
+
 // Temporary slots are used again after the last use of their values, but not for the result of the same instruction:
 // the kernels may then assume that what they write is not what they read.
 std::vector<Instruction> Compiler::allocated() {
   std::vector<std::size_t> last(slots_.size(), 0);
-  const auto each_operand = [&](Instruction& i, auto use) {
-    const auto of = operands();
-    for (int k = 0; k < operand_count(i); ++k) {
-      const bool is_third = has_third_alone(i) && k == 1;
-      use(i.*of[static_cast<std::size_t>(is_third ? 2 : k)]);
-    }
-  };
   for (std::size_t k = 0; k < code_.size(); ++k)
     each_operand(code_[k], [&](int& x) { last[static_cast<std::size_t>(x)] = k; });
   std::vector<int> free;
