@@ -44,20 +44,9 @@ void by_library(const Instruction& i, double* memory) {
   }
 }
 
-[[gnu::always_inline]] inline bool is_far(const double* x) {
-  std::int64_t far = 0;
-  for (int l = 0; l < W; ++l) far |= std::abs(x[l]) <= circular_limit ? 0 : 1;
-  return far != 0;
-}
-
-// Lanes are independent of each other, which compilers need not find out.
-#ifdef __clang__
-#define GELENK_INDEPENDENT _Pragma("clang loop vectorize(assume_safety)")
-#else
-#define GELENK_INDEPENDENT _Pragma("GCC ivdep")
-#endif
-// Four lanes: vectors of the compiler, of which processors without such large ones compute halves.
+// Vectors of the compiler; processors without such large ones compute them in parts.
 using Vector [[gnu::vector_size(32), gnu::may_alias]] = double;
+using Integers [[gnu::vector_size(32), gnu::may_alias]] = std::int64_t;
 constexpr int vector_lanes = 4;
 // expression: of a, b, c, d in these lanes, and the constant k. What it does not contain is not looked up.
 #define GELENK_EACH_LANE(expression)                                               \
@@ -79,23 +68,25 @@ constexpr int vector_lanes = 4;
   return reinterpret_cast<Vector*>(memory) + static_cast<std::size_t>(static_cast<unsigned>(number)) * (W / vector_lanes);
 }
 [[gnu::always_inline]] inline void circular(const Instruction& i, double* memory) {
-  const double* const x = memory + i.a * W;
-  double* const to = memory + i.to * W;
-  if (i.code == Code::sine) {
-    GELENK_INDEPENDENT for (int l = 0; l < W; ++l) to[l] = sine_cosine(x[l]).sine;
-    if (is_far(x)) mend_circular(x, to, nullptr);
-  } else if (i.code == Code::cosine) {
-    GELENK_INDEPENDENT for (int l = 0; l < W; ++l) to[l] = sine_cosine(x[l]).cosine;
-    if (is_far(x)) mend_circular(x, nullptr, to);
-  } else {
-    double* const cosine = memory + i.b * W;
-    GELENK_INDEPENDENT for (int l = 0; l < W; ++l) {
-      const SineCosine both = sine_cosine(x[l]);
-      to[l] = both.sine;
-      cosine[l] = both.cosine;
-    }
-    if (is_far(x)) mend_circular(x, to, cosine);
+  const Vector* const x = slot(memory, i.a);
+  // What is not asked for is not computed.
+  Vector* const sine = i.code == Code::cosine ? nullptr : slot(memory, i.to);
+  Vector* const cosine = i.code == Code::cosine ? slot(memory, i.to)
+                         : i.code == Code::sine ? nullptr : slot(memory, i.b);
+  Integers far{};
+  for (int l = 0; l < W / vector_lanes; ++l) {
+    Vector s;
+    Vector c;
+    sine_cosine<Vector, Integers>(x[l], s, c);
+    far |= ~((x[l] <= circular_limit) & (x[l] >= -circular_limit));
+    if (sine != nullptr) sine[l] = s;
+    if (cosine != nullptr) cosine[l] = c;
   }
+  std::int64_t any = 0;
+  for (int l = 0; l < vector_lanes; ++l) any |= far[l];
+  if (any != 0)
+    mend_circular(memory + i.a * W, sine == nullptr ? nullptr : memory + i.to * W,
+                  cosine == nullptr ? nullptr : memory + (i.code == Code::cosine ? i.to : i.b) * W);
 }
 
 [[gnu::always_inline]] inline void run_all(const Instruction* at, const Instruction* end, double* memory) {
@@ -143,7 +134,7 @@ constexpr int vector_lanes = 4;
       case Code::square_root: {
         const double* const x = memory + at->a * W;
         double* const y = memory + at->to * W;
-        GELENK_INDEPENDENT for (int l = 0; l < W; ++l) y[l] = std::sqrt(x[l]);
+        for (int l = 0; l < W; ++l) y[l] = std::sqrt(x[l]);
         ++at;
         break;
       }
