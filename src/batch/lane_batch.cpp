@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "batch/lane_batch.h"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -31,17 +32,34 @@ Scene with(const Scene& scene, const std::vector<Parameter>& table, const std::v
   return checked(out);
 }
 
+// The parameters with these names, in this order.
+std::vector<Parameter> named(const Scene& scene, const std::vector<std::string>& names) {
+  const std::vector<Parameter> all = scene_parameters(scene);
+  std::vector<Parameter> out;
+  for (const std::string& name : names) {
+    const auto found = std::ranges::find(all, name, &Parameter::name);
+    if (found == all.end()) throw UsageError(name + ": no such parameter");
+    if (found->type != ParameterType::real || name.starts_with("solver.") || name.starts_with("assembly."))
+      throw UsageError(name + ": the same for all lanes; expected a number of the mechanism");
+    out.push_back(*found);
+  }
+  return out;
+}
+
 // What no lane can do, in the names of the scene.
 void refuse_unsuited(const Scene& scene, const SceneEquations& equations) {
   std::vector<std::string> faults;
-  for (const std::string& note : equations.notes) faults.push_back(prefix_of(scene) + note + " Lanes cannot do without.");
+  for (const std::string& note : equations.notes) faults.push_back(prefix_of(scene) + note + " Lanes need equations that hold everywhere.");
   const std::size_t known = static_cast<std::size_t>(equations.inputs) + (equations.reads_time ? 1 : 0) +
                             equations.states.size();
+  std::vector<std::string> prescribing;
   for (std::size_t k = known; k < equations.u.size(); ++k) {
-    const EquationArgument& of = equations.u[k];
-    faults.push_back(prefix_of(scene) + of.name + ": found a prescribed motion (" + of.text +
-                     "); lanes have forces and motors only");
+    const std::string& name = equations.u[k].name;
+    prescribing.push_back(name.substr(0, name.rfind('.')));
   }
+  prescribing.erase(std::ranges::unique(prescribing).begin(), prescribing.end());
+  for (const std::string& name : prescribing)
+    faults.push_back(prefix_of(scene) + name + ": found a prescribed motion, expected forces and motors only");
   if (equations.has_kinks)
     faults.push_back(prefix_of(scene) +
                      "found expressions with branches (abs, min, if, ...), at which steps end; lanes step together");
@@ -58,7 +76,7 @@ LaneBatch::LaneBatch(const Scene& scene, int lanes, double step, const std::vect
       parameters_(parameters),
       first_(std::make_unique<NumberedScene>(numbered(scene))) {
   refuse_unsuited(scene, equations());
-  const std::vector<double> varied = parameters.empty() ? first_->numbers : numbered(changed()).numbers;
+  const std::vector<double> varied = parameters.empty() ? first_->numbers : changed_numbers();
   if (varied.size() != first_->numbers.size())
     throw SceneError({prefix_of(scene) + "the parameters change more than numbers of the equations"});
   varied_ = std::make_unique<VariedNumbers>(first_->numbers, varied);
@@ -96,24 +114,6 @@ std::vector<EquationArgument> LaneBatch::inputs() const {
 
 double LaneBatch::time() const { return static_cast<double>(steps_) * step_; }
 
-namespace {
-
-// The parameters with these names, in this order.
-std::vector<Parameter> named(const Scene& scene, const std::vector<std::string>& names) {
-  const std::vector<Parameter> all = scene_parameters(scene);
-  std::vector<Parameter> out;
-  for (const std::string& name : names) {
-    const auto found = std::ranges::find(all, name, &Parameter::name);
-    if (found == all.end()) throw UsageError(name + ": no such parameter");
-    if (found->type != ParameterType::real || name.starts_with("solver.") || name.starts_with("assembly."))
-      throw UsageError(name + ": the same for all lanes; expected a number of the mechanism");
-    out.push_back(*found);
-  }
-  return out;
-}
-
-}  // namespace
-
 // All parameters with other values, by different amounts: whatever depends on them is another number.
 Scene LaneBatch::changed() const {
   const std::vector<Parameter> table = named(scene_, parameters_);
@@ -134,11 +134,19 @@ Scene LaneBatch::changed() const {
   throw SceneError({prefix_of(scene_) + "no other values of these parameters are possible together"});
 }
 
+std::vector<double> LaneBatch::changed_numbers() const {
+  try {
+    return numbered(changed()).numbers;
+  } catch (const AssemblyError& e) {
+    throw AssemblyError("with slightly other values of the parameters: " + std::string(e.what()));
+  }
+}
+
 void LaneBatch::set(const std::vector<std::vector<double>>& values) {
   const std::vector<Parameter> table = named(scene_, parameters_);
   const bool is_same = values.empty();
   const auto count = static_cast<std::size_t>(lanes_);
-  std::vector<std::vector<double>> expected(count);
+  std::vector<Expected> expected(count);
   std::vector<double> own(table.size());
   for (std::size_t lane = 0; lane < count; ++lane) {
     if (is_same && lane > 0) {
@@ -152,7 +160,7 @@ void LaneBatch::set(const std::vector<std::vector<double>>& values) {
     try {
       const NumberedScene scene = numbered(with(scene_, table, own));
       number_lane(lane, scene);
-      expected[lane] = expected_accelerations(*scene.scene);
+      expected[lane] = LaneBatch::expected(*scene.scene);
     } catch (const std::invalid_argument& e) {
       throw UsageError(in_lane(lane) + e.what());
     } catch (const SceneError& e) {
@@ -190,21 +198,31 @@ void LaneBatch::number_lane(std::size_t lane, const NumberedScene& scene) {
   for (std::size_t k = 0; k < of.states.size(); ++k) put(start_, row++, of.u[first + k].start);
 }
 
-// Velocities at which lanes are compared with the general kernels: at rest, many terms vanish. Redundant constraint
-// equations would contradict each other at any that are not those of a motion.
-double LaneBatch::check_velocity(std::size_t k, double start) const {
-  const bool any = pivots_.rows.size() == equations().rows.size();
-  return any ? start + 0.3 + 0.37 * static_cast<double>(k % 5) - 0.11 * static_cast<double>(k % 7) : start;
-}
-
-std::vector<double> LaneBatch::expected_accelerations(const TracedScene& scene) const {
+// In motion: at rest, many terms vanish. Velocities that contradict constraint equations would make redundant ones
+// contradict each other.
+LaneBatch::Expected LaneBatch::expected(const TracedScene& scene) {
+  const SceneEquations& equations = scene.equations();
   std::vector<double> q;
-  std::vector<double> v;
   std::vector<double> u;
-  for (const EquationArgument& of : scene.equations().q) q.push_back(of.start);
-  for (const EquationArgument& of : scene.equations().v) v.push_back(check_velocity(v.size(), of.start));
-  for (const EquationArgument& of : scene.equations().u) u.push_back(of.start);
-  return scene.values(q, v, u).vdot;
+  for (const EquationArgument& of : equations.q) q.push_back(of.start);
+  for (const EquationArgument& of : equations.u) u.push_back(of.start);
+  const auto n = static_cast<Eigen::Index>(equations.v.size());
+  Eigen::VectorXd v(n);
+  for (Eigen::Index k = 0; k < n; ++k) v[k] = 0.3 + 0.37 * static_cast<double>(k % 5) - 0.11 * static_cast<double>(k % 7);
+  const auto as_list = [&] { return std::vector<double>(v.begin(), v.end()); };
+  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  if (!equations.rows.empty()) {
+    const EquationValues values = scene.values(q, as_list(), u);
+    const Eigen::Map<const RowMajor> J(values.J.data(), static_cast<Eigen::Index>(equations.rows.size()), n);
+    v -= J.completeOrthogonalDecomposition().solve(J * v);
+  }
+  const EquationValues values = scene.values(q, as_list(), u);
+  Expected out{as_list(), values.vdot, 0};
+  for (std::size_t k = 0; k < out.vdot.size(); ++k) {
+    const double mass = values.M[k * out.vdot.size() + k];
+    out.size = std::max({out.size, std::abs(out.vdot[k]), mass > 0 ? std::abs(values.h[k] / mass) : 0});
+  }
+  return out;
 }
 
 void LaneBatch::load(BlockSteps& steps, std::size_t block) const {
@@ -219,48 +237,49 @@ void LaneBatch::load(BlockSteps& steps, std::size_t block) const {
   steps.begin();
 }
 
-// Constants and limits of pivots of each lane, and a comparison of its accelerations with those of the general kernels:
-// what is recorded wrongly is not run.
-void LaneBatch::prepare_blocks(const std::vector<std::vector<double>>& expected) {
-  constexpr double different = 1e-8;  // of the largest acceleration: mistakes, not rounding, even with weak pivots
+// Constants and limits of pivots of each lane.
+void LaneBatch::prepare_blocks(const std::vector<Expected>& expected) {
   BlockSteps steps(*programs_, equations().length, step_);
-  const auto nq = static_cast<std::size_t>(programs_->nq);
+  const StepSlots& at = programs_->slots;
+  state_ = start_;
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
     Block& block = blocks_[b];
     for (int k = 0; k < programs_->varied; ++k)
       std::copy_n(numbers_.data() + static_cast<std::ptrdiff_t>(k) * stride_ + static_cast<std::ptrdiff_t>(b * W), W,
-                  steps.slot(programs_->slots.numbers + k));
+                  steps.slot(at.numbers + k));
     steps.prepare();
-    std::copy_n(steps.slot(programs_->slots.constants), block.constants.size(), block.constants.begin());
-    state_ = start_;
+    std::copy_n(steps.slot(at.constants), block.constants.size(), block.constants.begin());
     load(steps, b);
-    for (std::size_t k = 0; k < nq; ++k) std::fill_n(steps.slot(programs_->slots.y + static_cast<int>(k)), W, pivots_.q[k]);
+    for (int k = 0; k < programs_->nq; ++k) std::fill_n(steps.slot(at.y + k), W, pivots_.q[static_cast<std::size_t>(k)]);
     steps.evaluate(0);
     steps.limits_of(block.limits.data());
     load(steps, b);
-    for (std::size_t k = 0; k < static_cast<std::size_t>(programs_->nv); ++k) {
-      double* const v = steps.slot(programs_->slots.y + programs_->nq + static_cast<int>(k));
-      for (int l = 0; l < W; ++l) v[l] = check_velocity(k, v[l]);
+    const std::size_t end = std::min((b + 1) * W, expected.size());
+    for (std::size_t lane = b * W; lane < end; ++lane) {
+      for (std::size_t k = 0; k < expected[lane].v.size(); ++k)
+        steps.slot(at.y + programs_->nq + static_cast<int>(k))[lane % W] = expected[lane].v[k];
     }
     steps.evaluate(0);
-    BlockSteps::Stops stops{};
-    steps.check_pivots(block.limits.data(), stops);
-    for (std::size_t l = 0; l < W && b * W + l < expected.size(); ++l) {
-      if (stops[l] != StopReason::none) continue;  // the first step says so
-      double size = 0;
-      double error = 0;
-      for (std::size_t k = 0; k < expected[b * W + l].size(); ++k) {
-        const double of_kernels = expected[b * W + l][k];
-        const double here = steps.slot(programs_->slots.rates + programs_->nq + static_cast<int>(k))[l];
-        size = std::max(size, std::abs(of_kernels));
-        error = std::abs(here - of_kernels) <= error ? error : std::abs(here - of_kernels);
-      }
-      if (!(error <= different * size))
-        throw SceneError({in_lane(b * W + l) + "its accelerations at the start differ from those of a simulation by " +
-                          text::number(error) + ", of " + text::number(size) +
-                          "; please report this scene, which gelenk.sweep can run"});
-    }
+    for (std::size_t lane = b * W; lane < end; ++lane) check_lane(steps, lane, expected[lane]);
   }
+}
+
+// What has been recorded wrongly is not run.
+void LaneBatch::check_lane(BlockSteps& steps, std::size_t lane, const Expected& expected) const {
+  constexpr double different = 1e-8;  // of the largest acceleration: a mistake, not rounding, even with weak pivots
+  BlockSteps::Stops stops{};
+  steps.check_pivots(blocks_[lane / W].limits.data(), stops);
+  if (stops[lane % W] != StopReason::none) return;  // the first step says so
+  double error = 0;
+  for (std::size_t k = 0; k < expected.vdot.size(); ++k) {
+    const double here = steps.slot(programs_->slots.rates + programs_->nq + static_cast<int>(k))[lane % W];
+    const double difference = std::abs(here - expected.vdot[k]);
+    error = difference <= error ? error : difference;  // keeps NaN
+  }
+  if (error <= different * expected.size) return;
+  throw SceneError({in_lane(lane) + "its accelerations at the start differ from those of a simulation by " +
+                    text::number(error) + ", of " + text::number(expected.size) +
+                    "; gelenk.sweep can run it. This is a fault of Gelenk: please report the scene"});
 }
 
 void LaneBatch::reset() {

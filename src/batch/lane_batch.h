@@ -55,6 +55,11 @@ class LaneBatch {
   int slots() const { return programs_->frame.size(); }
 
  private:
+  // Accelerations by the general kernels, at velocities v that the constraints permit. size: that they could have.
+  struct Expected {
+    std::vector<double> v, vdot;
+    double size = 0;
+  };
   struct Block {
     std::vector<double> constants, limits;
     BlockSteps::Stops stops{};
@@ -62,10 +67,11 @@ class LaneBatch {
 
   const SceneEquations& equations() const { return first_->scene->equations(); }
   Scene changed() const;
+  std::vector<double> changed_numbers() const;
+  static Expected expected(const TracedScene& scene);
   void number_lane(std::size_t lane, const NumberedScene& scene);
-  double check_velocity(std::size_t k, double start) const;
-  std::vector<double> expected_accelerations(const TracedScene& scene) const;
-  void prepare_blocks(const std::vector<std::vector<double>>& expected);
+  void prepare_blocks(const std::vector<Expected>& expected);
+  void check_lane(BlockSteps& steps, std::size_t lane, const Expected& expected) const;
   void load(BlockSteps& steps, std::size_t block) const;
   void advance_block(BlockSteps& steps, std::size_t block, long count, std::vector<LaneStop>& stopped);
 
