@@ -50,15 +50,7 @@ std::vector<Parameter> named(const Scene& scene, const std::vector<std::string>&
 void refuse_unsuited(const Scene& scene, const SceneEquations& equations) {
   std::vector<std::string> faults;
   for (const std::string& note : equations.notes) faults.push_back(prefix_of(scene) + note + " Lanes need equations that hold everywhere.");
-  const std::size_t known = static_cast<std::size_t>(equations.inputs) + (equations.reads_time ? 1 : 0) +
-                            equations.states.size();
-  std::vector<std::string> prescribing;
-  for (std::size_t k = known; k < equations.u.size(); ++k) {
-    const std::string& name = equations.u[k].name;
-    prescribing.push_back(name.substr(0, name.rfind('.')));
-  }
-  prescribing.erase(std::ranges::unique(prescribing).begin(), prescribing.end());
-  for (const std::string& name : prescribing)
+  for (const std::string& name : equations.prescribed)
     faults.push_back(prefix_of(scene) + name + ": found a prescribed motion, expected forces and motors only");
   if (equations.has_kinks)
     faults.push_back(prefix_of(scene) +

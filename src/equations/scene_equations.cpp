@@ -138,6 +138,7 @@ void TracedScene::name_targets(std::size_t island, IslandArguments& of) {
       if (order < 3) of.targets[3 * i + static_cast<std::size_t>(order)] = input;
     });
     const std::string& name = scene_.constraints[static_cast<std::size_t>(row.constraint)].name;
+    equations_.prescribed.push_back(name);
     const MotionLaw::Derivatives start = row.law ? row.law->at(0) : MotionLaw::Derivatives{row.constant};
     for (std::size_t order = row.holds_position ? 0 : 1; order < 3; ++order) {
       int& target = of.targets[3 * i + order];

@@ -33,6 +33,7 @@ struct SceneEquations {
   std::vector<expression::Term> rates;                      // of the element states
   expression::Term kinetic = -1, potential = -1;
   std::vector<std::string> notes;  // sentences on what the equations leave out
+  std::vector<std::string> prescribed;  // constraints that prescribe motions
   int inputs = 0;                  // the first ones of u
   bool reads_time = false;         // whether the time follows them
   double length = 1;               // m: of the longest mechanism, to which errors of its constraints are relative
