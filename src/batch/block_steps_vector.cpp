@@ -61,6 +61,7 @@ BlockSteps::BlockSteps(const StepPrograms& programs, double length, double step)
   each([&](int y, int, int before, int sum) { last_.push_back(scaled_sum(y, step / 6, sum, before)); });
   guards_ = programs.constraint_pivots;
   guards_.insert(guards_.end(), programs.mass_pivots.begin(), programs.mass_pivots.end());
+  last_pivots_.resize(guards_.size() * W);
 }
 
 void BlockSteps::evaluate(double time) {
@@ -82,20 +83,20 @@ void BlockSteps::check_pivots(const double* limits, Stops& stops) {
   for (std::size_t g = 0; g < guards_.size(); ++g) {
     const double* const reciprocal = slot(guards_[g]);
     const double* const limit = limits + g * W;
-    const bool is_mass = g >= programs_.constraint_pivots.size();
-    std::array<std::uint8_t, W> is_passed{};
-    std::uint8_t any = 0;
-    for (std::size_t l = 0; l < W; ++l) {
-      // A pivot of a mass does not change its sign, that of a constraint equation may, but for its size.
-      is_passed[l] = static_cast<std::uint8_t>(!(std::abs(reciprocal[l]) <= std::abs(limit[l])) ||
-                                               (is_mass && !(reciprocal[l] * limit[l] > 0)));
-      any |= is_passed[l];
+    double* const last = last_pivots_.data() + g * W;
+    if (!has_pivots_) std::copy_n(reciprocal, W, last);
+    std::int64_t any = 0;
+    for (std::size_t l = 0; l < W; ++l)
+      any |= std::abs(reciprocal[l]) <= std::abs(limit[l]) && reciprocal[l] * last[l] > 0 ? 0 : 1;
+    for (std::size_t l = 0; any != 0 && l < W; ++l) {
+      const bool is_regular = std::abs(reciprocal[l]) <= std::abs(limit[l]) && reciprocal[l] * last[l] > 0;
+      if (is_regular || stops[l] != StopReason::none) continue;
+      const bool is_mass = g >= programs_.constraint_pivots.size();
+      stops[l] = is_mass ? StopReason::massless : StopReason::singular;
     }
-    if (any == 0) continue;
-    for (std::size_t l = 0; l < W; ++l) {
-      if (is_passed[l] != 0 && stops[l] == StopReason::none) stops[l] = is_mass ? StopReason::massless : StopReason::singular;
-    }
+    std::copy_n(reciprocal, W, last);
   }
+  has_pivots_ = true;
 }
 
 BlockSteps::Numbers BlockSteps::largest(int first, int count, double least) {
@@ -215,6 +216,7 @@ void BlockSteps::close_velocities(Stops& stops) {
 void BlockSteps::step(double time, const double* limits, Stops& stops) {
   lanes::run(begin_, memory_);
   evaluate(time);
+  if (!has_pivots_) check_pivots(limits, stops);
   lanes::run(first_, memory_);
   evaluate(time + 0.5 * step_);
   lanes::run(middle_, memory_);

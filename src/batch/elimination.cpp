@@ -4,7 +4,9 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Dense>
 #include <cmath>
+#include <limits>
 #include <random>
+#include <utility>
 
 namespace gelenk {
 namespace {
@@ -12,9 +14,12 @@ namespace {
 using recording::Recorded;
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-constexpr int tried = 6;             // positions: at a singular one, such as the start may be, the rank is smaller
-constexpr double dependent = 1e-7;   // what is left of an equation of size 1 that follows from others
-constexpr double neighborhood = 0.1;  // rad or m
+constexpr double dependent = 1e-7;  // what is left of an equation of size 1 that follows from others
+// How far positions at which pivots are compared are from the start [rad or m]: that may be a singular one, or near it,
+// with pivots that are small or vanish.
+constexpr double neighborhoods[] = {0, 0.05, 0.05, 0.05, 0.2, 0.2, 0.2, 0.8, 0.8, 0.8};
+// Pivots of another position are chosen if the smallest is so many times that of the first ones.
+constexpr double much_larger = 10;
 
 Recorded at(const SceneEquations& of, const std::vector<expression::Term>& matrix, int row, int column) {
   const std::size_t n = of.v.size();
@@ -63,37 +68,79 @@ bool close(const TracedScene& scene, const std::vector<double>& v, const std::ve
 
 }  // namespace
 
+namespace {
+
+// A position, and the Jacobian there, of velocities and equations of size 1.
+struct Sample {
+  std::vector<double> q;
+  RowMajor J;
+};
+
+RowMajor scaled(const EquationValues& values, std::size_t nv) {
+  const RowMajor M = matrix(values.M, nv);
+  RowMajor J = matrix(values.J, nv);
+  for (Eigen::Index c = 0; c < J.cols(); ++c) J.col(c) /= M(c, c) > 0 ? std::sqrt(M(c, c)) : 1;
+  const double largest_row = J.cwiseAbs().maxCoeff();
+  for (Eigen::Index r = 0; r < J.rows(); ++r) {
+    const double size = J.row(r).cwiseAbs().maxCoeff();
+    J.row(r) /= size > dependent * largest_row ? size : largest_row;
+  }
+  return J;
+}
+
+// The start, if it closes, and positions around it.
+std::vector<Sample> samples(const TracedScene& scene, const std::vector<double>& start, const std::vector<double>& u) {
+  const std::vector<double> rest(scene.equations().v.size(), 0);
+  std::mt19937 random(1);  // its numbers are the same everywhere, those of distributions are not
+  std::vector<Sample> out;
+  for (const double around : neighborhoods) {
+    std::vector<double> q = start;
+    for (double& x : q) x += around * (2 * static_cast<double>(random()) / static_cast<double>(std::mt19937::max()) - 1);
+    if (close(scene, rest, u, q)) out.push_back({q, scaled(scene.values(q, rest, u), rest.size())});
+  }
+  return out;
+}
+
+// The smallest pivot of these, in this order; 0 if one vanishes.
+double smallest_pivot(RowMajor J, const Pivots& pivots) {
+  double out = std::numeric_limits<double>::infinity();
+  for (std::size_t n = 0; n < pivots.rows.size(); ++n) {
+    const double pivot = J(pivots.rows[n], pivots.columns[n]);
+    out = std::min(out, std::abs(pivot));
+    if (!(out > 0)) return 0;
+    const Eigen::RowVectorXd row = J.row(pivots.rows[n]) / pivot;
+    for (std::size_t k = n + 1; k < pivots.rows.size(); ++k)
+      J.row(pivots.rows[k]) -= J(pivots.rows[k], pivots.columns[n]) * row;
+  }
+  return out;
+}
+
+}  // namespace
+
 Pivots choose_pivots(const TracedScene& scene) {
   const SceneEquations& equations = scene.equations();
-  std::vector<double> start;
-  std::vector<double> u;
-  for (const EquationArgument& of : equations.q) start.push_back(of.start);
-  for (const EquationArgument& of : equations.u) u.push_back(of.start);
-  const std::vector<double> rest(equations.v.size(), 0);
   Pivots out;
-  out.q = start;
-  out.u = u;
+  for (const EquationArgument& of : equations.q) out.q.push_back(of.start);
+  for (const EquationArgument& of : equations.u) out.u.push_back(of.start);
   if (equations.rows.empty()) return out;
-  std::mt19937 random(1);  // its numbers are the same everywhere, but not those of distributions
-  for (int k = 0; k < tried; ++k) {
-    std::vector<double> q = start;
-    for (double& x : q)
-      x += k == 0 ? 0 : neighborhood * (static_cast<double>(random()) / static_cast<double>(std::mt19937::max()) - 0.5);
-    if (!close(scene, rest, u, q)) continue;
-    const EquationValues values = scene.values(q, rest, u);
-    const RowMajor M = matrix(values.M, rest.size());
-    RowMajor J = matrix(values.J, rest.size());
-    for (Eigen::Index c = 0; c < J.cols(); ++c) J.col(c) /= M(c, c) > 0 ? std::sqrt(M(c, c)) : 1;
-    const double largest_row = J.cwiseAbs().maxCoeff();
-    for (Eigen::Index r = 0; r < J.rows(); ++r) {
-      const double size = J.row(r).cwiseAbs().maxCoeff();
-      J.row(r) /= size > dependent * largest_row ? size : largest_row;
-    }
-    Pivots found = largest(J);
-    if (found.rows.size() <= out.rows.size()) continue;
-    found.q = q;
-    found.u = u;
-    out = found;
+  const std::vector<Sample> found = samples(scene, out.q, out.u);
+  double smallest = 0;
+  for (const Sample& at : found) {
+    Pivots here = largest(at.J);
+    const double size = smallest_pivot(at.J, here);
+    const bool has_more = here.rows.size() > out.rows.size();
+    if (!has_more && (here.rows.size() < out.rows.size() || size < much_larger * smallest)) continue;
+    smallest = size;
+    out.rows = std::move(here.rows);
+    out.columns = std::move(here.columns);
+  }
+  // Their usual size is that where the smallest is largest.
+  double best = 0;
+  for (const Sample& at : found) {
+    const double size = smallest_pivot(at.J, out);
+    if (size <= best) continue;
+    best = size;
+    out.q = at.q;
   }
   return out;
 }

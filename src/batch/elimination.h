@@ -16,10 +16,10 @@ namespace gelenk {
 // Constraint equations and the velocities that are eliminated by them, in this order.
 struct Pivots {
   std::vector<int> rows, columns;
-  std::vector<double> q, u;  // where they were chosen
+  std::vector<double> q, u;  // where they have their usual size
 };
 
-// Of the largest size at the start, if the constraint equations have their full rank there, otherwise nearby.
+// Of the largest size at the start, if it is a regular position, otherwise nearby.
 Pivots choose_pivots(const TracedScene& scene);
 
 class Elimination {

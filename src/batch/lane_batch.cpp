@@ -201,6 +201,7 @@ LaneBatch::Expected LaneBatch::expected(const TracedScene& scene) {
   const auto n = static_cast<Eigen::Index>(equations.v.size());
   Eigen::VectorXd v(n);
   for (Eigen::Index k = 0; k < n; ++k) v[k] = 0.3 + 0.37 * static_cast<double>(k % 5) - 0.11 * static_cast<double>(k % 7);
+  const double speed = v.lpNorm<Eigen::Infinity>();
   const auto as_list = [&] { return std::vector<double>(v.begin(), v.end()); };
   using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   if (!equations.rows.empty()) {
@@ -209,7 +210,7 @@ LaneBatch::Expected LaneBatch::expected(const TracedScene& scene) {
     v -= J.completeOrthogonalDecomposition().solve(J * v);
   }
   const EquationValues values = scene.values(q, as_list(), u);
-  Expected out{as_list(), values.vdot, 0};
+  Expected out{as_list(), values.vdot, speed * speed};
   for (std::size_t k = 0; k < out.vdot.size(); ++k) {
     const double mass = values.M[k * out.vdot.size() + k];
     out.size = std::max({out.size, std::abs(out.vdot[k]), mass > 0 ? std::abs(values.h[k] / mass) : 0});
