@@ -33,13 +33,14 @@ class BlockSteps {
   // Rates at the state in its slots.
   void evaluate(double time);
   // Reciprocals of pivots, of which those of a lane in a regular position are at most `limits`; see limits_of().
-  int guards() const { return static_cast<int>(guards_.size()); }
-  // limits: guards() times lanes, from the last evaluation.
+  // limits: by guard, by lane, from the last evaluation.
   void limits_of(double* limits);
   // Of the last evaluation. A pivot that has changed its sign since the one before has vanished between them.
   void check_pivots(const double* limits, Stops& stops);
   // Makes a step. Lanes with a reason in `stops` remain where they are, and so do those that get one.
   void step(double time, const double* limits, Stops& stops);
+  // By lane: the guard that has stopped it.
+  const std::array<int, lanes>& broken() const { return broken_; }
   // Evaluations of a block for projections.
   long renewals() const { return renewals_; }
 
@@ -60,8 +61,8 @@ class BlockSteps {
   std::vector<double> storage_, kept_;
   double* memory_;
   std::vector<lanes::Instruction> begin_, first_, middle_, third_, last_;  // of the stages
-  std::vector<int> guards_;                                                // slots
   std::vector<double> last_pivots_;                                        // reciprocals when they were checked
+  std::array<int, lanes> broken_{};
   double time_ = 0;
   bool has_gaps_ = false;    // whether `gaps` has run at the present state
   bool has_pivots_ = false;  // whether pivots have been checked since the state was written

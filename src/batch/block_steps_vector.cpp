@@ -59,9 +59,7 @@ BlockSteps::BlockSteps(const StepPrograms& programs, double length, double step)
     third_.push_back(scaled_sum(y, step, rate, before));
   });
   each([&](int y, int, int before, int sum) { last_.push_back(scaled_sum(y, step / 6, sum, before)); });
-  guards_ = programs.constraint_pivots;
-  guards_.insert(guards_.end(), programs.mass_pivots.begin(), programs.mass_pivots.end());
-  last_pivots_.resize(guards_.size() * W);
+  last_pivots_.resize(programs.guards.size() * W);
 }
 
 void BlockSteps::evaluate(double time) {
@@ -72,16 +70,16 @@ void BlockSteps::evaluate(double time) {
 }
 
 void BlockSteps::limits_of(double* limits) {
-  for (std::size_t g = 0; g < guards_.size(); ++g) {
-    const double least = g < programs_.constraint_pivots.size() ? least_constraint_pivot : least_mass_pivot;
-    const double* const reciprocal = slot(guards_[g]);
+  for (std::size_t g = 0; g < programs_.guards.size(); ++g) {
+    const double least = programs_.guards[g].is_mass ? least_mass_pivot : least_constraint_pivot;
+    const double* const reciprocal = slot(programs_.guards[g].slot);
     for (int l = 0; l < W; ++l) limits[g * W + static_cast<std::size_t>(l)] = reciprocal[l] / least;
   }
 }
 
 void BlockSteps::check_pivots(const double* limits, Stops& stops) {
-  for (std::size_t g = 0; g < guards_.size(); ++g) {
-    const double* const reciprocal = slot(guards_[g]);
+  for (std::size_t g = 0; g < programs_.guards.size(); ++g) {
+    const double* const reciprocal = slot(programs_.guards[g].slot);
     const double* const limit = limits + g * W;
     double* const last = last_pivots_.data() + g * W;
     if (!has_pivots_) std::copy_n(reciprocal, W, last);
@@ -91,8 +89,8 @@ void BlockSteps::check_pivots(const double* limits, Stops& stops) {
     for (std::size_t l = 0; any != 0 && l < W; ++l) {
       const bool is_regular = std::abs(reciprocal[l]) <= std::abs(limit[l]) && reciprocal[l] * last[l] > 0;
       if (is_regular || stops[l] != StopReason::none) continue;
-      const bool is_mass = g >= programs_.constraint_pivots.size();
-      stops[l] = is_mass ? StopReason::massless : StopReason::singular;
+      stops[l] = programs_.guards[g].is_mass ? StopReason::massless : StopReason::singular;
+      broken_[l] = static_cast<int>(g);
     }
     std::copy_n(reciprocal, W, last);
   }

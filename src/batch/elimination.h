@@ -35,6 +35,8 @@ class Elimination {
   // The reciprocals of the pivots of J, and of those of the reduced mass matrix.
   const Numbers& reciprocal_pivots() const { return reciprocal_; }
   const Numbers& reciprocal_masses() const { return reciprocal_mass_; }
+  // The independent velocities, in the order of these.
+  const std::vector<int>& free() const { return free_; }
 
  private:
   using Matrix = std::vector<Numbers>;

@@ -32,6 +32,20 @@ Scene with(const Scene& scene, const std::vector<Parameter>& table, const std::v
   return checked(out);
 }
 
+// What is 0, such as a damping, is left out of the equations. To have those in which it may be any number, it is so small
+// instead that it has no effect.
+std::vector<double> without_zeros(std::vector<double> values) {
+  constexpr double tiny = 1e-200;
+  for (double& value : values) value = value == 0 ? tiny : value;
+  return values;
+}
+
+std::vector<double> values_of(const Scene& scene, const std::vector<Parameter>& table) {
+  std::vector<double> out;
+  for (const Parameter& parameter : table) out.push_back(parameter.get(scene));
+  return out;
+}
+
 // The parameters with these names, in this order.
 std::vector<Parameter> named(const Scene& scene, const std::vector<std::string>& names) {
   const std::vector<Parameter> all = scene_parameters(scene);
@@ -68,15 +82,21 @@ LaneBatch::LaneBatch(const Scene& scene, int lanes, double step, const std::vect
       parameters_(parameters),
       first_(std::make_unique<NumberedScene>(numbered(scene))) {
   refuse_unsuited(scene, equations());
+  const std::vector<Parameter> table = named(scene_, parameters_);
   const std::vector<double> varied = parameters.empty() ? first_->numbers : changed_numbers();
+  Scene recorded = scene;
+  if (varied.size() != first_->numbers.size()) {
+    recorded = with(scene, table, without_zeros(values_of(scene, table)));
+    *first_ = numbered(recorded);
+  }
   if (varied.size() != first_->numbers.size())
-    throw SceneError({prefix_of(scene) + "the parameters change more than numbers of the equations"});
+    throw SceneError({prefix_of(scene) + "the parameters change more than numbers of the equations of motion"});
   varied_ = std::make_unique<VariedNumbers>(first_->numbers, varied);
   pivots_ = choose_pivots(*first_->scene);
   const std::vector<double> numbers = first_->numbers;
   {
     const recording::NumberList list(varied_->variables());
-    first_->scene = std::make_unique<TracedScene>(scene);
+    first_->scene = std::make_unique<TracedScene>(recorded);
   }
   programs_ = std::make_unique<StepPrograms>(equations(), pivots_, varied_->count());
   if (programs_->operations() > most_operations)
@@ -92,7 +112,7 @@ LaneBatch::LaneBatch(const Scene& scene, int lanes, double step, const std::vect
   blocks_.resize(static_cast<std::size_t>(stride_ / W));
   for (Block& block : blocks_) {
     block.constants.resize(static_cast<std::size_t>(programs_->constants) * W);
-    block.limits.resize((programs_->constraint_pivots.size() + programs_->mass_pivots.size()) * W);
+    block.limits.resize(programs_->guards.size() * W);
   }
   for (int k = 0; k < programs_->inputs; ++k)
     std::fill_n(input_.data() + static_cast<std::ptrdiff_t>(k) * stride_, stride_,
@@ -150,9 +170,13 @@ void LaneBatch::set(const std::vector<std::vector<double>>& values) {
     }
     for (std::size_t k = 0; k < own.size(); ++k) own[k] = is_same ? table[k].get(scene_) : values[k][lane];
     try {
-      const NumberedScene scene = numbered(with(scene_, table, own));
-      number_lane(lane, scene);
+      NumberedScene scene = numbered(with(scene_, table, own));
       expected[lane] = LaneBatch::expected(*scene.scene);
+      if (!number_lane(lane, scene)) {
+        scene = numbered(with(scene_, table, without_zeros(own)));
+        if (!number_lane(lane, scene))
+          throw SceneError({"its parameters change more than numbers of the equations of motion"});
+      }
     } catch (const std::invalid_argument& e) {
       throw UsageError(in_lane(lane) + e.what());
     } catch (const SceneError& e) {
@@ -172,11 +196,9 @@ void LaneBatch::set(const std::vector<std::vector<double>>& values) {
   reset();
 }
 
-void LaneBatch::number_lane(std::size_t lane, const NumberedScene& scene) {
+bool LaneBatch::number_lane(std::size_t lane, const NumberedScene& scene) {
   std::vector<double> values(static_cast<std::size_t>(varied_->count()));
-  if (!varied_->find(scene.numbers, values.data()))
-    throw SceneError({"its parameters change more in the equations than those that may vary, as a zero does that is a "
-                      "structural one elsewhere"});
+  if (!varied_->find(scene.numbers, values.data())) return false;
   const auto put = [&](std::vector<double>& rows, std::size_t row, double value) {
     rows[row * static_cast<std::size_t>(stride_) + lane] = value;
   };
@@ -188,6 +210,7 @@ void LaneBatch::number_lane(std::size_t lane, const NumberedScene& scene) {
   }
   const std::size_t first = of.u.size() - of.states.size();
   for (std::size_t k = 0; k < of.states.size(); ++k) put(start_, row++, of.u[first + k].start);
+  return true;
 }
 
 // In motion: at rest, many terms vanish. Velocities that contradict constraint equations would make redundant ones
@@ -282,6 +305,13 @@ void LaneBatch::reset() {
   for (Block& block : blocks_) block.stops.fill(StopReason::none);
 }
 
+std::string LaneBatch::name_of_guard(const BlockSteps& steps, std::size_t lane, StopReason stop) const {
+  if (stop != StopReason::singular && stop != StopReason::massless) return {};
+  const StepPrograms::Guard& guard = programs_->guards[static_cast<std::size_t>(steps.broken()[lane])];
+  const auto of = static_cast<std::size_t>(guard.of);
+  return guard.is_mass ? equations().v[of].name : equations().rows[of];
+}
+
 void LaneBatch::advance_block(BlockSteps& steps, std::size_t block, long count, std::vector<LaneStop>& stopped) {
   load(steps, block);
   BlockSteps::Stops& stops = blocks_[block].stops;
@@ -292,7 +322,7 @@ void LaneBatch::advance_block(BlockSteps& steps, std::size_t block, long count, 
     if (stops == before) continue;
     for (std::size_t l = 0; l < W; ++l) {
       const int lane = static_cast<int>(block * W + l);
-      if (stops[l] != before[l] && lane < lanes_) stopped.push_back({lane, time, stops[l]});
+      if (stops[l] != before[l] && lane < lanes_) stopped.push_back({lane, time, stops[l], name_of_guard(steps, l, stops[l])});
     }
   }
   int slot = programs_->slots.y;
@@ -329,10 +359,10 @@ void LaneBatch::advance(long count, int threads) {
 std::string LaneStop::text() const {
   switch (stop) {
     case StopReason::singular:
-      return "near a singular configuration, which lanes do not pass: a pivot of the constraint equations has fallen "
-             "below 0.03 of its size where they were recorded";
+      return of + ": near a singular configuration, which lanes do not pass: the pivot of a constraint equation is less "
+                  "than 0.03 of its usual size, or has changed its sign";
     case StopReason::massless:
-      return "a mass as seen from a joint vanishes";
+      return of + ": the mass that this velocity moves vanishes";
     case StopReason::open:
       return "constraint projection did not converge";
     default:

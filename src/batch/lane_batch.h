@@ -17,6 +17,7 @@ struct LaneStop {
   int lane = 0;
   double time = 0;  // at which it remains [s]
   StopReason stop = StopReason::none;
+  std::string of;  // the constraint, or the velocity of the mass
 
   std::string text() const;
 };
@@ -69,9 +70,10 @@ class LaneBatch {
   Scene changed() const;
   std::vector<double> changed_numbers() const;
   static Expected expected(const TracedScene& scene);
-  void number_lane(std::size_t lane, const NumberedScene& scene);
+  bool number_lane(std::size_t lane, const NumberedScene& scene);  // whether it is like the recorded one
   void prepare_blocks(const std::vector<Expected>& expected);
   void check_lane(BlockSteps& steps, std::size_t lane, const Expected& expected) const;
+  std::string name_of_guard(const BlockSteps& steps, std::size_t lane, StopReason stop) const;
   void load(BlockSteps& steps, std::size_t block) const;
   void advance_block(BlockSteps& steps, std::size_t block, long count, std::vector<LaneStop>& stopped);
 

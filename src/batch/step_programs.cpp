@@ -219,16 +219,15 @@ StepPrograms::StepPrograms(const SceneEquations& equations, const Pivots& pivots
     if (equations.q[k].name.ends_with(".Q[1]")) quaternions.push_back(static_cast<int>(k));
   }
 
-  const auto find_pivots = [&](const Elimination::Numbers& of) {
-    std::vector<int> out;
-    for (const Term term : terms(of)) {
-      const auto found = std::ranges::find(needed, term);
-      if (found != needed.end()) out.push_back(slots.factors + static_cast<int>(found - needed.begin()));
+  const auto guard = [&](const Elimination::Numbers& reciprocals, bool is_mass, const std::vector<int>& of) {
+    for (std::size_t k = 0; k < reciprocals.size(); ++k) {
+      const auto found = std::ranges::find(needed, reciprocals[k].term());
+      if (found != needed.end())
+        guards.push_back({slots.factors + static_cast<int>(found - needed.begin()), is_mass, of[k]});
     }
-    return out;
   };
-  constraint_pivots = find_pivots(elimination.reciprocal_pivots());
-  mass_pivots = find_pivots(elimination.reciprocal_masses());
+  guard(elimination.reciprocal_pivots(), false, pivots.rows);
+  guard(elimination.reciprocal_masses(), true, elimination.free());
   for (lanes::Program* program : {&prepare, &evaluate, &evaluate_closed, &gaps, &gap_rates, &displace, &move})
     program->place_temporaries(frame);
 }

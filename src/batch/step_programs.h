@@ -48,8 +48,13 @@ struct StepPrograms {
   lanes::Program displace;      // displacement, from Phi and the factors
   lanes::Program move;          // moved
 
-  // Reciprocals of pivots, among the factors: those of the constraint equations, and of masses.
-  std::vector<int> constraint_pivots, mass_pivots;
+  // The reciprocal of a pivot that varies, among the factors.
+  struct Guard {
+    int slot = 0;
+    bool is_mass = false;
+    int of = 0;  // constraint equation, or velocity of a mass
+  };
+  std::vector<Guard> guards;
 
   int size() const { return nq + nv + states; }
   // Instructions of an evaluation.
