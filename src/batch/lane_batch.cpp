@@ -6,6 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 #include <thread>
+#include <tuple>
 #include <utility>
 
 #include "recording/recorded.h"
@@ -19,8 +20,8 @@ namespace {
 
 constexpr int W = BlockSteps::lanes;
 
-// Beyond it, slots leave the second cache, and recording takes longer than most runs.
-constexpr int most_operations = 60'000;
+// Operations grow with the cube of their number; beyond it, recording takes longer than most runs.
+constexpr std::size_t most_velocities = 64;
 
 std::string prefix_of(const Scene& scene) { return (scene.file.empty() ? scene.name : scene.file) + ": "; }
 
@@ -66,6 +67,10 @@ void refuse_unsuited(const Scene& scene, const SceneEquations& equations) {
   for (const std::string& note : equations.notes) faults.push_back(prefix_of(scene) + note + " Lanes need equations that hold everywhere.");
   for (const std::string& name : equations.prescribed)
     faults.push_back(prefix_of(scene) + name + ": found a prescribed motion, expected forces and motors only");
+  if (equations.v.size() > most_velocities)
+    faults.push_back(prefix_of(scene) + "found " + std::to_string(equations.v.size()) +
+                     " velocities of joints, expected at most " + std::to_string(most_velocities) +
+                     "; gelenk.sweep runs mechanisms of any size");
   if (equations.has_kinks)
     faults.push_back(prefix_of(scene) +
                      "found expressions with branches (abs, min, if, ...), at which steps end; lanes step together");
@@ -99,10 +104,6 @@ LaneBatch::LaneBatch(const Scene& scene, int lanes, double step, const std::vect
     first_->scene = std::make_unique<TracedScene>(recorded);
   }
   programs_ = std::make_unique<StepPrograms>(equations(), pivots_, varied_->count());
-  if (programs_->operations() > most_operations)
-    throw SceneError({prefix_of(scene) + "found " + std::to_string(programs_->operations()) +
-                      " operations in an evaluation of the equations of motion, expected at most " +
-                      std::to_string(most_operations) + "; gelenk.sweep runs mechanisms of any size"});
   const auto rows = [&](int count) {
     return std::vector<double>(static_cast<std::size_t>(count) * static_cast<std::size_t>(stride_));
   };
@@ -155,6 +156,17 @@ std::vector<double> LaneBatch::changed_numbers() const {
 }
 
 void LaneBatch::set(const std::vector<std::vector<double>>& values) {
+  const auto before = std::tuple(numbers_, start_, state_, blocks_);
+  try {
+    change(values);
+  } catch (...) {
+    std::tie(numbers_, start_, state_, blocks_) = before;
+    throw;
+  }
+  reset();
+}
+
+void LaneBatch::change(const std::vector<std::vector<double>>& values) {
   const std::vector<Parameter> table = named(scene_, parameters_);
   const bool is_same = values.empty();
   const auto count = static_cast<std::size_t>(lanes_);
@@ -193,7 +205,6 @@ void LaneBatch::set(const std::vector<std::vector<double>>& values) {
       std::fill(rows->data() + i + count, rows->data() + i + stride_, (*rows)[i + count - 1]);
   }
   prepare_blocks(expected);
-  reset();
 }
 
 bool LaneBatch::number_lane(std::size_t lane, const NumberedScene& scene) {

@@ -29,7 +29,7 @@ class LaneBatch {
   LaneBatch(const Scene& scene, int lanes, double step, const std::vector<std::string>& parameters);
 
   // values: by parameter, by lane. Puts all lanes to their starts. Throws SceneError or AssemblyError, with the number
-  // of the lane; the batch is then to be set again.
+  // of the lane; the batch is then as it was.
   void set(const std::vector<std::vector<double>>& values);
   // Puts lanes to their starts, at time 0 of the batch.
   void reset();
@@ -67,6 +67,7 @@ class LaneBatch {
   };
 
   const SceneEquations& equations() const { return first_->scene->equations(); }
+  void change(const std::vector<std::vector<double>>& values);
   Scene changed() const;
   std::vector<double> changed_numbers() const;
   static Expected expected(const TracedScene& scene);

@@ -117,7 +117,7 @@ class Batch:
             UsageError: a name is not among those that may vary, an array has another shape, or a value is
                 outside of its bounds.
             SceneError, AssemblyError: the values of an instance, which is named, contradict each other, or
-                its loops cannot be closed. The batch is then to be set again.
+                its loops cannot be closed. The batch is then as it was.
         """
         given = dict(self._values)
         for name, of in values.items():
