@@ -9,6 +9,7 @@ NB_MODULE(native_units, m) {
   native::bind_expressions(m);
   native::bind_factors(m);
   native::bind_files(m);
+  native::bind_lanes(m);
   native::bind_laws(m);
   native::bind_rotations(m);
   native::bind_shapes(m);

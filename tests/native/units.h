@@ -24,6 +24,7 @@ void bind_descent(nanobind::module_& m);
 void bind_expressions(nanobind::module_& m);
 void bind_factors(nanobind::module_& m);
 void bind_files(nanobind::module_& m);
+void bind_lanes(nanobind::module_& m);
 void bind_laws(nanobind::module_& m);
 void bind_rotations(nanobind::module_& m);
 void bind_shapes(nanobind::module_& m);
