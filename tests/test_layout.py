@@ -13,7 +13,7 @@ ROOT = Path(__file__).resolve().parent.parent
 
 # What a room may include of ours: itself and these.
 BELOW: dict[str, set[str]] = {"util": set(), "math": set(), "linear": set(), "expression": {"util", "math"}}
-BELOW["field"] = BELOW["recording"] = {"expression", *BELOW["expression"]}
+BELOW["field"] = BELOW["recording"] = BELOW["lanes"] = {"expression", *BELOW["expression"]}
 BELOW["shape"] = {"field", "math", *BELOW["field"]}
 BELOW["collision"] = {"shape", *BELOW["shape"]}
 BELOW["joint"] = {"field", "math", *BELOW["field"]}
@@ -46,8 +46,8 @@ BELOW["fmu/export"] = {"modelDescription", "scene_schema", "inspection", *BELOW[
 BELOW["fmu"] = {"fmu/runtime", *BELOW["fmu/runtime"]}
 BELOW["fmu/fmi2"] = BELOW["fmu/fmi3"] = {"fmu", *BELOW["fmu"]}
 BELOW["equations"] = {"recording", "simulation", *BELOW["simulation"]}
-BELOW["bindings"] = {"scene_schema", "inspection", "runs", "fmu/runtime", "fmu/export", "equations"}
-BELOW["bindings"] |= {"recording", "modelDescription", *BELOW["modelDescription"]}
+BELOW["batch"] = {"equations", "lanes", "scene_file", *BELOW["equations"], *BELOW["scene_file"]}
+BELOW["bindings"] = {"fmu/runtime", "fmu/export", "runs", "batch"} | BELOW["fmu/export"] | BELOW["batch"]
 
 FOLDERS = {room: ROOT / "src" / room for room in BELOW} | {
     **{room: ROOT / room for room in BELOW if room.startswith(("fmu", "model"))},
@@ -136,7 +136,7 @@ PACKAGE = ROOT / "python" / "gelenk"
 # What a package of Python, or a module beside the packages, may import of ours: itself, other modules beside
 # them, and these packages. Modules that are not listed may import none.
 IMPORTS: dict[str, set[str]] = {"model": set()}
-IMPORTS["viewer"] = IMPORTS["symbolic"] = {"model"}
+IMPORTS["viewer"] = IMPORTS["symbolic"] = IMPORTS["batches"] = {"model"}
 IMPORTS["simulation"] = {"model", "viewer"}
 for package in ("sweeps", "gradients", "learning", "io", "linear"):
     IMPORTS[package] = {"simulation", *IMPORTS["simulation"]}

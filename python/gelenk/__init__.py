@@ -7,8 +7,9 @@
 >>> fmu = gelenk.export_fmu(scene, "FourBar.fmu")
 
 Packages: `model` (scenes), `io` (URDF import, FMU export), `simulation`, `linear` (linear models), `modal`
-(modes of vibration), `equilibria`, `sweeps` (many runs), `batches` (many instances stepped together),
-`gradients` (derivatives of runs, fits, designs), `learning`, `chart` (work-precision diagrams), `cli`; each is imported at first use.
+(modes of vibration), `equilibria`, `sweeps` (many runs), `batches` (instances that step together),
+`gradients` (derivatives of runs, fits, designs), `learning`, `chart` (work-precision diagrams), `cli`; each is
+imported at first use.
 """
 
 from __future__ import annotations

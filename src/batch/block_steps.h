@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Steps of a block of lanes: the Runge-Kutta method of order 4, then projection onto the constraints with the factors of
-// its last stage, as integrator/rk4.cpp and formulation/constraint_projector.cpp do it for one. Lanes differ in how many
-// corrections they need: those that need none are not changed by what the others do.
+// Steps of a block of lanes: the Runge-Kutta method of order 4, then projection onto the constraints with the factors
+// of its last stage, as integrator/rk4.cpp and formulation/constraint_projector.cpp do it for one. Lanes differ in how
+// many corrections they need: those that need none are not changed by what the others do.
 #pragma once
 
 #include <array>

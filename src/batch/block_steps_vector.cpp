@@ -45,13 +45,16 @@ BlockSteps::BlockSteps(const StepPrograms& programs, double length, double step)
   for (const auto& [number, value] : programs.frame.constants()) std::fill_n(slot(number), W, value);
   const StepSlots& at = programs.slots;
   const auto each = [&](auto add) {
-    for (int i = 0; i < programs.size(); ++i) add(at.y + i, programs.rate_slots[static_cast<std::size_t>(i)], at.before + i, at.sum + i);
+    for (int i = 0; i < programs.size(); ++i)
+      add(at.y + i, programs.rate_slots[static_cast<std::size_t>(i)], at.before + i, at.sum + i);
   };
   // The rates of coordinates may be velocities: these are changed last.
   each([&](int y, int, int before, int) { begin_.push_back(copied(before, y)); });
   each([&](int, int rate, int, int sum) { first_.push_back(copied(sum, rate)); });
   each([&](int, int rate, int, int sum) { middle_.push_back(scaled_sum(sum, 2, rate, sum)); });
-  each([&](int, int rate, int, int sum) { last_.push_back({.code = lanes::Code::add, .to = sum, .a = sum, .b = rate}); });
+  each([&](int, int rate, int, int sum) {
+    last_.push_back({.code = lanes::Code::add, .to = sum, .a = sum, .b = rate});
+  });
   third_ = middle_;
   each([&](int y, int rate, int before, int) {
     first_.push_back(scaled_sum(y, 0.5 * step, rate, before));

@@ -95,7 +95,8 @@ std::vector<Sample> samples(const TracedScene& scene, const std::vector<double>&
   std::vector<Sample> out;
   for (const double around : neighborhoods) {
     std::vector<double> q = start;
-    for (double& x : q) x += around * (2 * static_cast<double>(random()) / static_cast<double>(std::mt19937::max()) - 1);
+    for (double& x : q)
+      x += around * (2 * static_cast<double>(random()) / static_cast<double>(std::mt19937::max()) - 1);
     if (close(scene, rest, u, q)) out.push_back({q, scaled(scene.values(q, rest, u), rest.size())});
   }
   return out;
@@ -195,8 +196,7 @@ void Elimination::factorize_mass(const SceneEquations& equations) {
     for (std::size_t j = 0; j <= i; ++j) {
       Recorded& entry = L_[i][j];
       entry = M(free_[i], free_[j]);
-      for (std::size_t k = 0; k < n; ++k)
-        entry += T_[k][i] * M(pivots_.columns[k], free_[j]) + TM_d_[i][k] * T_[k][j];
+      for (std::size_t k = 0; k < n; ++k) entry += T_[k][i] * M(pivots_.columns[k], free_[j]) + TM_d_[i][k] * T_[k][j];
     }
   }
   reciprocal_mass_.resize(f);

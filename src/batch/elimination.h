@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The accelerations of a scene, as expressions. Velocities are divided into dependent ones, as many as there are
-// independent constraint equations, and independent ones: v_d = -J_d^-1 J_i v_i + ..., with pivots that are chosen where
-// the equations are recorded and remain the same. The null space of J is used rather than (J M^-1 J^T)^-1: it needs fewer
-// operations, is more accurate, and right where equations are redundant.
+// independent constraint equations, and independent ones: v_d = -J_d^-1 J_i v_i + ..., with pivots that are chosen
+// where the equations are recorded and remain the same. The null space of J is used rather than (J M^-1 J^T)^-1: it
+// needs fewer operations, is more accurate, and right where equations are redundant.
 #pragma once
 
 #include <utility>
@@ -50,10 +50,10 @@ class Elimination {
   Pivots pivots_;
   std::vector<int> free_;  // the independent velocities
   int nv_;
-  Matrix LU_;      // of J_d
-  Matrix T_;       // dependent by independent
-  Matrix TM_d_;    // T^T M, columns of dependent velocities
-  Matrix L_;       // of T^T M T = L^T D L
+  Matrix LU_;    // of J_d
+  Matrix T_;     // dependent by independent
+  Matrix TM_d_;  // T^T M, columns of dependent velocities
+  Matrix L_;     // of T^T M T = L^T D L
   Numbers reciprocal_, reciprocal_mass_;
 };
 

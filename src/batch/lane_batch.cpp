@@ -18,7 +18,7 @@
 namespace gelenk {
 namespace {
 
-constexpr int W = BlockSteps::lanes;
+constexpr int block_lanes = BlockSteps::lanes;
 
 // Operations grow with the cube of their number; beyond it, recording takes longer than most runs.
 constexpr std::size_t most_velocities = 64;
@@ -33,8 +33,8 @@ Scene with(const Scene& scene, const std::vector<Parameter>& table, const std::v
   return checked(out);
 }
 
-// What is 0, such as a damping, is left out of the equations. To have those in which it may be any number, it is so small
-// instead that it has no effect.
+// What is 0, such as a damping, is left out of the equations. To have those in which it may be any number, it is so
+// small instead that it has no effect.
 std::vector<double> without_zeros(std::vector<double> values) {
   constexpr double tiny = 1e-200;
   for (double& value : values) value = value == 0 ? tiny : value;
@@ -64,7 +64,8 @@ std::vector<Parameter> named(const Scene& scene, const std::vector<std::string>&
 // What no lane can do, in the names of the scene.
 void refuse_unsuited(const Scene& scene, const SceneEquations& equations) {
   std::vector<std::string> faults;
-  for (const std::string& note : equations.notes) faults.push_back(prefix_of(scene) + note + " Lanes need equations that hold everywhere.");
+  for (const std::string& note : equations.notes)
+    faults.push_back(prefix_of(scene) + note + " Lanes need equations that hold everywhere.");
   for (const std::string& name : equations.prescribed)
     faults.push_back(prefix_of(scene) + name + ": found a prescribed motion, expected forces and motors only");
   if (equations.v.size() > most_velocities)
@@ -82,7 +83,7 @@ void refuse_unsuited(const Scene& scene, const SceneEquations& equations) {
 LaneBatch::LaneBatch(const Scene& scene, int lanes, double step, const std::vector<std::string>& parameters)
     : scene_(scene),
       lanes_(lanes),
-      stride_((lanes + W - 1) / W * W),
+      stride_((lanes + block_lanes - 1) / block_lanes * block_lanes),
       step_(step),
       parameters_(parameters),
       first_(std::make_unique<NumberedScene>(numbered(scene))) {
@@ -110,10 +111,10 @@ LaneBatch::LaneBatch(const Scene& scene, int lanes, double step, const std::vect
   state_ = start_ = rows(programs_->size());
   input_ = rows(programs_->inputs);
   numbers_ = rows(varied_->count());
-  blocks_.resize(static_cast<std::size_t>(stride_ / W));
+  blocks_.resize(static_cast<std::size_t>(stride_ / block_lanes));
   for (Block& block : blocks_) {
-    block.constants.resize(static_cast<std::size_t>(programs_->constants) * W);
-    block.limits.resize(programs_->guards.size() * W);
+    block.constants.resize(static_cast<std::size_t>(programs_->constants) * block_lanes);
+    block.limits.resize(programs_->guards.size() * block_lanes);
   }
   for (int k = 0; k < programs_->inputs; ++k)
     std::fill_n(input_.data() + static_cast<std::ptrdiff_t>(k) * stride_, stride_,
@@ -127,7 +128,7 @@ std::vector<EquationArgument> LaneBatch::inputs() const {
 
 double LaneBatch::time() const { return static_cast<double>(steps_) * step_; }
 
-// All parameters with other values, by different amounts: whatever depends on them is another number.
+// All parameters with other values, by different amounts: all that depends on them is another number.
 Scene LaneBatch::changed() const {
   const std::vector<Parameter> table = named(scene_, parameters_);
   constexpr double changes[] = {1e-3, -1e-3, 1e-6, -1e-6};  // of their values; some are at their limits
@@ -175,7 +176,8 @@ void LaneBatch::change(const std::vector<std::vector<double>>& values) {
   for (std::size_t lane = 0; lane < count; ++lane) {
     if (is_same && lane > 0) {
       for (std::vector<double>* rows : {&numbers_, &start_}) {
-        for (std::size_t i = 0; i < rows->size(); i += static_cast<std::size_t>(stride_)) (*rows)[i + lane] = (*rows)[i];
+        for (std::size_t i = 0; i < rows->size(); i += static_cast<std::size_t>(stride_))
+          (*rows)[i + lane] = (*rows)[i];
       }
       expected[lane] = expected[0];
       continue;
@@ -234,7 +236,8 @@ LaneBatch::Expected LaneBatch::expected(const TracedScene& scene) {
   for (const EquationArgument& of : equations.u) u.push_back(of.start);
   const auto n = static_cast<Eigen::Index>(equations.v.size());
   Eigen::VectorXd v(n);
-  for (Eigen::Index k = 0; k < n; ++k) v[k] = 0.3 + 0.37 * static_cast<double>(k % 5) - 0.11 * static_cast<double>(k % 7);
+  for (Eigen::Index k = 0; k < n; ++k)
+    v[k] = 0.3 + 0.37 * static_cast<double>(k % 5) - 0.11 * static_cast<double>(k % 7);
   const double speed = v.lpNorm<Eigen::Infinity>();
   const auto as_list = [&] { return std::vector<double>(v.begin(), v.end()); };
   using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -253,10 +256,10 @@ LaneBatch::Expected LaneBatch::expected(const TracedScene& scene) {
 }
 
 void LaneBatch::load(BlockSteps& steps, std::size_t block) const {
-  const std::size_t first = block * W;
+  const std::size_t first = block * block_lanes;
   const auto copy = [&](const std::vector<double>& rows, int slot) {
     for (std::size_t i = 0; i < rows.size(); i += static_cast<std::size_t>(stride_))
-      std::copy_n(rows.data() + i + first, W, steps.slot(slot++));
+      std::copy_n(rows.data() + i + first, block_lanes, steps.slot(slot++));
   };
   copy(state_, programs_->slots.y);
   copy(input_, programs_->slots.u);
@@ -272,22 +275,24 @@ void LaneBatch::prepare_blocks(const std::vector<Expected>& expected) {
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
     Block& block = blocks_[b];
     for (int k = 0; k < programs_->varied; ++k)
-      std::copy_n(numbers_.data() + static_cast<std::ptrdiff_t>(k) * stride_ + static_cast<std::ptrdiff_t>(b * W), W,
-                  steps.slot(at.numbers + k));
+      std::copy_n(
+          numbers_.data() + static_cast<std::ptrdiff_t>(k) * stride_ + static_cast<std::ptrdiff_t>(b * block_lanes),
+          block_lanes, steps.slot(at.numbers + k));
     steps.prepare();
     std::copy_n(steps.slot(at.constants), block.constants.size(), block.constants.begin());
     load(steps, b);
-    for (int k = 0; k < programs_->nq; ++k) std::fill_n(steps.slot(at.y + k), W, pivots_.q[static_cast<std::size_t>(k)]);
+    for (int k = 0; k < programs_->nq; ++k)
+      std::fill_n(steps.slot(at.y + k), block_lanes, pivots_.q[static_cast<std::size_t>(k)]);
     steps.evaluate(0);
     steps.limits_of(block.limits.data());
     load(steps, b);
-    const std::size_t end = std::min((b + 1) * W, expected.size());
-    for (std::size_t lane = b * W; lane < end; ++lane) {
+    const std::size_t end = std::min((b + 1) * block_lanes, expected.size());
+    for (std::size_t lane = b * block_lanes; lane < end; ++lane) {
       for (std::size_t k = 0; k < expected[lane].v.size(); ++k)
-        steps.slot(at.y + programs_->nq + static_cast<int>(k))[lane % W] = expected[lane].v[k];
+        steps.slot(at.y + programs_->nq + static_cast<int>(k))[lane % block_lanes] = expected[lane].v[k];
     }
     steps.evaluate(0);
-    for (std::size_t lane = b * W; lane < end; ++lane) check_lane(steps, lane, expected[lane]);
+    for (std::size_t lane = b * block_lanes; lane < end; ++lane) check_lane(steps, lane, expected[lane]);
   }
 }
 
@@ -295,11 +300,11 @@ void LaneBatch::prepare_blocks(const std::vector<Expected>& expected) {
 void LaneBatch::check_lane(BlockSteps& steps, std::size_t lane, const Expected& expected) const {
   constexpr double different = 1e-8;  // of the largest acceleration: a mistake, not rounding, even with weak pivots
   BlockSteps::Stops stops{};
-  steps.check_pivots(blocks_[lane / W].limits.data(), stops);
-  if (stops[lane % W] != StopReason::none) return;  // the first step says so
+  steps.check_pivots(blocks_[lane / block_lanes].limits.data(), stops);
+  if (stops[lane % block_lanes] != StopReason::none) return;  // the first step says so
   double error = 0;
   for (std::size_t k = 0; k < expected.vdot.size(); ++k) {
-    const double here = steps.slot(programs_->slots.rates + programs_->nq + static_cast<int>(k))[lane % W];
+    const double here = steps.slot(programs_->slots.rates + programs_->nq + static_cast<int>(k))[lane % block_lanes];
     const double difference = std::abs(here - expected.vdot[k]);
     error = difference <= error ? error : difference;  // keeps NaN
   }
@@ -331,14 +336,15 @@ void LaneBatch::advance_block(BlockSteps& steps, std::size_t block, long count, 
     const double time = static_cast<double>(steps_ + i) * step_;
     steps.step(time, blocks_[block].limits.data(), stops);
     if (stops == before) continue;
-    for (std::size_t l = 0; l < W; ++l) {
-      const int lane = static_cast<int>(block * W + l);
-      if (stops[l] != before[l] && lane < lanes_) stopped.push_back({lane, time, stops[l], name_of_guard(steps, l, stops[l])});
+    for (std::size_t l = 0; l < block_lanes; ++l) {
+      const int lane = static_cast<int>(block * block_lanes + l);
+      if (stops[l] != before[l] && lane < lanes_)
+        stopped.push_back({lane, time, stops[l], name_of_guard(steps, l, stops[l])});
     }
   }
   int slot = programs_->slots.y;
   for (std::size_t i = 0; i < state_.size(); i += static_cast<std::size_t>(stride_))
-    std::copy_n(steps.slot(slot++), W, state_.data() + i + block * W);
+    std::copy_n(steps.slot(slot++), block_lanes, state_.data() + i + block * block_lanes);
 }
 
 void LaneBatch::advance(long count, int threads) {
@@ -360,7 +366,7 @@ void LaneBatch::advance(long count, int threads) {
   std::vector<LaneStop> found;
   for (std::size_t worker = 0; worker < workers; ++worker) {
     found.insert(found.end(), stopped[worker].begin(), stopped[worker].end());
-    evaluations_ += renewals[worker] * W;
+    evaluations_ += renewals[worker] * block_lanes;
   }
   std::ranges::stable_sort(found, {}, &LaneStop::time);
   stopped_.insert(stopped_.end(), found.begin(), found.end());
@@ -370,8 +376,9 @@ void LaneBatch::advance(long count, int threads) {
 std::string LaneStop::text() const {
   switch (stop) {
     case StopReason::singular:
-      return of + ": near a singular configuration, which lanes do not pass: the pivot of a constraint equation is less "
-                  "than 0.03 of its usual size, or has changed its sign";
+      return of +
+             ": near a singular configuration, which lanes do not pass: the pivot of a constraint equation is less "
+             "than 0.03 of its usual size, or has changed its sign";
     case StopReason::massless:
       return of + ": the mass that this velocity moves vanishes";
     case StopReason::open:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The numbers of a scene in its equations. A parameter reaches them through checks, reductions and preparations that
-// compute with doubles: so the equations are recorded anew with other values of the parameters, and what is a constant
+// compute with doubles: so the equations are recorded again with other values of the parameters, and what is a constant
 // of one recording and another one of the next depends on the parameters.
 #pragma once
 

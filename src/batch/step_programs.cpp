@@ -38,7 +38,8 @@ Terms independent_parts(const Graph& graph, const Terms& of, const std::function
     const Node& node = graph[term];
     const auto at = static_cast<std::size_t>(term);
     varies[at] = node.operation == Operation::variable && depends(node.index);
-    for (const Term operand : node.of) varies[at] = varies[at] || (operand >= 0 && varies[static_cast<std::size_t>(operand)]);
+    for (const Term operand : node.of)
+      varies[at] = varies[at] || (operand >= 0 && varies[static_cast<std::size_t>(operand)]);
   }
   std::set<Term> out;
   std::vector<bool> is_seen(varies.size(), false);
@@ -125,9 +126,8 @@ StepPrograms::StepPrograms(const SceneEquations& equations, const Pivots& pivots
 
   // What is computed when.
   Terms every = joined(joined(joined(rates, Phi), rate), displacement);
-  const Terms prepared = independent_parts(graph, every, [](int index) {
-    return index < VariedNumbers::first_variable || index >= first_residual;
-  });
+  const Terms prepared = independent_parts(
+      graph, every, [](int index) { return index < VariedNumbers::first_variable || index >= first_residual; });
   const auto is_prepared = [&](Term term) { return std::ranges::binary_search(prepared, term); };
   const auto without_prepared = [&](Terms of) {
     std::erase_if(of, is_prepared);
@@ -140,8 +140,8 @@ StepPrograms::StepPrograms(const SceneEquations& equations, const Pivots& pivots
     }
   }
   needed = without_prepared(needed);
-  const Terms of_positions = without_prepared(
-      independent_parts(graph, rate, [&](int index) { return nq <= index && index < nq + nv; }));
+  const Terms of_positions =
+      without_prepared(independent_parts(graph, rate, [&](int index) { return nq <= index && index < nq + nv; }));
   constants = static_cast<int>(prepared.size());
   factors = static_cast<int>(needed.size());
 

@@ -12,19 +12,19 @@ namespace gelenk {
 
 // The first of consecutive slots.
 struct StepSlots {
-  int y = 0;         // where the equations are evaluated: q, v, element states
-  int rates = 0;     // of these; not of coordinates of which the rates are velocities
-  int before = 0;    // the state at the start of the step
-  int sum = 0;       // of the rates of the stages
-  int u = 0;         // inputs
-  int time = 0;      // one
-  int Phi = 0;       // by row of the pivots; what a displacement removes is here, too
-  int rate = 0;      // J v - b
+  int y = 0;       // where the equations are evaluated: q, v, element states
+  int rates = 0;   // of these; not of coordinates of which the rates are velocities
+  int before = 0;  // the state at the start of the step
+  int sum = 0;     // of the rates of the stages
+  int u = 0;       // inputs
+  int time = 0;    // one
+  int Phi = 0;     // by row of the pivots; what a displacement removes is here, too
+  int rate = 0;    // J v - b
   int displacement = 0;
-  int moved = 0;     // rates of the coordinates at this displacement, if they are not velocities
-  int numbers = 0;   // that vary
+  int moved = 0;      // rates of the coordinates at this displacement, if they are not velocities
+  int numbers = 0;    // that vary
   int constants = 0;  // what depends on these alone
-  int factors = 0;   // what displacement needs from the last evaluation
+  int factors = 0;    // what displacement needs from the last evaluation
 };
 
 struct StepPrograms {
@@ -40,13 +40,13 @@ struct StepPrograms {
   std::vector<int> quaternions;      // their first coordinates
   std::vector<int> rate_slots;       // where the rate of each row of y is
 
-  lanes::Program prepare;       // constants, once
-  lanes::Program evaluate;      // rates and factors
+  lanes::Program prepare;          // constants, once
+  lanes::Program evaluate;         // rates and factors
   lanes::Program evaluate_closed;  // the same where `gaps` has run at this state
-  lanes::Program gaps;          // Phi, what `gap_rates` needs of positions, and sines and cosines
-  lanes::Program gap_rates;     // rate
-  lanes::Program displace;      // displacement, from Phi and the factors
-  lanes::Program move;          // moved
+  lanes::Program gaps;             // Phi, what `gap_rates` needs of positions, and sines and cosines
+  lanes::Program gap_rates;        // rate
+  lanes::Program displace;         // displacement, from Phi and the factors
+  lanes::Program move;             // moved
 
   // The reciprocal of a pivot that varies, among the factors.
   struct Guard {

@@ -32,12 +32,12 @@ struct SceneEquations {
   std::vector<expression::Term> h, gamma, Phi, rate, qdot;  // rate: J v - b, of Phi
   std::vector<expression::Term> rates;                      // of the element states
   expression::Term kinetic = -1, potential = -1;
-  std::vector<std::string> notes;  // sentences on what the equations leave out
+  std::vector<std::string> notes;       // sentences on what the equations leave out
   std::vector<std::string> prescribed;  // constraints that prescribe motions
-  int inputs = 0;                  // the first ones of u
-  bool reads_time = false;         // whether the time follows them
-  double length = 1;               // m: of the longest mechanism, to which errors of its constraints are relative
-  bool has_kinks = false;          // whether an expression has branches, at which the steps of a simulation end
+  int inputs = 0;                       // the first ones of u
+  bool reads_time = false;              // whether the time follows them
+  double length = 1;                    // m: of the longest mechanism, to which errors of its constraints are relative
+  bool has_kinks = false;               // whether an expression has branches, at which the steps of a simulation end
 };
 
 // The same numbers by the kernels that simulations run.

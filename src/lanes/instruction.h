@@ -6,8 +6,8 @@
 
 namespace gelenk::lanes {
 
-// k: a constant, equal in all lanes. A product and the sum of which it is a part are one instruction, rounded twice: the
-// product is neither written nor read. No fused multiply-add: processors without it must give the same bits.
+// k: a constant, equal in all lanes. A product and the sum of which it is a part are one instruction, rounded twice:
+// the product is neither written nor read. No fused multiply-add: processors without it must give the same bits.
 enum class Code : unsigned char {
   copy,                        // a
   add,                         // a + b

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Programs on blocks of lanes. Each lane gets the bits that it would get alone, in any block, at any place of it, on any
-// processor: operations are those of IEEE 754 and not contracted, and sines and cosines are computed here.
+// Programs on blocks of lanes. Each lane gets the bits that it would get alone, in any block, at any place of it, on
+// any processor: operations are those of IEEE 754 and not contracted, and sines and cosines are computed here.
 #pragma once
 
 #include <span>

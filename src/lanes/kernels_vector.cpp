@@ -49,30 +49,32 @@ using Vector [[gnu::vector_size(32), gnu::may_alias]] = double;
 using Integers [[gnu::vector_size(32), gnu::may_alias]] = std::int64_t;
 constexpr int vector_lanes = 4;
 // expression: of a, b, c, d in these lanes, and the constant k. What it does not contain is not looked up.
-#define GELENK_EACH_LANE(expression)                                               \
-  do {                                                                             \
-    Vector* const to = slot(memory, at->to);                                       \
-    [[maybe_unused]] const Vector* const pa = slot(memory, at->a);                 \
-    [[maybe_unused]] const Vector* const pb = slot(memory, at->b);                 \
-    [[maybe_unused]] const Vector* const pc = slot(memory, at->c);                 \
-    [[maybe_unused]] const Vector* const pd = slot(memory, at->d);                 \
-    [[maybe_unused]] const double k = at->k;                                       \
-    for (int l = 0; l < W / vector_lanes; ++l) {                                   \
-      [[maybe_unused]] const Vector a = pa[l], b = pb[l], c = pc[l], d = pd[l];    \
-      to[l] = Vector(expression);                                                  \
-    }                                                                              \
-  } while (++at != end && at->code == code);                                       \
+#define GELENK_EACH_LANE(expression)                                            \
+  do {                                                                          \
+    Vector* const to = slot(memory, at->to);                                    \
+    [[maybe_unused]] const Vector* const pa = slot(memory, at->a);              \
+    [[maybe_unused]] const Vector* const pb = slot(memory, at->b);              \
+    [[maybe_unused]] const Vector* const pc = slot(memory, at->c);              \
+    [[maybe_unused]] const Vector* const pd = slot(memory, at->d);              \
+    [[maybe_unused]] const double k = at->k;                                    \
+    for (int l = 0; l < W / vector_lanes; ++l) {                                \
+      [[maybe_unused]] const Vector a = pa[l], b = pb[l], c = pc[l], d = pd[l]; \
+      to[l] = Vector(expression);                                               \
+    }                                                                           \
+  } while (++at != end && at->code == code);                                    \
   break;
 
 [[gnu::always_inline]] inline Vector* slot(double* memory, int number) {
-  return reinterpret_cast<Vector*>(memory) + static_cast<std::size_t>(static_cast<unsigned>(number)) * (W / vector_lanes);
+  return reinterpret_cast<Vector*>(memory) +
+         static_cast<std::size_t>(static_cast<unsigned>(number)) * (W / vector_lanes);
 }
 [[gnu::always_inline]] inline void circular(const Instruction& i, double* memory) {
   const Vector* const x = slot(memory, i.a);
   // What is not asked for is not computed.
   Vector* const sine = i.code == Code::cosine ? nullptr : slot(memory, i.to);
   Vector* const cosine = i.code == Code::cosine ? slot(memory, i.to)
-                         : i.code == Code::sine ? nullptr : slot(memory, i.b);
+                         : i.code == Code::sine ? nullptr
+                                                : slot(memory, i.b);
   Integers far{};
   for (int l = 0; l < W / vector_lanes; ++l) {
     Vector s;

@@ -104,7 +104,8 @@ class Compiler {
   void translate(Term term);
   std::vector<Term> parts(Term term);
   bool is_product(Term term) {
-    return graph_[term].operation == Operation::multiply && !is_known(term) && uses_[static_cast<std::size_t>(term)] == 1;
+    return graph_[term].operation == Operation::multiply && !is_known(term) &&
+           uses_[static_cast<std::size_t>(term)] == 1;
   }
   Product product(Term term) const;
   int computed(Term term);
@@ -298,7 +299,7 @@ void Compiler::put(Term term, int slot) {
 void Compiler::gather() {
   constexpr std::size_t horizon = 24;
   std::vector<std::size_t> writer(slots_.size(), code_.size());
-  std::vector<int> waiting(code_.size(), 0);           // by instruction: of how many it needs results
+  std::vector<int> waiting(code_.size(), 0);  // by instruction: of how many it needs results
   std::vector<std::vector<std::size_t>> next(code_.size());
   for (std::size_t k = 0; k < code_.size(); ++k) {
     each_operand(code_[k], [&](int& x) {

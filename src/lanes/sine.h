@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Sines and cosines of a vector of lanes, without branches. The polynomials and the reduction to [-pi/4, pi/4] are those of
-// fdlibm (Sun Microsystems 1993, k_sin.c, k_cos.c, e_rem_pio2.c: the first iteration, good to 85 bits). Errors are below
-// 1 unit in the last place, up to circular_limit.
+// Sines and cosines of a vector of lanes, without branches. The polynomials and the reduction to [-pi/4, pi/4] are
+// those of fdlibm (Sun Microsystems 1993, k_sin.c, k_cos.c, e_rem_pio2.c: the first iteration, good to 85 bits). Errors
+// are below 1 unit in the last place, up to circular_limit.
 #pragma once
 
 #include <array>
@@ -13,7 +13,8 @@ namespace gelenk::lanes {
 // Beyond it, multiples of pi/2 that are subtracted are rounded.
 inline constexpr double circular_limit = 1e6;
 
-// The constants, as often as a vector has lanes: so they are operands in memory, rather than loaded and spread each time.
+// The constants, as often as a vector has lanes: so they are operands in memory, rather than loaded and spread each
+// time.
 struct CircularConstants {
   static constexpr std::size_t most_lanes = 4;
   using Constant = std::array<double, most_lanes>;
@@ -49,9 +50,8 @@ inline constexpr CircularConstants circular_constants;
 template <class Vector, class Integers>
 [[gnu::always_inline]] inline void sine_cosine(const Vector& x, Vector& sine, Vector& cosine) {
   const CircularConstants& all = circular_constants;
-  const auto k = [](const CircularConstants::Constant& of) [[gnu::always_inline]] -> const Vector& {
-    return *reinterpret_cast<const Vector*>(of.data());
-  };
+  const auto k = [](const CircularConstants::Constant& of)
+                     [[gnu::always_inline]] -> const Vector& { return *reinterpret_cast<const Vector*>(of.data()); };
   const Vector shifted = x * k(all.two_over_pi) + k(all.rounding);
   const Vector turns = shifted - k(all.rounding);
   const Vector r = x - turns * k(all.half_pi);
@@ -62,7 +62,8 @@ template <class Vector, class Integers>
   const Vector v = z * y;
   const Vector s = k(all.s2) + z * (k(all.s3) + z * (k(all.s4) + z * (k(all.s5) + z * k(all.s6))));
   const Vector of_sine = y - ((z * (k(all.half) * rest - v * s) - rest) - v * k(all.s1));
-  const Vector c = z * (k(all.c1) + z * (k(all.c2) + z * (k(all.c3) + z * (k(all.c4) + z * (k(all.c5) + z * k(all.c6))))));
+  const Vector c =
+      z * (k(all.c1) + z * (k(all.c2) + z * (k(all.c3) + z * (k(all.c4) + z * (k(all.c5) + z * k(all.c6))))));
   const Vector half = k(all.half) * z;
   const Vector most = k(all.one) - half;
   const Vector of_cosine = most + (((k(all.one) - most) - half) + (z * c - y * rest));

@@ -93,8 +93,7 @@ Recorded operator+(const Recorded& a, const Recorded& b) {
   const auto [ca, xa] = a.shifted();
   const auto [cb, xb] = b.shifted();
   if ((ca != 0 && b.is_constant()) || (cb != 0 && a.is_constant()) || (ca != 0 && cb != 0)) {
-    const Recorded constant =
-        Recorded::computed((a.is_constant() ? a.value_ : ca) + (b.is_constant() ? b.value_ : cb));
+    const Recorded constant = Recorded::computed((a.is_constant() ? a.value_ : ca) + (b.is_constant() ? b.value_ : cb));
     if (a.is_constant()) return constant + xb;
     if (b.is_constant()) return constant + xa;
     return constant + (xa + xb);

@@ -18,7 +18,9 @@ ROOT = Path(__file__).resolve().parents[2]
 STEP = 1e-3  # s
 FAST = {"andrews": 1e-4}  # s: of mechanisms that turn several times in 0.01 s
 SCENES = {path.stem: path for path in sorted(ROOT.glob("scenes/*.yaml"))}
-GALLERY = {name: ROOT / "docs/gallery" / name / "scene.yaml" for name in ("gears", "mast_arm_disc", "rolling_disc")}
+GALLERY = {
+    name: ROOT / "docs/gallery" / name / "scene.yaml" for name in ("gears", "mast_arm_disc", "rolling_disc")
+}
 OVERCONSTRAINED = {"bricard": ROOT / "docs/gallery/bricard/scene.yaml"}  # its dimensions depend on each other
 # Both compute the same operations in another order; errors of some thousand roundings, which motions magnify.
 ROUNDING = 1e-12
@@ -43,7 +45,7 @@ def difference(batch: Batch, lane: int, expected: Mapping[str, float]) -> float:
     """The largest one, relative to the largest number of the state or 1."""
     sizes = [abs(expected[name]) for name in batch.states]
     errors = [abs(row[lane] - expected[name]) for name, row in batch.states.items()]
-    return max(errors) / max(1.0, *sizes)
+    return float(max(errors) / max(1.0, *sizes))
 
 
 @pytest.mark.filterwarnings("ignore::gelenk.errors.StartWarning")
@@ -141,12 +143,15 @@ def test_inputs_are_held_until_they_are_changed() -> None:
     batch.step(50)
     batch.inputs[name][:] = [-2.0, 0.5]
     batch.run(0.1)
-    times = np.array([0, 0.05, 0.1])
     for lane, later in enumerate([-2.0, 0.5]):
+
+        def force(t: float, later: float = later) -> float:
+            return 1.0 if t < 0.05 - 1e-9 else later
+
         fixed = scene.with_parameters({"solver.step": STEP})
         result = gelenk.simulate(
             fixed, stop=0.1, step=STEP, integrator="rk4", formulation="projection",
-            inputs={name: lambda t, later=later: 1.0 if t < times[1] - 1e-9 else later},
+            inputs={name: force},
         )  # fmt: skip
         expected = {of: float(np.asarray(result[of])[-1]) for of in result}
         assert difference(batch, lane, expected) < ROUNDING

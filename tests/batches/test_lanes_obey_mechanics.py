@@ -77,8 +77,8 @@ def test_halving_the_step_divides_the_error_by_sixteen() -> None:
 
 
 def test_forces_of_many_laws_are_those_of_the_library() -> None:
-    """sin, exp, tanh, sqrt, powers in an expression; each lane against the exact solution of its work: the
-    potential of a force that depends on the angle alone is conserved with the kinetic energy.
+    """sin, exp, tanh, sqrt, powers in an expression of the angle: the kinetic energy of each lane is the work
+    of the force on its way, by quadrature.
     """
     law = "-2*sin(3*phi) - 0.5*tanh(phi) + 0.1*exp(-phi)*(1 + phi^3) - sqrt(1 + phi^2)^1.5"
     source = pendulum(joint={"law": {"effort": law}}, gravity=[0, 0, 0])
@@ -89,12 +89,8 @@ def test_forces_of_many_laws_are_those_of_the_library() -> None:
     inertia = 0.05 + 2 * 0.7**2  # kg m2
 
     def effort(x: np.ndarray) -> np.ndarray:
-        return (
-            -2 * np.sin(3 * x)
-            - 0.5 * np.tanh(x)
-            + 0.1 * np.exp(-x) * (1 + x**3)
-            - np.sqrt(1 + x**2) ** 1.5
-        )
+        out: np.ndarray = -2 * np.sin(3 * x) - 0.5 * np.tanh(x) + 0.1 * np.exp(-x) * (1 + x**3)
+        return out - np.sqrt(1 + x**2) ** 1.5
 
     nodes, weights = np.polynomial.legendre.leggauss(40)
     middle, half = (starts + phi) / 2, (phi - starts) / 2
@@ -114,7 +110,7 @@ def test_angles_of_many_turns_are_those_of_the_library() -> None:
 
 
 def test_time_and_element_states_go_along() -> None:
-    """x' = (cos(5 t) - x) / 0.1, x(0) = 0: x = (cos 5t + T 5 sin 5t - exp(-t/T)) / (1 + (5 T)²)."""
+    """X' = (cos(5 t) - x) / 0.1, x(0) = 0: x = (cos 5t + T 5 sin 5t - exp(-t/T)) / (1 + (5 T)²)."""
     source = pendulum(states={"lag": "(cos(5*t) - lag)/0.1"}, joint={"law": {"effort": "0.3*lag"}})
     batch = gelenk.batch(source, 3, step=1e-3)
     batch.step(700)

@@ -21,7 +21,9 @@ PENDULUM = ROOT / "scenes/pendulum.yaml"
 
 def lever(**fields: Any) -> dict[str, Any]:
     """A lever on a joint A with these fields, or sections of the scene."""
-    sections = {name: fields.pop(name) for name in ("states", "tables", "constraints") if name in fields}
+    sections: dict[str, Any] = {
+        name: fields.pop(name) for name in ("states", "tables", "constraints") if name in fields
+    }
     joint = {"type": "revolute", "axis": [0, 1, 0], "parent": "ground", "child": "lever"}
     return {
         "gelenk": 1,
@@ -106,7 +108,10 @@ def test_large_mechanisms_are_refused() -> None:
             lambda: gelenk.batch(PENDULUM, 2, {"rod.mass": [1.0, 2.0, 3.0]}),
             r"rod.mass: found an array of shape \(3,\), expected one number or \(2,\)",
         ),
-        (lambda: gelenk.batch(PENDULUM, 2, {"rod.mass": [1.0, np.nan]}), "rod.mass: found a value that is not"),
+        (
+            lambda: gelenk.batch(PENDULUM, 2, {"rod.mass": [1.0, np.nan]}),
+            "rod.mass: found a value that is not",
+        ),
         (lambda: gelenk.batch(PENDULUM, 2, {"rod.mass": [1.0, -1.0]}), "lane 1: rod.m"),
     ],
 )
@@ -117,7 +122,7 @@ def test_wrong_arguments_are_refused(call: Callable[[], Batch], message: str) ->
 
 def test_values_that_contradict_each_other_are_refused_with_the_number_of_the_lane() -> None:
     inertia = [0.01, 0.5]  # kg m2: the second one exceeds the sum of the others
-    with pytest.raises(SceneError, match="lane 1: .*no rigid body"):
+    with pytest.raises(SceneError, match=r"lane 1: .*no rigid body"):
         gelenk.batch(ROOT / "scenes/double_pendulum.yaml", 2, {"upper.inertia[1]": inertia})
 
 

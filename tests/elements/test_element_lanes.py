@@ -49,7 +49,7 @@ def alone(scene: gelenk.Scene, inputs: dict[str, float]) -> dict[str, float]:
 def test_each_number_may_differ_from_lane_to_lane(
     variants: list[Scene], at: tuple[str, ...], given: Given
 ) -> None:
-    """By 3 %, in a lane of its own; and in the last lane none differs. Errors are roundings of 80 evaluations."""
+    """By 3 %, in a lane of its own; and in the last lane none differs. Errors are those of rounding."""
     for source in variants:
         scene, parameters = parameters_of(source, at, given)
         values = {p.name: p.value(scene._core) for p in parameters}

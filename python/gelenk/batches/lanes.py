@@ -34,7 +34,8 @@ class Rows(Mapping[str, Numbers]):
     def __getitem__(self, name: str) -> Numbers:
         if name not in self._index:
             raise UsageError(unknown(name, self._what, self._index))
-        return self._array[self._index[name]]
+        row: Numbers = self._array[self._index[name]]
+        return row
 
     @override
     def __iter__(self) -> Iterator[str]:
@@ -172,12 +173,15 @@ class Batch:
         done = round(self.time / self.step_size)
         if not (abs(steps - round(steps)) < 1e-6 if math.isfinite(steps) else False) or round(steps) < done:
             raise UsageError(
-                f"stop: found {stop} s, expected a multiple of the step, {self.step_size} s, from {self.time:.10g} s on"
+                f"stop: found {stop} s, expected a multiple of the step, {self.step_size} s, "
+                f"from {self.time:.10g} s on"
             )
         self.step(round(steps) - done)
 
     def __repr__(self) -> str:
-        return f"<Batch of {self.lanes} {self._scene.name}: t = {self.time:.6g} s, {len(self.errors)} stopped>"
+        return (
+            f"<Batch of {self.lanes} {self._scene.name}: t = {self.time:.6g} s, {len(self.errors)} stopped>"
+        )
 
 
 def batch(
@@ -197,9 +201,9 @@ def batch(
     processor; they depend on which parameters may vary, in rounding.
 
     Args:
-        scene: anything `gelenk.load` accepts. Mechanisms with forces, springs, dampers and motors; loops may be
-            closed. Dry friction, limits, contacts, prescribed motions, tables and expressions with branches are
-            refused.
+        scene: anything `gelenk.load` accepts. Trees and closed loops with forces, springs, dampers and
+            motors. Dry friction, limits, contacts, prescribed motions, tables and expressions with branches
+            are refused.
         lanes: the number of instances.
         parameters: values by name, one number or an array of shape (lanes,): start values, gravity,
             parameters, and other numbers of the scene by their path ("crank.mass", "coupler.com[1]"), in SI
