@@ -39,7 +39,7 @@ void gelenk::bind_lane_batch(nb::module_& m) {
   nb::class_<LaneBatch>(m, "LaneBatch", "Many instances of one scene, stepped together.")
       .def(nb::init<const Scene&, int, double, const std::vector<std::string>&>(), "scene"_a, "lanes"_a, "step"_a,
            "parameters"_a, nb::call_guard<nb::gil_scoped_release>())
-      .def("set", &LaneBatch::set, "values"_a, nb::call_guard<nb::gil_scoped_release>(),
+      .def("set", &LaneBatch::set, "values"_a, "threads"_a, nb::call_guard<nb::gil_scoped_release>(),
            "Set values by parameter, by lane, and put all lanes to their starts.")
       .def("reset", &LaneBatch::reset, "Put all lanes to their starts.")
       .def("advance", &LaneBatch::advance, "count"_a, "threads"_a, nb::call_guard<nb::gil_scoped_release>(),

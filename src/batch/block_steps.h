@@ -45,6 +45,8 @@ class BlockSteps {
   long renewals() const { return renewals_; }
 
  private:
+  struct Closing;
+
   void run(const lanes::Program& program) { lanes::run(program.instructions(), memory_); }
   void close_positions(Stops& stops);
   void close_velocities(Stops& stops);

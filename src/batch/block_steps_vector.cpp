@@ -164,39 +164,51 @@ void BlockSteps::correct_velocities(const std::array<bool, lanes>& waits) {
   run(programs_.gap_rates);
 }
 
+// What an iteration knows of each lane.
+struct BlockSteps::Closing {
+  Numbers before, floor;
+  std::array<bool, lanes> waits{}, renews{};
+  bool any_open = false, any_renews = false;
+
+  // Which lanes are closed, or have to stop; the others need a correction, some with renewed factors.
+  void judge(const Numbers& gap, bool is_last, Stops& stops);
+};
+
+void BlockSteps::Closing::judge(const Numbers& gap, bool is_last, Stops& stops) {
+  renews.fill(false);
+  any_open = any_renews = false;
+  for (std::size_t l = 0; l < W; ++l) {
+    if (waits[l]) continue;
+    const bool stalls = gap[l] > stall_ratio * before[l] && gap[l] <= slack * floor[l];
+    waits[l] = gap[l] <= floor[l] || stalls;
+    if (waits[l]) continue;
+    if (is_last || !std::isfinite(gap[l])) {
+      stops[l] = std::isfinite(gap[l]) ? StopReason::open : StopReason::not_finite;
+      waits[l] = true;
+      continue;
+    }
+    renews[l] = gap[l] > renewal_ratio * before[l];
+    any_renews = any_renews || renews[l];
+    any_open = true;
+    before[l] = gap[l];
+  }
+}
+
 // Newton's method, until the residual of each lane is rounding.
 template <class Correct>
 void BlockSteps::close(int residual, const Numbers& floor, Stops& stops, Correct correct) {
-  Numbers before;
-  before.fill(std::numeric_limits<double>::infinity());
-  std::array<bool, lanes> waits{};
-  for (std::size_t l = 0; l < W; ++l) waits[l] = stops[l] != StopReason::none;
+  Closing closing{.before = {}, .floor = floor};
+  closing.before.fill(std::numeric_limits<double>::infinity());
+  for (std::size_t l = 0; l < W; ++l) closing.waits[l] = stops[l] != StopReason::none;
   for (int i = 0;; ++i) {
     const Numbers gap = largest(residual, programs_.rows, 0);
-    std::int64_t any_open = 0;
-    for (std::size_t l = 0; l < W; ++l) any_open |= gap[l] <= floor[l] ? 0 : 1;
-    if (any_open == 0) return;
-    std::array<bool, lanes> renews{};
-    bool all_wait = true;
-    bool any_renews = false;
-    for (std::size_t l = 0; l < W; ++l) {
-      if (waits[l]) continue;
-      const bool stalls = gap[l] > stall_ratio * before[l] && gap[l] <= slack * floor[l];
-      waits[l] = gap[l] <= floor[l] || stalls;
-      if (waits[l]) continue;
-      if (!std::isfinite(gap[l]) || i == most_projections) {
-        stops[l] = std::isfinite(gap[l]) ? StopReason::open : StopReason::not_finite;
-        waits[l] = true;
-        continue;
-      }
-      renews[l] = gap[l] > renewal_ratio * before[l];
-      any_renews = any_renews || renews[l];
-      all_wait = false;
-      before[l] = gap[l];
-    }
-    if (all_wait) return;
-    if (any_renews) renew_factors(renews);
-    correct(waits);
+    std::int64_t any = 0;
+    for (std::size_t l = 0; l < W; ++l) any |= gap[l] <= floor[l] ? 0 : 1;
+    if (any == 0) return;
+    closing.judge(gap, i == most_projections, stops);
+    if (!closing.any_open) return;
+    if (closing.any_renews) renew_factors(closing.renews);
+    correct(closing.waits);
   }
 }
 

@@ -210,7 +210,8 @@ void Elimination::factorize_mass(const SceneEquations& equations) {
   }
 }
 
-Elimination::Numbers Elimination::dependent(Numbers x) const {
+Elimination::Numbers Elimination::dependent(Numbers right_side) const {
+  Numbers& x = right_side;
   const std::size_t n = x.size();
   for (std::size_t i = 0; i < n; ++i) {
     for (std::size_t k = 0; k < i; ++k) x[i] -= LU_[i][k] * x[k];
@@ -219,10 +220,11 @@ Elimination::Numbers Elimination::dependent(Numbers x) const {
     for (std::size_t k = i + 1; k < n; ++k) x[i] -= LU_[i][k] * x[k];
     x[i] *= reciprocal_[i];
   }
-  return x;
+  return right_side;
 }
 
-Elimination::Numbers Elimination::independent(Numbers x) const {
+Elimination::Numbers Elimination::independent(Numbers right_side) const {
+  Numbers& x = right_side;
   const std::size_t n = x.size();
   for (std::size_t k = n; k-- > 0;) {
     for (std::size_t i = 0; i < k; ++i) x[i] -= L_[k][i] * x[k];
@@ -231,7 +233,7 @@ Elimination::Numbers Elimination::independent(Numbers x) const {
     x[k] *= reciprocal_mass_[k];
     for (std::size_t i = 0; i < k; ++i) x[k] -= L_[k][i] * x[i];
   }
-  return x;
+  return right_side;
 }
 
 Elimination::Numbers Elimination::whole(const Numbers& particular, const Numbers& free) const {

@@ -2,12 +2,11 @@
 // Many instances of one scene, each with numbers, a state and inputs of its own, stepped together.
 #pragma once
 
-#include <memory>
 #include <string>
 #include <vector>
 
 #include "batch/block_steps.h"
-#include "batch/numbers.h"
+#include "batch/varied_scene.h"
 #include "scene/scene.h"
 
 namespace gelenk {
@@ -30,7 +29,7 @@ class LaneBatch {
 
   // values: by parameter, by lane. Puts all lanes to their starts. Throws SceneError or AssemblyError, with the number
   // of the lane; the batch is then as it was.
-  void set(const std::vector<std::vector<double>>& values);
+  void set(const std::vector<std::vector<double>>& values, int threads);
   // Puts lanes to their starts, at time 0 of the batch.
   void reset();
   // Makes `count` steps with the inputs of inputs().
@@ -52,40 +51,28 @@ class LaneBatch {
   // Of the equations of motion, by all lanes.
   long evaluations() const { return evaluations_; }
   // Operations of one, and slots.
-  int operations() const { return programs_->operations(); }
-  int slots() const { return programs_->frame.size(); }
+  int operations() const { return programs_.operations(); }
+  int slots() const { return programs_.frame.size(); }
 
  private:
-  // Accelerations by the general kernels, at velocities v that the constraints permit. size: that they could have.
-  struct Expected {
-    std::vector<double> v, vdot;
-    double size = 0;
-  };
   struct Block {
     std::vector<double> constants, limits;
     BlockSteps::Stops stops{};
   };
 
-  const SceneEquations& equations() const { return first_->scene->equations(); }
-  void change(const std::vector<std::vector<double>>& values);
-  Scene changed() const;
-  std::vector<double> changed_numbers() const;
-  static Expected expected(const TracedScene& scene);
-  bool number_lane(std::size_t lane, const NumberedScene& scene);  // whether it is like the recorded one
-  void prepare_blocks(const std::vector<Expected>& expected);
-  void check_lane(BlockSteps& steps, std::size_t lane, const Expected& expected) const;
+  const SceneEquations& equations() const { return scene_.equations(); }
+  void change(const std::vector<std::vector<double>>& values, int threads);
+  void prepare_blocks(const std::vector<LaneStart>& starts);
+  void check_lane(BlockSteps& steps, std::size_t lane, const LaneStart& expected) const;
   std::string name_of_guard(const BlockSteps& steps, std::size_t lane, StopReason stop) const;
   void load(BlockSteps& steps, std::size_t block) const;
   void advance_block(BlockSteps& steps, std::size_t block, long count, std::vector<LaneStop>& stopped);
 
-  Scene scene_;
+  VariedScene scene_;
   int lanes_, stride_;
   double step_;
-  std::vector<std::string> parameters_;
-  std::unique_ptr<NumberedScene> first_;  // recorded with variables
-  std::unique_ptr<VariedNumbers> varied_;
   Pivots pivots_;
-  std::unique_ptr<StepPrograms> programs_;
+  StepPrograms programs_;
   std::vector<double> state_, start_, input_, numbers_;  // rows
   std::vector<Block> blocks_;
   std::vector<LaneStop> stopped_;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <iterator>
 #include <set>
 
 #include "batch/numbers.h"
@@ -96,6 +97,57 @@ void give(const Terms& of, int first, lanes::Slots& given) {
   for (const Term term : of) given.emplace(term, first++);
 }
 
+// The terms of the equations, by what computes them.
+struct StepTerms {
+  StepTerms(Graph& graph, const SceneEquations& equations, const Pivots& pivots);
+
+  Terms rates, Phi, rate, displacement;
+  Terms reciprocal_pivots, reciprocal_masses;
+  std::vector<int> free;  // the velocities of these masses
+  Terms constants;        // parts that depend on numbers of the scene alone
+  Terms factors;          // what displacement needs, and pivots
+  Terms of_positions;     // parts of rate that do not depend on velocities
+  Terms circular;         // sines and cosines in Phi and in the rates
+};
+
+StepTerms::StepTerms(Graph& graph, const SceneEquations& equations, const Pivots& pivots) {
+  const Elimination elimination(equations, pivots);
+  const auto of_rows = [&](const Terms& all) {
+    Elimination::Numbers out;
+    for (const int row : pivots.rows) out.push_back(Recorded::of(all[static_cast<std::size_t>(row)]));
+    return out;
+  };
+  Elimination::Numbers h;
+  for (const Term term : equations.h) h.push_back(Recorded::of(term));
+  rates =
+      joined(joined(equations.qdot, terms(elimination.accelerations(of_rows(equations.gamma), h))), equations.rates);
+  Phi = terms(of_rows(equations.Phi));
+  rate = terms(of_rows(equations.rate));
+  Elimination::Numbers residual;
+  for (int i = 0; i < static_cast<int>(pivots.rows.size()); ++i)
+    residual.push_back(Recorded::variable(first_residual + i));
+  displacement = terms(elimination.displacement(residual));
+  reciprocal_pivots = terms(elimination.reciprocal_pivots());
+  reciprocal_masses = terms(elimination.reciprocal_masses());
+  free = elimination.free();
+
+  const auto is_residual = [](int index) { return index >= first_residual; };
+  const auto is_number = [&](int index) { return index >= VariedNumbers::first_variable && !is_residual(index); };
+  const Terms every = joined(joined(joined(rates, Phi), rate), displacement);
+  constants = independent_parts(graph, every, [&](int index) { return !is_number(index); });
+  const auto is_constant = [&](Term term) { return std::ranges::binary_search(constants, term); };
+  factors = independent_parts(graph, displacement, is_residual);
+  for (const Term term : joined(reciprocal_pivots, reciprocal_masses)) {
+    if (!graph.is_constant(term) && std::ranges::find(factors, term) == factors.end()) factors.push_back(term);
+  }
+  std::erase_if(factors, is_constant);
+  const auto nq = static_cast<int>(equations.q.size());
+  const auto nv = static_cast<int>(equations.v.size());
+  of_positions = independent_parts(graph, rate, [&](int index) { return nq <= index && index < nq + nv; });
+  std::erase_if(of_positions, is_constant);
+  circular = circular_in_both(graph, rates, Phi);
+}
+
 }  // namespace
 
 StepPrograms::StepPrograms(const SceneEquations& equations, const Pivots& pivots, int varied_numbers)
@@ -108,43 +160,72 @@ StepPrograms::StepPrograms(const SceneEquations& equations, const Pivots& pivots
       reads_time(equations.reads_time) {
   Graph graph = equations.graph;
   const recording::Recording recording(graph);
-  const Elimination elimination(equations, pivots);
-  const auto of_rows = [&](const Terms& all) {
-    Elimination::Numbers out;
-    for (const int row : pivots.rows) out.push_back(Recorded::of(all[static_cast<std::size_t>(row)]));
-    return out;
-  };
-  Elimination::Numbers h;
-  for (const Term term : equations.h) h.push_back(Recorded::of(term));
-  const Terms rates =
-      joined(joined(equations.qdot, terms(elimination.accelerations(of_rows(equations.gamma), h))), equations.rates);
-  const Terms Phi = terms(of_rows(equations.Phi));
-  const Terms rate = terms(of_rows(equations.rate));
-  Elimination::Numbers residual;
-  for (int i = 0; i < rows; ++i) residual.push_back(Recorded::variable(first_residual + i));
-  const Terms displacement = terms(elimination.displacement(residual));
+  const StepTerms of(graph, equations, pivots);
+  constants = static_cast<int>(of.constants.size());
+  factors = static_cast<int>(of.factors.size());
+  place();
+  lanes::Slots known = variables(graph);
+  give(of.constants, slots.constants, known);
+  lanes::Slots of_numbers;
+  for (int k = 0; k < varied; ++k)
+    of_numbers.emplace(graph.variable(VariedNumbers::first_variable + k), slots.numbers + k);
+  prepare = lanes::Program(graph, of_numbers, outputs(of.constants, slots.constants), frame);
 
-  // What is computed when.
-  Terms every = joined(joined(joined(rates, Phi), rate), displacement);
-  const Terms prepared = independent_parts(
-      graph, every, [](int index) { return index < VariedNumbers::first_variable || index >= first_residual; });
-  const auto is_prepared = [&](Term term) { return std::ranges::binary_search(prepared, term); };
-  const auto without_prepared = [&](Terms of) {
-    std::erase_if(of, is_prepared);
-    return of;
-  };
-  Terms needed = independent_parts(graph, displacement, [](int index) { return index >= first_residual; });
-  for (const Elimination::Numbers* pivot : {&elimination.reciprocal_pivots(), &elimination.reciprocal_masses()}) {
-    for (const Term term : terms(*pivot)) {
-      if (!graph.is_constant(term) && std::ranges::find(needed, term) == needed.end()) needed.push_back(term);
-    }
+  // Rates that are velocities need not be copied.
+  std::vector<lanes::Output> evaluated;
+  for (int k = 0; k < size(); ++k) {
+    const Term term = of.rates[static_cast<std::size_t>(k)];
+    const Node& node = graph[term];
+    const bool is_velocity =
+        k < nq && node.operation == Operation::variable && nq <= node.index && node.index < nq + nv;
+    rate_slots.push_back(is_velocity ? slots.y + node.index : slots.rates + k);
+    rates_are_velocities = rates_are_velocities && (k >= nq || (nq == nv && rate_slots.back() == slots.y + nq + k));
+    if (!is_velocity) evaluated.emplace_back(term, slots.rates + k);
   }
-  needed = without_prepared(needed);
-  const Terms of_positions =
-      without_prepared(independent_parts(graph, rate, [&](int index) { return nq <= index && index < nq + nv; }));
-  constants = static_cast<int>(prepared.size());
-  factors = static_cast<int>(needed.size());
+  std::ranges::copy(outputs(of.factors, slots.factors), std::back_inserter(evaluated));
+  evaluate = lanes::Program(graph, known, evaluated, frame);
 
+  if (rows > 0) {
+    const int positions = frame.add(static_cast<int>(of.of_positions.size()));
+    const int circular = frame.add(static_cast<int>(of.circular.size()));
+    std::vector<lanes::Output> gap = outputs(of.Phi, slots.Phi);
+    std::ranges::copy(outputs(of.of_positions, positions), std::back_inserter(gap));
+    std::ranges::copy(outputs(of.circular, circular), std::back_inserter(gap));
+    gaps = lanes::Program(graph, known, gap, frame);
+    lanes::Slots closed = known;
+    give(of.circular, circular, closed);
+    evaluate_closed = lanes::Program(graph, closed, evaluated, frame);
+    lanes::Slots at_position = known;
+    give(of.of_positions, positions, at_position);
+    gap_rates = lanes::Program(graph, at_position, outputs(of.rate, slots.rate), frame);
+    lanes::Slots of_factors;
+    give(of.constants, slots.constants, of_factors);
+    give(of.factors, slots.factors, of_factors);
+    for (int i = 0; i < rows; ++i) of_factors.emplace(graph.variable(first_residual + i), slots.Phi + i);
+    displace = lanes::Program(graph, of_factors, outputs(of.displacement, slots.displacement), frame);
+  }
+  if (!rates_are_velocities) {
+    lanes::Slots by_displacement = known;
+    for (int k = 0; k < nv; ++k) by_displacement[graph.variable(nq + k)] = slots.displacement + k;
+    move = lanes::Program(graph, by_displacement, outputs(equations.qdot, slots.moved), frame);
+  }
+  for (std::size_t k = 0; k < equations.q.size(); ++k) {
+    if (equations.q[k].name.ends_with(".Q[1]")) quaternions.push_back(static_cast<int>(k));
+  }
+  const auto guard = [&](const Terms& reciprocals, bool is_mass, const std::vector<int>& by) {
+    for (std::size_t k = 0; k < reciprocals.size(); ++k) {
+      const auto found = std::ranges::find(of.factors, reciprocals[k]);
+      if (found != of.factors.end())
+        guards.push_back({slots.factors + static_cast<int>(found - of.factors.begin()), is_mass, by[k]});
+    }
+  };
+  guard(of.reciprocal_pivots, false, pivots.rows);
+  guard(of.reciprocal_masses, true, of.free);
+  for (lanes::Program* program : {&prepare, &evaluate, &evaluate_closed, &gaps, &gap_rates, &displace, &move})
+    program->place_temporaries(frame);
+}
+
+void StepPrograms::place() {
   slots.y = frame.add(size());
   slots.rates = frame.add(size());
   slots.before = frame.add(size());
@@ -158,78 +239,17 @@ StepPrograms::StepPrograms(const SceneEquations& equations, const Pivots& pivots
   slots.numbers = frame.add(varied);
   slots.constants = frame.add(constants);
   slots.factors = frame.add(factors);
-  const int gap_parts = frame.add(static_cast<int>(of_positions.size()));
-  const Terms circular = circular_in_both(graph, rates, Phi);
-  const int circular_slots = frame.add(static_cast<int>(circular.size()));
+}
 
-  // Where variables are; u are inputs, the time, element states.
-  lanes::Slots given;
-  for (int k = 0; k < nq + nv; ++k) given.emplace(graph.variable(k), slots.y + k);
+// u are inputs, the time, element states.
+lanes::Slots StepPrograms::variables(Graph& graph) const {
+  lanes::Slots out;
+  for (int k = 0; k < nq + nv; ++k) out.emplace(graph.variable(k), slots.y + k);
   int index = nq + nv;
-  for (int k = 0; k < inputs; ++k) given.emplace(graph.variable(index++), slots.u + k);
-  if (reads_time) given.emplace(graph.variable(index++), slots.time);
-  for (int k = 0; k < states; ++k) given.emplace(graph.variable(index++), slots.y + nq + nv + k);
-  lanes::Slots of_numbers;
-  for (int k = 0; k < varied; ++k)
-    of_numbers.emplace(graph.variable(VariedNumbers::first_variable + k), slots.numbers + k);
-  prepare = lanes::Program(graph, of_numbers, outputs(prepared, slots.constants), frame);
-  give(prepared, slots.constants, given);
-  // Rates that are velocities need not be copied.
-  std::vector<lanes::Output> evaluated;
-  for (int k = 0; k < size(); ++k) {
-    const Term term = rates[static_cast<std::size_t>(k)];
-    const bool is_velocity = k < nq && graph[term].operation == Operation::variable && nq <= graph[term].index &&
-                             graph[term].index < nq + nv;
-    rate_slots.push_back(is_velocity ? slots.y + graph[term].index : slots.rates + k);
-    if (!is_velocity) evaluated.emplace_back(term, slots.rates + k);
-  }
-  for (const lanes::Output& output : outputs(needed, slots.factors)) evaluated.push_back(output);
-  evaluate = lanes::Program(graph, given, evaluated, frame);
-
-  if (rows > 0) {
-    std::vector<lanes::Output> gap = outputs(Phi, slots.Phi);
-    for (const lanes::Output& output : outputs(of_positions, gap_parts)) gap.push_back(output);
-    for (const lanes::Output& output : outputs(circular, circular_slots)) gap.push_back(output);
-    gaps = lanes::Program(graph, given, gap, frame);
-    lanes::Slots closed = given;
-    give(circular, circular_slots, closed);
-    evaluate_closed = lanes::Program(graph, closed, evaluated, frame);
-    lanes::Slots at_position = given;
-    give(of_positions, gap_parts, at_position);
-    gap_rates = lanes::Program(graph, at_position, outputs(rate, slots.rate), frame);
-    lanes::Slots of_factors;
-    give(prepared, slots.constants, of_factors);
-    give(needed, slots.factors, of_factors);
-    for (int i = 0; i < rows; ++i) of_factors.emplace(graph.variable(first_residual + i), slots.Phi + i);
-    displace = lanes::Program(graph, of_factors, outputs(displacement, slots.displacement), frame);
-  }
-  for (int k = 0; k < nq; ++k) {
-    const Term term = equations.qdot[static_cast<std::size_t>(k)];
-    if (nq == nv && term == graph.variable(nq + k)) continue;
-    rates_are_velocities = false;
-  }
-  if (!rates_are_velocities) {
-    lanes::Slots by_displacement;
-    give(prepared, slots.constants, by_displacement);
-    for (int k = 0; k < nq; ++k) by_displacement.emplace(graph.variable(k), slots.y + k);
-    for (int k = 0; k < nv; ++k) by_displacement.emplace(graph.variable(nq + k), slots.displacement + k);
-    move = lanes::Program(graph, by_displacement, outputs(equations.qdot, slots.moved), frame);
-  }
-  for (std::size_t k = 0; k + 3 < equations.q.size(); ++k) {
-    if (equations.q[k].name.ends_with(".Q[1]")) quaternions.push_back(static_cast<int>(k));
-  }
-
-  const auto guard = [&](const Elimination::Numbers& reciprocals, bool is_mass, const std::vector<int>& of) {
-    for (std::size_t k = 0; k < reciprocals.size(); ++k) {
-      const auto found = std::ranges::find(needed, reciprocals[k].term());
-      if (found != needed.end())
-        guards.push_back({slots.factors + static_cast<int>(found - needed.begin()), is_mass, of[k]});
-    }
-  };
-  guard(elimination.reciprocal_pivots(), false, pivots.rows);
-  guard(elimination.reciprocal_masses(), true, elimination.free());
-  for (lanes::Program* program : {&prepare, &evaluate, &evaluate_closed, &gaps, &gap_rates, &displace, &move})
-    program->place_temporaries(frame);
+  for (int k = 0; k < inputs; ++k) out.emplace(graph.variable(index++), slots.u + k);
+  if (reads_time) out.emplace(graph.variable(index++), slots.time);
+  for (int k = 0; k < states; ++k) out.emplace(graph.variable(index++), slots.y + nq + nv + k);
+  return out;
 }
 
 }  // namespace gelenk

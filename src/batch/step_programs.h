@@ -59,6 +59,10 @@ struct StepPrograms {
   int size() const { return nq + nv + states; }
   // Instructions of an evaluation.
   int operations() const { return static_cast<int>(evaluate.instructions().size()); }
+
+ private:
+  void place();
+  lanes::Slots variables(expression::Graph& graph) const;
 };
 
 }  // namespace gelenk

@@ -2,6 +2,7 @@
 // The slots in which programs compute: those with a place of their own, and those of temporary values after them.
 #pragma once
 
+#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -24,9 +25,7 @@ class Frame {
     return constants_.back().first;
   }
   // Programs use these temporary slots, of which values are lost when another program runs.
-  void need_temporaries(int count) {
-    if (count > temporaries_) temporaries_ = count;
-  }
+  void need_temporaries(int count) { temporaries_ = std::max(temporaries_, count); }
 
   int fixed() const { return size_; }
   int size() const { return size_ + temporaries_; }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Compiled on its own, with vectorized loops: cmake/GelenkPython.cmake.
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 
 #include "expression/functions.h"
@@ -17,6 +18,8 @@ namespace {
 
 constexpr int W = lanes_per_block;
 
+double* numbers(double* memory, int slot) { return memory + static_cast<std::ptrdiff_t>(slot) * W; }
+
 double of_arguments(const Instruction& i, double x, double y) {
   switch (i.function) {
     case expression::Operation::atan2:
@@ -29,9 +32,9 @@ double of_arguments(const Instruction& i, double x, double y) {
 }
 
 void by_library(const Instruction& i, double* memory) {
-  const double* const x = memory + i.a * W;
-  const double* const y = i.b < 0 ? x : memory + i.b * W;
-  double* const to = memory + i.to * W;
+  const double* const x = numbers(memory, i.a);
+  const double* const y = i.b < 0 ? x : numbers(memory, i.b);
+  double* const to = numbers(memory, i.to);
   for (int l = 0; l < W; ++l) to[l] = of_arguments(i, x[l], y[l]);
 }
 
@@ -61,7 +64,8 @@ constexpr int vector_lanes = 4;
       [[maybe_unused]] const Vector a = pa[l], b = pb[l], c = pc[l], d = pd[l]; \
       to[l] = Vector(expression);                                               \
     }                                                                           \
-  } while (++at != end && at->code == code);                                    \
+    ++at;                                                                       \
+  } while (at != end && at->code == code);                                      \
   break;
 
 [[gnu::always_inline]] inline Vector* slot(double* memory, int number) {
@@ -87,10 +91,11 @@ constexpr int vector_lanes = 4;
   std::int64_t any = 0;
   for (int l = 0; l < vector_lanes; ++l) any |= far[l];
   if (any != 0)
-    mend_circular(memory + i.a * W, sine == nullptr ? nullptr : memory + i.to * W,
-                  cosine == nullptr ? nullptr : memory + (i.code == Code::cosine ? i.to : i.b) * W);
+    mend_circular(numbers(memory, i.a), sine == nullptr ? nullptr : numbers(memory, i.to),
+                  cosine == nullptr ? nullptr : numbers(memory, (i.code == Code::cosine ? i.to : i.b)));
 }
 
+// NOLINTNEXTLINE(readability-function-cognitive-complexity): a line for each kind of instruction
 [[gnu::always_inline]] inline void run_all(const Instruction* at, const Instruction* end, double* memory) {
   while (at != end) {
     const Code code = at->code;
@@ -134,8 +139,8 @@ constexpr int vector_lanes = 4;
       case Code::choose:
         GELENK_EACH_LANE(a > 0 ? b : c)
       case Code::square_root: {
-        const double* const x = memory + at->a * W;
-        double* const y = memory + at->to * W;
+        const double* const x = numbers(memory, at->a);
+        double* const y = numbers(memory, at->to);
         for (int l = 0; l < W; ++l) y[l] = std::sqrt(x[l]);
         ++at;
         break;

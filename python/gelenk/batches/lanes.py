@@ -129,7 +129,7 @@ class Batch:
                 )
             given[name] = _row(name, of, self.lanes)
         with self._scene.located():
-            self._core.set([given[name].tolist() for name in self._names])
+            self._core.set([given[name].tolist() for name in self._names], self._threads)
         self._values = given
 
     def reset(self) -> None:
