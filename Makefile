@@ -15,6 +15,7 @@
 # make gallery  draw the pictures of docs/gallery and write its list
 # make tutorial  draw the figures of docs/tutorial-*.md
 # make coupling  measure laws that a master closes around an FMU: docs/coupling.md
+# make batches    measure steps of instances that step together: table of docs/batches.md
 # make real-time  measure control loops that step FMUs: table of docs/real-time.md
 # make growth   measure how cost scales with the size of a scene: table of docs/performance.md
 # make bench    benchmark kernels and runs against other engines: docs/performance.md; QUICK=1: a subset
@@ -69,7 +70,7 @@ needs-sanitize: ; @sh cmake/needs.sh sanitize libasan libubsan libtsan valgrind
 needs-fuzz: ; @CLANGXX="$(CLANGXX)" sh cmake/needs.sh fuzz clang++
 needs-runtimes: ; @sh cmake/needs.sh runtimes cargo
 
-.PHONY: $(NEEDS) help demo extras test lint style tidy format pytest thorough reductions charts accuracy nonsmooth gallery tutorial coupling real-time growth bench costs clocks studies special thrown agreement masters sanitize units fuzz mutants states runtimes wheels platforms lock lowest clean
+.PHONY: $(NEEDS) help demo extras test lint style tidy format pytest thorough reductions charts accuracy nonsmooth gallery tutorial coupling batches real-time growth bench costs clocks studies special thrown agreement masters sanitize units fuzz mutants states runtimes wheels platforms lock lowest clean
 help:
 	@sed -n '2,40s/^# //p' Makefile
 
@@ -140,6 +141,9 @@ tutorial: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 
 coupling: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 	$(BIN)/python -m benchmarks.coupling
+
+batches: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
+	$(BIN)/python benchmarks/batches.py
 
 real-time: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 	$(BIN)/python benchmarks/real_time.py

@@ -8,8 +8,8 @@
 
 Packages: `model` (scenes), `io` (URDF import, FMU export), `simulation`, `linear` (linear models), `modal`
 (modes of vibration), `equilibria`, `sweeps` (many runs), `batches` (instances that step together),
-`gradients` (derivatives of runs, fits, designs), `learning`, `chart` (work-precision diagrams), `cli`; each is
-imported at first use.
+`gradients` (derivatives of runs, fits, designs), `learning`, `chart` (work-precision diagrams), `cli`;
+each is imported at first use.
 """
 
 from __future__ import annotations

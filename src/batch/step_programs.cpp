@@ -97,6 +97,8 @@ void give(const Terms& of, int first, lanes::Slots& given) {
   for (const Term term : of) given.emplace(term, first++);
 }
 
+}  // namespace
+
 // The terms of the equations, by what computes them.
 struct StepTerms {
   StepTerms(Graph& graph, const SceneEquations& equations, const Pivots& pivots);
@@ -148,8 +150,6 @@ StepTerms::StepTerms(Graph& graph, const SceneEquations& equations, const Pivots
   circular = circular_in_both(graph, rates, Phi);
 }
 
-}  // namespace
-
 StepPrograms::StepPrograms(const SceneEquations& equations, const Pivots& pivots, int varied_numbers)
     : nq(static_cast<int>(equations.q.size())),
       nv(static_cast<int>(equations.v.size())),
@@ -185,25 +185,7 @@ StepPrograms::StepPrograms(const SceneEquations& equations, const Pivots& pivots
   std::ranges::copy(outputs(of.factors, slots.factors), std::back_inserter(evaluated));
   evaluate = lanes::Program(graph, known, evaluated, frame);
 
-  if (rows > 0) {
-    const int positions = frame.add(static_cast<int>(of.of_positions.size()));
-    const int circular = frame.add(static_cast<int>(of.circular.size()));
-    std::vector<lanes::Output> gap = outputs(of.Phi, slots.Phi);
-    std::ranges::copy(outputs(of.of_positions, positions), std::back_inserter(gap));
-    std::ranges::copy(outputs(of.circular, circular), std::back_inserter(gap));
-    gaps = lanes::Program(graph, known, gap, frame);
-    lanes::Slots closed = known;
-    give(of.circular, circular, closed);
-    evaluate_closed = lanes::Program(graph, closed, evaluated, frame);
-    lanes::Slots at_position = known;
-    give(of.of_positions, positions, at_position);
-    gap_rates = lanes::Program(graph, at_position, outputs(of.rate, slots.rate), frame);
-    lanes::Slots of_factors;
-    give(of.constants, slots.constants, of_factors);
-    give(of.factors, slots.factors, of_factors);
-    for (int i = 0; i < rows; ++i) of_factors.emplace(graph.variable(first_residual + i), slots.Phi + i);
-    displace = lanes::Program(graph, of_factors, outputs(of.displacement, slots.displacement), frame);
-  }
+  if (rows > 0) compile_closing(graph, of, known, evaluated);
   if (!rates_are_velocities) {
     lanes::Slots by_displacement = known;
     for (int k = 0; k < nv; ++k) by_displacement[graph.variable(nq + k)] = slots.displacement + k;
@@ -212,17 +194,40 @@ StepPrograms::StepPrograms(const SceneEquations& equations, const Pivots& pivots
   for (std::size_t k = 0; k < equations.q.size(); ++k) {
     if (equations.q[k].name.ends_with(".Q[1]")) quaternions.push_back(static_cast<int>(k));
   }
-  const auto guard = [&](const Terms& reciprocals, bool is_mass, const std::vector<int>& by) {
-    for (std::size_t k = 0; k < reciprocals.size(); ++k) {
-      const auto found = std::ranges::find(of.factors, reciprocals[k]);
-      if (found != of.factors.end())
-        guards.push_back({slots.factors + static_cast<int>(found - of.factors.begin()), is_mass, by[k]});
-    }
-  };
-  guard(of.reciprocal_pivots, false, pivots.rows);
-  guard(of.reciprocal_masses, true, of.free);
+  add_guards(of.factors, of.reciprocal_pivots, false, pivots.rows);
+  add_guards(of.factors, of.reciprocal_masses, true, of.free);
   for (lanes::Program* program : {&prepare, &evaluate, &evaluate_closed, &gaps, &gap_rates, &displace, &move})
     program->place_temporaries(frame);
+}
+
+// What closes constraint equations.
+void StepPrograms::compile_closing(Graph& graph, const StepTerms& of, const lanes::Slots& known,
+                                   const std::vector<lanes::Output>& evaluated) {
+  const int positions = frame.add(static_cast<int>(of.of_positions.size()));
+  const int circular = frame.add(static_cast<int>(of.circular.size()));
+  std::vector<lanes::Output> gap = outputs(of.Phi, slots.Phi);
+  std::ranges::copy(outputs(of.of_positions, positions), std::back_inserter(gap));
+  std::ranges::copy(outputs(of.circular, circular), std::back_inserter(gap));
+  gaps = lanes::Program(graph, known, gap, frame);
+  lanes::Slots closed = known;
+  give(of.circular, circular, closed);
+  evaluate_closed = lanes::Program(graph, closed, evaluated, frame);
+  lanes::Slots at_position = known;
+  give(of.of_positions, positions, at_position);
+  gap_rates = lanes::Program(graph, at_position, outputs(of.rate, slots.rate), frame);
+  lanes::Slots of_factors;
+  give(of.constants, slots.constants, of_factors);
+  give(of.factors, slots.factors, of_factors);
+  for (int i = 0; i < rows; ++i) of_factors.emplace(graph.variable(first_residual + i), slots.Phi + i);
+  displace = lanes::Program(graph, of_factors, outputs(of.displacement, slots.displacement), frame);
+}
+
+void StepPrograms::add_guards(const Terms& among, const Terms& reciprocals, bool is_mass, const std::vector<int>& by) {
+  for (std::size_t k = 0; k < reciprocals.size(); ++k) {
+    const auto found = std::ranges::find(among, reciprocals[k]);
+    if (found != among.end())
+      guards.push_back({slots.factors + static_cast<int>(found - among.begin()), is_mass, by[k]});
+  }
 }
 
 void StepPrograms::place() {

@@ -27,6 +27,8 @@ struct StepSlots {
   int factors = 0;    // what displacement needs from the last evaluation
 };
 
+struct StepTerms;
+
 struct StepPrograms {
   // varied: as many variables from VariedNumbers::first_variable on.
   StepPrograms(const SceneEquations& equations, const Pivots& pivots, int varied);
@@ -63,6 +65,10 @@ struct StepPrograms {
  private:
   void place();
   lanes::Slots variables(expression::Graph& graph) const;
+  void compile_closing(expression::Graph& graph, const StepTerms& of, const lanes::Slots& known,
+                       const std::vector<lanes::Output>& evaluated);
+  void add_guards(const std::vector<expression::Term>& among, const std::vector<expression::Term>& reciprocals,
+                  bool is_mass, const std::vector<int>& by);
 };
 
 }  // namespace gelenk

@@ -222,7 +222,7 @@ def batch(
 
     >>> batch = gelenk.batch("scenes/pendulum.yaml", 3, {"gravity[3]": [-9.81, -3.71, -1.62]}, step=1e-3)
     >>> batch.step(500)
-    >>> batch.states["A.phi"].shape
+    >>> batch.states["pin.phi"].shape
     (3,)
     """
     loaded = load(scene)
