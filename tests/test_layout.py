@@ -138,14 +138,14 @@ PACKAGE = ROOT / "python" / "gelenk"
 IMPORTS: dict[str, set[str]] = {"model": set()}
 IMPORTS["viewer"] = IMPORTS["symbolic"] = IMPORTS["batches"] = {"model"}
 IMPORTS["simulation"] = {"model", "viewer"}
-for package in ("sweeps", "gradients", "learning", "io", "linear"):
+for package in ("sweeps", "gradients", "io", "linear"):
     IMPORTS[package] = {"simulation", *IMPORTS["simulation"]}
+IMPORTS["learning"] = {"batches", *IMPORTS["io"]}
 IMPORTS["modal"] = {"linear", *IMPORTS["linear"]}
 IMPORTS["equilibria"] = {"linear", *IMPORTS["linear"]}
 IMPORTS["chart"] = {"io", "modal", "equilibria", *IMPORTS["modal"]}
 IMPORTS["cli"] = {"chart", "sweeps", "symbolic", "viewer", *IMPORTS["chart"]}
-IMPORTS["demo"] = set()
-IMPORTS["__main__"] = {"cli"}
+IMPORTS |= {"demo": set(), "__main__": {"cli"}}
 USERS = {"chart", "cli", "demo"}  # these use the whole as everybody does: `import gelenk`
 
 

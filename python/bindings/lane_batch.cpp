@@ -42,6 +42,10 @@ void gelenk::bind_lane_batch(nb::module_& m) {
       .def("set", &LaneBatch::set, "values"_a, "threads"_a, nb::call_guard<nb::gil_scoped_release>(),
            "Set values by parameter, by lane, and put all lanes to their starts.")
       .def("reset", &LaneBatch::reset, "Put all lanes to their starts.")
+      .def("start_as",
+           nb::overload_cast<const std::vector<int>&, const LaneBatch&, const std::vector<int>&>(&LaneBatch::start_as),
+           "lanes"_a, "source"_a, "of"_a,
+           "Put lanes to the starts of lanes of another batch, of the same scene with the same parameters.")
       .def("advance", &LaneBatch::advance, "count"_a, "threads"_a, nb::call_guard<nb::gil_scoped_release>(),
            "Make so many steps.")
       .def_prop_ro("lanes", &LaneBatch::lanes)
@@ -51,6 +55,7 @@ void gelenk::bind_lane_batch(nb::module_& m) {
       .def_prop_ro("velocities", &LaneBatch::velocities)
       .def_prop_ro("inputs", &LaneBatch::inputs)
       .def_prop_ro("element_states", &LaneBatch::element_states)
+      .def_prop_ro("reads_time", &LaneBatch::reads_time)
       .def_prop_ro("stopped", &LaneBatch::stopped, "The lanes that have stopped.")
       .def_prop_ro("evaluations", &LaneBatch::evaluations, "Evaluations of the equations of motion, by all lanes.")
       .def_prop_ro("operations", &LaneBatch::operations, "Operations of an evaluation.")

@@ -93,6 +93,7 @@ void BlockSteps::check_pivots(const double* limits, Stops& stops) {
       const bool is_regular = std::abs(reciprocal[l]) <= std::abs(limit[l]) && reciprocal[l] * last[l] > 0;
       if (is_regular || stops[l] != StopReason::none) continue;
       stops[l] = programs_.guards[g].is_mass ? StopReason::massless : StopReason::singular;
+      if (std::isnan(reciprocal[l])) stops[l] = StopReason::not_finite;
       broken_[l] = static_cast<int>(g);
     }
     std::copy_n(reciprocal, W, last);

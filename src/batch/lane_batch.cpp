@@ -170,6 +170,34 @@ void LaneBatch::reset() {
   for (Block& block : blocks_) block.stops.fill(StopReason::none);
 }
 
+void LaneBatch::start_as(std::size_t lane, const LaneBatch& source, std::size_t of) {
+  const auto copy = [&](const std::vector<double>& from, std::vector<double>& to) {
+    const auto first = static_cast<std::size_t>(source.stride_);
+    const auto stride = static_cast<std::size_t>(stride_);
+    for (std::size_t k = 0; k * stride < to.size(); ++k) to[k * stride + lane] = from[k * first + of];
+  };
+  copy(source.numbers_, numbers_);
+  copy(source.start_, start_);
+  copy(source.start_, state_);
+  constexpr auto size = static_cast<std::size_t>(block_lanes);
+  const Block& from = source.blocks_[of / size];
+  Block& to = blocks_[lane / size];
+  for (std::size_t k = 0; k < to.constants.size(); k += size)
+    to.constants[k + lane % size] = from.constants[k + of % size];
+  for (std::size_t k = 0; k < to.limits.size(); k += size) to.limits[k + lane % size] = from.limits[k + of % size];
+  to.stops[lane % size] = StopReason::none;
+}
+
+void LaneBatch::start_as(const std::vector<int>& lanes, const LaneBatch& source, const std::vector<int>& of) {
+  for (std::size_t i = 0; i < lanes.size(); ++i)
+    start_as(static_cast<std::size_t>(lanes[i]), source, static_cast<std::size_t>(of[i]));
+  if (stopped_.empty()) return;
+  std::erase_if(stopped_, [&](const LaneStop& stop) {
+    const auto at = static_cast<std::size_t>(stop.lane);
+    return blocks_[at / block_lanes].stops[at % block_lanes] == StopReason::none;
+  });
+}
+
 std::string LaneBatch::name_of_guard(const BlockSteps& steps, std::size_t lane, StopReason stop) const {
   if (stop != StopReason::singular && stop != StopReason::massless) return {};
   const StepPrograms::Guard& guard = programs_.guards[static_cast<std::size_t>(steps.broken()[lane])];

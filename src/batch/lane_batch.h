@@ -32,6 +32,8 @@ class LaneBatch {
   void set(const std::vector<std::vector<double>>& values, int threads);
   // Puts lanes to their starts, at time 0 of the batch.
   void reset();
+  // Puts lanes to the starts of lanes of another batch, of the same scene with the same parameters.
+  void start_as(const std::vector<int>& lanes, const LaneBatch& source, const std::vector<int>& of);
   // Makes `count` steps with the inputs of inputs().
   void advance(long count, int threads);
 
@@ -45,6 +47,7 @@ class LaneBatch {
   // Rows of coordinates, velocities and element states, by lane; so many numbers from row to row.
   double* state() { return state_.data(); }
   double* input() { return input_.data(); }
+  bool reads_time() const { return equations().reads_time; }
   int stride() const { return stride_; }
   // In the order in which they stopped.
   const std::vector<LaneStop>& stopped() const { return stopped_; }
@@ -61,6 +64,7 @@ class LaneBatch {
   };
 
   const SceneEquations& equations() const { return scene_.equations(); }
+  void start_as(std::size_t lane, const LaneBatch& source, std::size_t of);
   void change(const std::vector<std::vector<double>>& values, int threads);
   void prepare_blocks(const std::vector<LaneStart>& starts);
   void check_lane(BlockSteps& steps, std::size_t lane, const LaneStart& expected) const;

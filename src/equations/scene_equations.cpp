@@ -64,6 +64,7 @@ TracedScene::TracedScene(const Scene& scene)
   for (std::size_t i = 0; i < arguments_.size(); ++i) {
     name_coordinates(i, arguments_[i]);
     name_targets(i, arguments_[i]);
+    note_size(i);
     note_modes(i, arguments_[i], refused);
   }
   if (!refused.empty()) throw SceneError(refused);
@@ -150,14 +151,18 @@ void TracedScene::name_targets(std::size_t island, IslandArguments& of) {
   }
 }
 
+void TracedScene::note_size(std::size_t island) {
+  const Mechanism& mechanism = prepared_.islands[island].mechanism;
+  double length = 1;
+  for (const Link& link : mechanism.links) length += link.X_PJ.p.norm();
+  equations_.length = std::max(equations_.length, length);
+  if (make_dynamics(mechanism, loads_[island])->kinks().count() > 0) equations_.has_kinks = true;
+}
+
 // What the equations leave out, and what they cannot say.
 void TracedScene::note_modes(std::size_t island, IslandArguments& of, std::vector<std::string>& refused) {
   const Mechanism& mechanism = prepared_.islands[island].mechanism;
   const Loads& loads = loads_[island];
-  double length = 1;
-  for (const Link& link : mechanism.links) length += link.X_PJ.p.norm();
-  equations_.length = std::max(equations_.length, length);
-  if (make_dynamics(mechanism, loads)->kinks().count() > 0) equations_.has_kinks = true;
   const std::string prefix = prefix_of(scene_);
   const auto refuse = [&](const std::string& what) { refused.push_back(prefix + what); };
   std::vector<std::string> names;  // by force with modes

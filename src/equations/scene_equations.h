@@ -68,6 +68,7 @@ class TracedScene {
   void name_coordinates(std::size_t island, IslandArguments& of);
   void name_inputs();
   void name_targets(std::size_t island, IslandArguments& of);
+  void note_size(std::size_t island);
   void note_modes(std::size_t island, IslandArguments& of, std::vector<std::string>& refused);
   void trace(std::size_t island);
   std::vector<std::string> hidden_branches(std::size_t island, const RecordedIsland& recorded) const;

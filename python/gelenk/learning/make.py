@@ -17,6 +17,7 @@ from gelenk.model.values import Value, check_names
 if TYPE_CHECKING:
     import gymnasium
 
+    from gelenk.learning.fleets import Fleet
     from gelenk.learning.gym import Task
 
 type Array = NDArray[np.float64]
@@ -73,6 +74,8 @@ def vector_environment(
     step: float | None = None,
     stop: float | None = None,
     starts: Sequence[Mapping[str, Value]] = ({},),
+    lanes: bool = False,
+    threads: int = 1,
 ) -> gymnasium.vector.VectorEnv[Array, Array, Array]:
     """Return many environments of Gymnasium that are stepped together, in one process.
 
@@ -92,21 +95,32 @@ def vector_environment(
         step: time between actions [s].
         stop: time after which an episode is truncated [s].
         starts: as in `gelenk.environment`; each instance draws one at each of its resets.
+        lanes: whether instances are the lanes of a `gelenk.batch`, whose method is rk4: millions of steps per
+            second, for smooth mechanisms, and observations that are coordinates and velocities of joints on
+            the spanning trees. They are then what `gelenk.environment` makes with rk4, up to rounding.
+        threads: with lanes, the number of threads.
 
     Returns:
         gymnasium.vector.VectorEnv: with boxes of observations and of actions; `reset(seed=NUMBER)`.
 
     Raises:
         SceneError, AssemblyError, UsageError: the scene, a name or a value is invalid, or Gymnasium is not
-            installed.
+            installed; with lanes, the scene has an element that lanes refuse.
     """
     extra("gymnasium", "environments are those of Gymnasium")
+    from gelenk.learning.fleets import Lanes, saved_states
     from gelenk.learning.vector import VectorEnvironment
 
     if instances < 1:
         raise UsageError(f"instances: found {instances}, expected at least 1")
     scenes, task = _task(scene, actions, observations, reward, terminated, step, stop, starts)
-    return VectorEnvironment(scenes, task, instances)
+
+    def fleet() -> Fleet:
+        if lanes:
+            return Lanes(load(scene), starts, task, instances, threads)
+        return saved_states(scenes, task, instances)
+
+    return VectorEnvironment(fleet, len(starts), task, instances)
 
 
 def _task(

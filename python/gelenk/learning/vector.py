@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, override
 
 import gymnasium
@@ -11,10 +11,9 @@ import numpy as np
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from gelenk import _core
 from gelenk.errors import UsageError
-from gelenk.learning.gym import Task, prepared, spaces
-from gelenk.model.scene import Scene
+from gelenk.learning.fleets import Fleet
+from gelenk.learning.gym import Task, spaces
 
 type Array = NDArray[np.float64]
 type Flags = NDArray[np.bool_]
@@ -23,14 +22,13 @@ type Flags = NDArray[np.bool_]
 class VectorEnvironment(gymnasium.vector.VectorEnv[Array, Array, Array]):
     """Instances of a scene, each with its own agent. The loop over them is compiled."""
 
-    def __init__(self, scenes: Sequence[Scene], task: Task, instances: int) -> None:
+    def __init__(self, make: Callable[[], Fleet], starts: int, task: Task, instances: int) -> None:
+        """See `gelenk.vector_environment`. make: what steps the instances; starts: how many there are."""
         self.metadata = {"autoreset_mode": gymnasium.vector.AutoresetMode.NEXT_STEP}
         self.num_envs = instances
         self._task = task
-        self._starts = prepared(scenes, task)
-        plants, channels, _ = zip(*self._starts, strict=True)
-        self._plants = [plant._core for plant in plants]
-        self._fleet = _core.Fleet(self._plants, list(channels), instances, task.step)
+        self._starts = starts
+        self._fleet = make()
         self._low, self._high = task.bounds[:, 0].copy(), task.bounds[:, 1].copy()
         self._count = np.zeros(instances, np.int64)
         self._ended: Flags = np.zeros(instances, np.bool_)
@@ -101,10 +99,10 @@ class VectorEnvironment(gymnasium.vector.VectorEnv[Array, Array, Array]):
 
     def _reset(self, instances: NDArray[np.intp], rows: Array, start: int | None) -> NDArray[np.int64]:
         if start is None:
-            starts = self.np_random.integers(len(self._starts), size=len(instances))
+            starts = self.np_random.integers(self._starts, size=len(instances))
         else:
-            if not 0 <= start < len(self._starts):
-                raise UsageError(f"start: found {start}, expected 0 to {len(self._starts) - 1}")
+            if not 0 <= start < self._starts:
+                raise UsageError(f"start: found {start}, expected 0 to {self._starts - 1}")
             starts = np.full(len(instances), start, np.int64)
         self._fleet.reset(instances.astype(np.int32), starts.astype(np.int32), rows)
         self._count[instances] = 0
