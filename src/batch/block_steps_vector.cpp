@@ -7,6 +7,15 @@
 
 #include "batch/block_steps.h"
 
+// Loops over lanes, chosen when the module is loaded: with the same bits, as lanes/kernels.h says. Sanitizers are not
+// yet at work then.
+#if defined(__x86_64__) && defined(__linux__) && defined(__GNUC__) && !defined(__clang__) && \
+    !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#define GELENK_BY_PROCESSOR [[gnu::target_clones("avx2", "default")]]
+#else
+#define GELENK_BY_PROCESSOR
+#endif
+
 namespace gelenk {
 namespace {
 
@@ -80,7 +89,7 @@ void BlockSteps::limits_of(double* limits) {
   }
 }
 
-void BlockSteps::check_pivots(const double* limits, Stops& stops) {
+GELENK_BY_PROCESSOR void BlockSteps::check_pivots(const double* limits, Stops& stops) {
   for (std::size_t g = 0; g < programs_.guards.size(); ++g) {
     const double* const reciprocal = slot(programs_.guards[g].slot);
     const double* const limit = limits + g * W;
@@ -101,7 +110,7 @@ void BlockSteps::check_pivots(const double* limits, Stops& stops) {
   has_pivots_ = true;
 }
 
-BlockSteps::Numbers BlockSteps::largest(int first, int count, double least) {
+GELENK_BY_PROCESSOR BlockSteps::Numbers BlockSteps::largest(int first, int count, double least) {
   Numbers out;
   out.fill(least);
   for (int i = 0; i < count; ++i) {
@@ -141,7 +150,7 @@ void BlockSteps::renew_factors(const std::array<bool, lanes>& renews) {
   }
 }
 
-void BlockSteps::correct_positions(const std::array<bool, lanes>& waits) {
+GELENK_BY_PROCESSOR void BlockSteps::correct_positions(const std::array<bool, lanes>& waits) {
   run(programs_.displace);
   if (!programs_.rates_are_velocities) run(programs_.move);
   const int by = programs_.rates_are_velocities ? programs_.slots.displacement : programs_.slots.moved;
@@ -154,7 +163,7 @@ void BlockSteps::correct_positions(const std::array<bool, lanes>& waits) {
   run(programs_.gaps);
 }
 
-void BlockSteps::correct_velocities(const std::array<bool, lanes>& waits) {
+GELENK_BY_PROCESSOR void BlockSteps::correct_velocities(const std::array<bool, lanes>& waits) {
   std::copy_n(slot(programs_.slots.rate), static_cast<std::ptrdiff_t>(programs_.rows) * W, slot(programs_.slots.Phi));
   run(programs_.displace);
   for (int k = 0; k < programs_.nv; ++k) {
@@ -175,7 +184,7 @@ struct BlockSteps::Closing {
   void judge(const Numbers& gap, bool is_last, Stops& stops);
 };
 
-void BlockSteps::Closing::judge(const Numbers& gap, bool is_last, Stops& stops) {
+GELENK_BY_PROCESSOR void BlockSteps::Closing::judge(const Numbers& gap, bool is_last, Stops& stops) {
   renews.fill(false);
   any_open = any_renews = false;
   for (std::size_t l = 0; l < W; ++l) {
@@ -227,7 +236,7 @@ void BlockSteps::close_velocities(Stops& stops) {
   close(programs_.slots.rate, floor, stops, [&](const std::array<bool, lanes>& waits) { correct_velocities(waits); });
 }
 
-void BlockSteps::step(double time, const double* limits, Stops& stops) {
+GELENK_BY_PROCESSOR void BlockSteps::step(double time, const double* limits, Stops& stops) {
   lanes::run(begin_, memory_);
   evaluate(time);
   if (!has_pivots_) check_pivots(limits, stops);

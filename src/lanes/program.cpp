@@ -297,7 +297,7 @@ void Compiler::put(Term term, int slot) {
 // In another order, with more instructions of the same kind one after the other, so that there are fewer branches
 // that processors cannot predict. Only what comes soon anyway is taken, so that values are not kept long.
 void Compiler::gather() {
-  constexpr std::size_t horizon = 24;
+  constexpr std::size_t horizon = 48;
   std::vector<std::size_t> writer(slots_.size(), code_.size());
   std::vector<int> waiting(code_.size(), 0);  // by instruction: of how many it needs results
   std::vector<std::vector<std::size_t>> next(code_.size());
