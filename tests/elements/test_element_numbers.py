@@ -36,7 +36,9 @@ def places() -> Iterator[tuple[str, list[Scene], tuple[str, ...], Given]]:
         (port,) = motor.kind["ports"]
         for joint in port["fits"]:
             source = scenes.one_joint(joint)
-            source["motors"] = {"E": {"type": motor.kind["name"], port["name"]: "J", **motor.fields}}
+            along = {"coordinate": JOINTS[joint]["q"][0]} if JOINTS[joint]["nv"] > 1 else {}
+            fields = {"type": motor.kind["name"], port["name"]: "J", **along, **motor.fields}
+            source["motors"] = {"E": fields}
             yield f"{motor}-{joint}", [source], ("motors", "E"), motor
     for constraint in all_given("constraints"):
         optional = {any(p["optional"] for p in constraint.kind["ports"]), False}
@@ -46,10 +48,15 @@ def places() -> Iterator[tuple[str, list[Scene], tuple[str, ...], Given]]:
     for force in all_given("joints"):
         group = force.kind["group"]
         for joint in force.kind["fits"]:
-            fields = {name: for_each_speed(x, joint) for name, x in force.fields.items()}
-            fields = {group: fields} if group else fields
-            starts = [starting(joint, *state, copy.deepcopy(fields)) for state in states(force)]
             at = ("joints", "J", group) if group else ("joints", "J")
+            if not group:
+                fields = {name: for_each_speed(x, joint) for name, x in force.fields.items()}
+            elif JOINTS[joint]["nv"] == 1:
+                fields = {group: force.fields}
+            else:  # along one of its coordinates
+                at = (*at, JOINTS[joint]["q"][0])
+                fields = {group: {at[-1]: force.fields}}
+            starts = [starting(joint, *state, copy.deepcopy(fields)) for state in states(force)]
             yield f"{force}-{joint}", starts, at, force
 
 
