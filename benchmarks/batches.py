@@ -2,8 +2,8 @@
 """Measure steps of batches and write the table of docs/batches.md: `make batches`.
 
 The smallest of several CPU times of each run counts: what else the machine does makes them only longer. With
-two threads it is that of both, so that their gain is the one of two idle processors. Alone is one simulation of
-the same scene with the same method, all steps in one call.
+two threads it is that of both, so that their gain is the one of two idle processors. Alone is one simulation
+of the same scene with the same method, all steps in one call.
 """
 
 from __future__ import annotations
