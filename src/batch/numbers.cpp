@@ -11,6 +11,11 @@
 namespace gelenk {
 namespace {
 
+// Relative to their own size, which may be small: moments of inertia of small parts are, in kg m2.
+bool is_constant(double before, double after) {
+  return std::abs(before - after) <= 1e-13 * std::max(std::abs(before), std::abs(after));
+}
+
 // Positions that are assembled differ by rounding from scene to scene.
 bool is_same(double a, double b) { return std::abs(a - b) <= 1e-12 * std::max(1.0, std::abs(a)); }
 
@@ -28,7 +33,7 @@ VariedNumbers::VariedNumbers(const std::vector<double>& numbers, const std::vect
     : numbers_(numbers), variables_(numbers.size(), -1) {
   std::map<std::pair<double, double>, int> known;
   for (std::size_t i = 0; i < std::min(numbers.size(), changed.size()); ++i) {
-    if (is_same(numbers[i], changed[i])) continue;
+    if (is_constant(numbers[i], changed[i])) continue;
     const auto [at, is_new] = known.try_emplace({numbers[i], changed[i]}, first_variable + count());
     if (is_new) places_.push_back(i);
     variables_[i] = at->second;

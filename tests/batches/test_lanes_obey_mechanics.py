@@ -128,3 +128,14 @@ def test_unit_quaternions_remain_of_length_one() -> None:
     after = np.array([batch.states[name] for name in names])
     assert (after**2).sum(axis=0) == pytest.approx(1, abs=4e-16)
     assert not np.allclose(after, before)
+
+
+def test_parts_of_microscopic_mechanisms_differ_from_lane_to_lane() -> None:
+    """A pendulum of 2e-12 kg and 0.7 µm, with a moment of inertia of 1e-25 kg m2: each has its own period."""
+    source = pendulum()
+    source["bodies"]["bob"] = {"mass": 2e-12, "com": [0, 0, -7e-7], "inertia": [1e-25, 1e-25, 1e-25]}
+    inertia = np.array([1e-25, 1.03e-25, 4e-25, 1e-24])  # kg m2
+    batch = gelenk.batch(source, 4, {f"bob.inertia[{k}]": inertia for k in (1, 2, 3)}, step=1e-6)
+    total = inertia + 2e-12 * 7e-7**2
+    half = 2 * ellipk(np.sin(0.6) ** 2) * np.sqrt(total / (2e-12 * 9.81 * 7e-7))
+    assert rises(batch, 4000) == pytest.approx(half, rel=1e-9)
