@@ -48,6 +48,7 @@ class BlockSteps {
   struct Closing;
 
   void run(const lanes::Program& program) { lanes::run(program.instructions(), memory_); }
+  bool is_finite(std::size_t lane);
   void close_positions(Stops& stops);
   void close_velocities(Stops& stops);
   template <class Correct>

@@ -89,6 +89,13 @@ void BlockSteps::limits_of(double* limits) {
   }
 }
 
+bool BlockSteps::is_finite(std::size_t lane) {
+  for (int i = 0; i < programs_.size(); ++i) {
+    if (!std::isfinite(slot(programs_.slots.y + i)[lane])) return false;
+  }
+  return true;
+}
+
 GELENK_BY_PROCESSOR void BlockSteps::check_pivots(const double* limits, Stops& stops) {
   for (std::size_t g = 0; g < programs_.guards.size(); ++g) {
     const double* const reciprocal = slot(programs_.guards[g].slot);
@@ -102,7 +109,7 @@ GELENK_BY_PROCESSOR void BlockSteps::check_pivots(const double* limits, Stops& s
       const bool is_regular = std::abs(reciprocal[l]) <= std::abs(limit[l]) && reciprocal[l] * last[l] > 0;
       if (is_regular || stops[l] != StopReason::none) continue;
       stops[l] = programs_.guards[g].is_mass ? StopReason::massless : StopReason::singular;
-      if (std::isnan(reciprocal[l])) stops[l] = StopReason::not_finite;
+      if (std::isnan(reciprocal[l]) && !is_finite(l)) stops[l] = StopReason::not_finite;
       broken_[l] = static_cast<int>(g);
     }
     std::copy_n(reciprocal, W, last);
