@@ -28,8 +28,9 @@ MOST_REFUSED = 2  # of a block
 # had left it; a report of a broken law in a large scene, whose unit was unknown; a corner that pulled while a
 # joint elsewhere was at rest; sliding that begins within a step of dirk; steps that took the wrong one of two
 # motions of a gear with losses, or the impulse of a stop for its load; a worm beside what sets out;
-# a jump of a motion within rounding that ended static friction; a wheel that lands while its cart meets a limit;
-# a gear with losses that was restored after a step with loads of the other sign; an oblique guide in steps.
+# a jump of a motion within rounding that ended static friction; a wheel that lands while its cart meets a
+# limit; a gear with losses that was restored after a step with loads of the other sign; an oblique guide in
+# time steps.
 ONCE_WRONG = (
     12407, 6039, 2403, 4327, 3373, 5005, 4515, 5134, 6967, 9529, 5881, 9709, 10491,
     12282, 12585, 12264, 15886, 18255, 30110, 32247, 32553,

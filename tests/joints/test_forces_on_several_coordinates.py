@@ -317,8 +317,8 @@ def test_as_an_fmu(tmp_path: Path) -> None:
     [
         (
             {"friction": {"coulomb": 1}},
-            r"joints\.J\.friction: found 'coulomb', expected a mapping with coordinates of a universal joint: "
-            r"phi_a, phi_b, as \{phi_a: \{coulomb: \.\.\.\}\}",
+            r"joints\.J\.friction: found 'coulomb', expected a mapping with coordinates of a universal "
+            r"joint: phi_a, phi_b, as \{phi_a: \{coulomb: \.\.\.\}\}",
         ),
         (
             {"friction": {"phi": {"coulomb": 1}}},
