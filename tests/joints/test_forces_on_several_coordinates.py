@@ -21,7 +21,7 @@ from gelenk.io import export
 Source = dict[str, Any]
 INTEGRATORS = ["auto", "erk", "dirk", "cvode", "ida"]
 
-BODY = {"mass": 1.3, "com": [0.2, 0.05, -0.1], "inertia": [0.03, 0.05, 0.06, 0.001, 0, 0.002]}
+BODY: Source = {"mass": 1.3, "com": [0.2, 0.05, -0.1], "inertia": [0.03, 0.05, 0.06, 0.001, 0, 0.002]}
 # The coordinates of a joint in order, each with the joint of one coordinate that does the same.
 PARTS: dict[str, dict[str, tuple[str, list[float]]]] = {
     "universal": {"phi_a": ("revolute", [1, 0, 0]), "phi_b": ("revolute", [0, 1, 0])},
