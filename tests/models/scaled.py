@@ -91,12 +91,12 @@ def scale_joint(joint: dict[str, Any], by: Factors) -> None:
         names = (name.split("[")[0] for name in facts[of])
         by.times(joint.get("start", {}), dict(zip(names, facts[f"{of}_units"], strict=True)))
     by.times_fields(joint, facts["fields"], angle=True)
-    for entry, field in along(joint):
+    for entry, field, angles in along(joint):
         values = entry[field["name"]]
         each = values if isinstance(values, list) else [values]
         found = [
             multiplied(x, size(field["unit"], by.length, by.mass, angle))
-            for x, angle in zip(each, turns(joint), strict=True)
+            for x, angle in zip(each, angles, strict=True)
         ]
         entry[field["name"]] = found if isinstance(values, list) else found[0]
 
@@ -104,16 +104,24 @@ def scale_joint(joint: dict[str, Any], by: Factors) -> None:
 def scale_element(element: dict[str, Any], kind: Kind, joints: dict[str, Any], by: Factors) -> None:
     """Scale its fields, according to the coordinate of its joint, and its points of application."""
     at = [element[p["name"]] for p in kind["ports"] if p["kind"] == "joint" and p["name"] in element]
-    by.times_fields(element, kind["fields"], turns(joints[at[0]])[0] if at else True)
+    own = JOINTS[joints[at[0]]["type"]]["q"] if at else ()
+    k = own.index(element["coordinate"]) if element.get("coordinate") in own else 0
+    by.times_fields(element, kind["fields"], turns(joints[at[0]])[k] if at else True)
     for port in kind["ports"]:
         if port["kind"] != "joint":
             by.times(element.get(port["name"]) if port["name"] else element, {"position": "m"})
 
 
-def along(joint: dict[str, Any]) -> Iterator[tuple[dict[str, Any], Kind]]:
-    """Yield (mapping, field) of the fields of a joint along its coordinates."""
+def along(joint: dict[str, Any]) -> Iterator[tuple[dict[str, Any], Kind, list[bool]]]:
+    """Yield the fields of a joint along its coordinates: mapping, field, which coordinates are angles."""
+    angles = list(turns(joint))
+    names = JOINTS[joint["type"]]["q"]
     for kind in KINDS["joints"]:
         entry = joint.get(kind["group"], {}) if kind["group"] else joint
-        for field in kind["fields"]:
-            if field["name"] in entry and field["unit"]:
-                yield entry, field
+        entries = [(entry, angles)]
+        if kind["group"] and len(angles) > 1:  # by names
+            entries = [(entry[n], [a]) for n, a in zip(names, angles, strict=False) if n in entry]
+        for at, of in entries:
+            for field in kind["fields"]:
+                if field["name"] in at and field["unit"]:
+                    yield at, field, of
