@@ -3,6 +3,8 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <string>
+#include <utility>
 
 #include "check/warnings.h"
 #include "joint/kinds.h"
@@ -46,16 +48,21 @@ void warn_about_numbers(std::span<const Field> fields, const void* element, cons
   });
 }
 
+// Where an element along a coordinate stands in its joint: ".friction", of several coordinates ".friction.phi_a"; and
+// the index of a number that has no mapping of its own.
+std::pair<std::string, std::string> place_along(const JointForceKind& force, const JointKind& joint, int i) {
+  if (force.group.empty()) return {"", joint.nv > 1 ? "[" + std::to_string(i + 1) + "]" : ""};
+  const std::string group = "." + std::string(force.group);
+  return {joint.nv > 1 ? group + "." + std::string(coordinate_of(joint, i).name) : group, ""};
+}
+
 void warn_about_forces(const Joint& joint, const JointKind& kind, const std::string& path, Faults& faults) {
   for (const JointForceKind& force : joint_force_kinds()) {
     for (int i = 0; i < kind.nv; ++i) {
       const void* there = force.fits(kind) ? force.in(*joint.along[i]) : nullptr;
       if (there == nullptr) continue;
       const Coordinate coordinate = coordinate_of(kind, i);
-      const bool is_one_of_several = kind.nv > 1;
-      std::string group = force.group.empty() ? "" : "." + std::string(force.group);
-      if (is_one_of_several && !group.empty()) group += "." + std::string(coordinate.name);
-      const std::string index = is_one_of_several && group.empty() ? "[" + std::to_string(i + 1) + "]" : "";
+      const auto [group, index] = place_along(force, kind, i);
       warn_about_numbers(force.fields, there, coordinate, path + group, faults, index);
       if (!kind.springs() || !joint.start.q_given[i]) continue;
       const auto warning = force.doubt(there, joint.start.q[i], coordinate);

@@ -14,6 +14,7 @@
 #include "element/motors/registry.h"
 #include "joint/kinds.h"
 #include "preparation/signal_binder.h"
+#include "scene/element_numbers.h"
 #include "scene/formulas.h"
 #include "scene/motions.h"
 #include "scene/signals.h"
