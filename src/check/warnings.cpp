@@ -48,7 +48,7 @@ void warn_about_numbers(std::span<const Field> fields, const void* element, cons
   });
 }
 
-// Where an element along a coordinate stands in its joint: ".friction", of several coordinates ".friction.phi_a"; and
+// The place of an element along a coordinate in its joint: ".friction", of several coordinates ".friction.phi_a"; and
 // the index of a number that has no mapping of its own.
 std::pair<std::string, std::string> place_along(const JointForceKind& force, const JointKind& joint, int i) {
   if (force.group.empty()) return {"", joint.nv > 1 ? "[" + std::to_string(i + 1) + "]" : ""};
