@@ -37,10 +37,9 @@ template <class Any>
 void check_numbers(const Element<Any>& element, const std::string& path, const Coordinate& coordinate, Faults& faults);
 // Checks friction, limits and one-way clutches in combination with each other, with gears and with contacts.
 void check_locking(const Scene& scene, Faults& faults);
-// Checks the forces of one kind along a joint.
+// Checks the force of one kind along coordinate i of a joint; path: its own.
 void check_force(const Joint& joint, std::size_t i, const std::string& path, const JointForceKind& kind,
                  Faults& faults);
-void check_forces(const Joint& joint, const std::string& path, const JointForceKind& kind, Faults& faults);
 void check_parameters(const Scene& scene, Faults& faults, const SuspectNames& suspect_names);
 // partial: the available outputs are not known, so nothing is checked.
 void check_outputs(const Scene& scene, Faults& faults, bool partial);

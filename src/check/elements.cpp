@@ -67,7 +67,7 @@ struct Checker {
   void coordinate(const ElementPlace& element, const Port& port, const std::string& path) {
     const JointKind* kind = kind_of_joint(scene, element.joints.front());
     if (kind == nullptr || (partial && element.coordinate.empty())) return;
-    if (!port.fits(*kind)) return;                                                   // reported already
+    if (port.fits != nullptr && !port.fits(*kind)) return;                           // reported already
     if (!port.is_prescribed && element.coordinate.empty() && kind->nq == 1) return;  // the only one
     const std::string whole = element.joints.front() + "." + element.coordinate;
     if (std::ranges::find(kind->q, element.coordinate, &Quantity::name) == kind->q.end()) {

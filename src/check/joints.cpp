@@ -67,6 +67,14 @@ class DisjointSets {
   std::vector<std::size_t> parent_;
 };
 
+// path: of the joint.
+void check_forces(const Joint& joint, const std::string& path, const JointForceKind& kind, Faults& faults) {
+  for (std::size_t i = 0; i < joint.along.size(); ++i) {
+    const std::string group = group_along(kind.group, kind_of(*joint.is), static_cast<int>(i));
+    check_force(joint, i, group.empty() ? path : path + "." + group, kind, faults);
+  }
+}
+
 }  // namespace
 
 void check_force(const Joint& joint, std::size_t i, const std::string& path, const JointForceKind& kind,
@@ -75,14 +83,6 @@ void check_force(const Joint& joint, std::size_t i, const std::string& path, con
   if (there == nullptr) return;
   const Coordinate coordinate = coordinate_of(kind_of(*joint.is), static_cast<int>(i));
   check_element(kind.fields, there, path, coordinate, [&] { return kind.fault(there, coordinate); }, faults);
-}
-
-void check_forces(const Joint& joint, const std::string& path, const JointForceKind& kind, Faults& faults) {
-  const bool has_names = joint.along.size() > 1 && !kind.group.empty();
-  for (std::size_t i = 0; i < joint.along.size(); ++i) {
-    const std::string name(coordinate_of(kind_of(*joint.is), static_cast<int>(i)).name);
-    check_force(joint, i, path + (has_names ? "." + name : ""), kind, faults);
-  }
 }
 
 void check_joints(const Scene& scene, Faults& faults, bool partial) {
@@ -99,8 +99,7 @@ void check_joints(const Scene& scene, Faults& faults, bool partial) {
       check_numbers(joint, *kind, path, faults);
       check_fields(kind->fields, data_of(*joint.is), path, {}, faults);
       for (const JointForceKind& force : joint_force_kinds()) {
-        const std::string group = force.group.empty() ? "" : "." + std::string(force.group);
-        if (!partial && force.fits(*kind)) check_forces(joint, path + group, force, faults);
+        if (!partial && force.fits(*kind)) check_forces(joint, path, force, faults);
       }
     } else if (!partial || !joint.type.empty()) {
       faults.add(path + ".type", text::quoted(joint.type), "the name of a kind of joint");

@@ -37,11 +37,12 @@ void check_mesh(const Scene& scene, const Constraint& c, Faults& faults) {
 
 // The force across its axis is that of a joint with one coordinate.
 void check_bearings(const Joint& joint, Faults& faults) {
-  for (std::size_t i = 0; i < joint.along.size() && joint.along.size() > 1; ++i) {
+  if (joint.along.size() < 2) return;
+  const JointKind& kind = kind_of(*joint.is);
+  for (std::size_t i = 0; i < joint.along.size(); ++i) {
     if (!has_bearing(*joint.along[i])) continue;
-    const std::string name(coordinate_of(kind_of(*joint.is), static_cast<int>(i)).name);
-    faults.add(path_of(joint) + ".friction." + name + ".bearing", "a bearing of " + a_kind(kind_of(*joint.is)),
-               "none, or a joint with one coordinate");
+    faults.add(path_of(joint) + "." + group_along("friction", kind, static_cast<int>(i)) + ".bearing",
+               "a bearing of " + a_kind(kind), "none, or a joint with one coordinate");
   }
 }
 

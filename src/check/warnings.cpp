@@ -4,7 +4,6 @@
 #include <map>
 #include <numbers>
 #include <string>
-#include <utility>
 
 #include "check/warnings.h"
 #include "joint/kinds.h"
@@ -48,22 +47,16 @@ void warn_about_numbers(std::span<const Field> fields, const void* element, cons
   });
 }
 
-// The place of an element along a coordinate in its joint: ".friction", of several coordinates ".friction.phi_a"; and
-// the index of a number that has no mapping of its own.
-std::pair<std::string, std::string> place_along(const JointForceKind& force, const JointKind& joint, int i) {
-  if (force.group.empty()) return {"", joint.nv > 1 ? "[" + std::to_string(i + 1) + "]" : ""};
-  const std::string group = "." + std::string(force.group);
-  return {joint.nv > 1 ? group + "." + std::string(coordinate_of(joint, i).name) : group, ""};
-}
-
 void warn_about_forces(const Joint& joint, const JointKind& kind, const std::string& path, Faults& faults) {
   for (const JointForceKind& force : joint_force_kinds()) {
     for (int i = 0; i < kind.nv; ++i) {
       const void* there = force.fits(kind) ? force.in(*joint.along[i]) : nullptr;
       if (there == nullptr) continue;
       const Coordinate coordinate = coordinate_of(kind, i);
-      const auto [group, index] = place_along(force, kind, i);
-      warn_about_numbers(force.fields, there, coordinate, path + group, faults, index);
+      const std::string group = group_along(force.group, kind, i);
+      const std::string at = group.empty() ? path : path + "." + group;
+      const std::string index = group.empty() && kind.nv > 1 ? "[" + std::to_string(i + 1) + "]" : "";
+      warn_about_numbers(force.fields, there, coordinate, at, faults, index);
       if (!kind.springs() || !joint.start.q_given[i]) continue;
       const auto warning = force.doubt(there, joint.start.q[i], coordinate);
       if (warning) faults.warn(path + ".start." + std::string(coordinate.name), warning->found, warning->expected);

@@ -18,8 +18,7 @@ std::string of_joint(const Scene& scene, const Loads& loads, const BrokenLaw& br
   const Joint& joint = scene.joints[static_cast<std::size_t>(of.joint)];
   const Coordinate at = coordinate_of(kind_of(*joint.is), of.component);
   const std::string force = shown(scene, broken.found, unit_of("{f}", at));
-  const std::string law =
-      "joints." + joint.name + "." + std::string(of.group) + (joint.along.size() > 1 ? "." + std::string(at.name) : "");
+  const std::string law = "joints." + joint.name + "." + group_along(of.group, kind_of(*joint.is), of.component);
   switch (broken.kind) {
     case BrokenLaw::Kind::friction_exceeded:
       return law + ": the friction would be " + force + ", but can be at most " +

@@ -68,6 +68,11 @@ Coordinate coordinate_of(const JointKind& kind, int i) {
           .is_angle = kind.v[k].unit == "rad/s"};
 }
 
+std::string group_along(std::string_view group, const JointKind& joint, int i) {
+  const bool is_one_of_several = joint.nv > 1 && !group.empty();
+  return std::string(group) + (is_one_of_several ? "." + std::string(coordinate_of(joint, i).name) : "");
+}
+
 std::string common_unit(const Field& field, const JointKind& kind) {
   std::string unit;
   for (int i = 0; i < kind.nv; ++i) {

@@ -90,7 +90,7 @@ SettableNumber SettableNumber::in_section(int section) const {
 SettableNumber SettableNumber::along(const JointForceKind& force, int coordinate, const JointKind& joint) const {
   SettableNumber out = force.group.empty() ? at(coordinate, joint.nv) : *this;
   out.force_ = &force;
-  if (joint.nv > 1) out.among_ = coordinate_of(joint, coordinate).name;
+  out.joint_ = &joint;
   out.coordinate_ = coordinate;
   return out;
 }
@@ -109,8 +109,7 @@ std::string SettableNumber::key() const {
   if (of_ == Of::parent) return "parent.position";
   if (of_ == Of::child) return "child.position";
   std::string group;
-  if (force_ != nullptr) group = force_->group;
-  if (!group.empty() && !among_.empty()) group += "." + std::string(among_);
+  if (force_ != nullptr) group = group_along(force_->group, *joint_, coordinate_);
   if (group_ != nullptr) group = group_->name;
   return (group.empty() ? "" : group + ".") + std::string(field_->name);
 }

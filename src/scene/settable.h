@@ -50,8 +50,8 @@ class SettableNumber {
   const Field* field_ = nullptr;
   int section_ = -1;
   const JointForceKind* force_ = nullptr;
+  const JointKind* joint_ = nullptr;  // of force_
   int coordinate_ = 0;
-  std::string_view among_;  // its name if the joint has several
 };
 
 // Returns all settable numbers in the order of the file: bodies, joints, elements.

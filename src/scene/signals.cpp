@@ -56,11 +56,6 @@ void add_level(std::vector<Signal>& signals, const Joint& joint, int index, int 
   }
 }
 
-// "friction", and "friction.phi_a" of a joint with several coordinates.
-std::string group_of(const JointForceKind& force, const Joint& joint, const Coordinate& along) {
-  return std::string(force.group) + (joint.along.size() > 1 ? "." + std::string(along.name) : "");
-}
-
 // Appends the signals of the elements along the velocities of a joint; groups(kind, element) returns their groups.
 template <class Groups>
 void add_along(std::vector<Signal>& signals, const Joint& joint, int index, Groups groups) {
@@ -74,8 +69,8 @@ void add_along(std::vector<Signal>& signals, const Joint& joint, int index, Grou
       const std::span<const SignalGroup> all = groups(kind, element);
       for (std::size_t g = 0; g < all.size(); ++g) {
         const SignalGroup& group = all[g];
-        signals.push_back({.name = joint.name + "." + group_of(kind, joint, coordinate) + "." +
-                                   filled_in(group.name, place, coordinate),
+        signals.push_back({.name = joint.name + "." + group_along(kind.group, kind_of(*joint.is), static_cast<int>(i)) +
+                                   "." + filled_in(group.name, place, coordinate),
                            .unit = unit_of(group.unit, coordinate),
                            .description = joint.name + ": " + filled_in(group.text, place, coordinate),
                            .stage = group.stage,

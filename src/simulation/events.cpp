@@ -45,7 +45,7 @@ std::vector<std::string> SteppingReport::warnings() const {
     const std::vector<EventReport> uncertain = island->events().uncertain();
     for (const EventReport& event : uncertain) out.push_back("t = " + text::rounded(event.time) + " s: " + event.text);
     const long more = island->events().uncertain_count() - static_cast<long>(uncertain.size());
-    if (more > 0) out.push_back("and " + std::to_string(more) + " more events with an uncertain outcome");
+    if (more > 0) out.push_back(std::to_string(more) + " more events have an uncertain outcome");
     if (island->integrator() == nullptr) continue;
     const Integrator::SteppedTime of = island->integrator()->stepped_time();
     if (of.parts == 0) continue;
