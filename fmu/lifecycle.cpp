@@ -66,17 +66,8 @@ std::shared_ptr<const PlantModel> load_model(const Instantiation& wanted) {
   return model;
 }
 
-std::string refusal_of_indicators(int count) {
-  if (count == 0) return {};
-  return "found " + std::to_string(count) +
-         " event indicators, which are variables in FMI 3.0 and not described; with FMI 2.0 it is for model exchange, "
-         "too";
-}
-
 void refuse_exchange(const PlantModel& model, const Instantiation& wanted) {
-  std::string why = ModelExchange::refusal(model.scene);
-  if (why.empty() && !wanted.can_have_indicators)
-    why = refusal_of_indicators(ModelExchange::indicators_of(model.scene));
+  const std::string why = ModelExchange::refusal(model.scene);
   if (!why.empty()) throw UsageError(wanted.interface.vocabulary.no_exchange + why);
 }
 

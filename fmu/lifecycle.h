@@ -17,8 +17,7 @@ struct Instantiation {
   Interface interface;
   Plant::Kind kind;
   const char *token, *resources;
-  bool can_have_indicators = true;  // with model exchange
-  std::string fault{};              // what the version of FMI refuses; empty: nothing
+  std::string fault{};  // what the version of FMI refuses; empty: nothing
 };
 
 // Returns null, after a message, if the instance cannot be created.

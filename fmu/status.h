@@ -21,7 +21,8 @@ struct Vocabulary {
 // How an instance is seen from outside.
 struct Interface {
   const Vocabulary& vocabulary;
-  bool may_return_early = false;  // whether a step whose evaluation budget is exhausted is one that returns early
+  bool indicators_are_variables = false;  // whether event indicators can be read by value references
+  bool may_return_early = false;          // whether a step that exhausts its evaluation budget returns early
 };
 
 inline constexpr Vocabulary fmi2_vocabulary{.enter_initialization = "fmi2EnterInitializationMode",

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <string>
+#include <vector>
 
 #include "fmu/api_call.h"
 #include "util/text.h"
@@ -25,6 +27,21 @@ const char* fmi_name(ParameterType type, const Vocabulary& vocabulary) {
   return vocabulary.enumeration;
 }
 
+// How many variables for event indicators follow those of the catalog.
+std::size_t indicators_of(Instance& instance) {
+  if (!instance.interface().indicators_are_variables) return 0;
+  return static_cast<std::size_t>(instance.plant().model().indicators());
+}
+
+// Whether a value reference beyond the catalog is one of an event indicator.
+bool is_indicator(Instance& instance, unsigned reference) {
+  return reference - instance.plant().catalog().variables().size() < indicators_of(instance);
+}
+
+std::string name_of_indicator(Instance& instance, unsigned reference) {
+  return "event_indicators[" + std::to_string(reference - instance.plant().catalog().variables().size() + 1) + "]";
+}
+
 // Errors in arguments that reading and setting have in common; empty if there are none.
 std::string fault(Instance& instance, const ValueCall& of, const void* values) {
   const Catalog& catalog = instance.plant().catalog();
@@ -39,9 +56,13 @@ std::string fault(Instance& instance, const ValueCall& of, const void* values) {
   }
   for (std::size_t i = 0; i < of.count; ++i) {
     const Variable* v = catalog.find(of.references[i]);
+    if (v == nullptr && is_indicator(instance, of.references[i])) {
+      if (of.types.type == ParameterType::real) continue;
+      return name_of_indicator(instance, of.references[i]) + " is of type " + instance.interface().vocabulary.real;
+    }
     if (v == nullptr) {
       return "value reference: found " + std::to_string(of.references[i]) + ", expected less than " +
-             std::to_string(catalog.variables().size());
+             std::to_string(catalog.variables().size() + indicators_of(instance));
     }
     if (v->type != of.types.type && v->type != of.types.other)
       return v->name + " is of type " + fmi_name(v->type, instance.interface().vocabulary);
@@ -71,15 +92,22 @@ Status get_values(void* instance, const ValueCall& call_of, T* values) noexcept 
     Plant& plant = of.plant();
     const std::string why = fault(of, call_of, values);
     if (!why.empty()) return refuse(of, call_of.function, why);
+    std::vector<double> indicators;
     for (std::size_t i = 0; i < call_of.count; ++i) {
       const unsigned reference = call_of.references[i];
-      const Variable& v = plant.catalog().variables()[reference];
-      const bool set_by_master = v.source == Source::input || v.source == Source::parameter;
+      const Variable* v = plant.catalog().find(reference);
+      const bool set_by_master = v != nullptr && (v->source == Source::input || v->source == Source::parameter);
       if (of.mode() == Mode::instantiated && !set_by_master) {
         return refuse(of, call_of.function,
-                      v.name + " can be read only after " + of.interface().vocabulary.enter_initialization);
+                      (v != nullptr ? v->name : name_of_indicator(of, reference)) + " can be read only after " +
+                          of.interface().vocabulary.enter_initialization);
       }
-      values[i] = static_cast<T>(plant.get(static_cast<int>(reference)));
+      if (v != nullptr) {
+        values[i] = static_cast<T>(plant.get(static_cast<int>(reference)));
+      } else {
+        if (indicators.empty()) indicators = plant.indicator_values();
+        values[i] = static_cast<T>(indicators[reference - plant.catalog().variables().size()]);
+      }
     }
     return Status::ok;
   });
@@ -95,7 +123,9 @@ Status set_values(void* instance, const ValueCall& call_of, const T* values) noe
     const bool runs = (running & static_cast<unsigned>(of.mode())) != 0;
     for (std::size_t i = 0; i < call_of.count; ++i) {
       const unsigned reference = call_of.references[i];
-      why = fault_of_setting(of, plant.catalog().variables()[reference], runs);
+      const Variable* v = plant.catalog().find(reference);
+      why = v != nullptr ? fault_of_setting(of, *v, runs)
+                         : name_of_indicator(of, reference) + " is computed by the plant and cannot be set";
       if (!why.empty()) return refuse(of, call_of.function, why);
       plant.check(static_cast<int>(reference), static_cast<double>(values[i]));
     }

@@ -14,8 +14,7 @@ namespace {
 // Items of enumerations have types of their own in FMI 3.0.
 std::string type_of_choice(const Variable& v) { return "Gelenk." + v.name; }
 
-// Event indicators would have to be variables, which they are not: an FMU that has some is for co-simulation.
-bool is_for_exchange(const FmuFacts& facts) { return facts.event_indicators == 0; }
+bool is_for_exchange(const FmuFacts& facts) { return facts.event_indicators.has_value(); }
 
 void write_interfaces(XmlWriter& w, const FmuFacts& facts) {
   if (is_for_exchange(facts)) {
@@ -119,11 +118,23 @@ void write_fmi3_unknowns(XmlWriter& w, std::string_view element, const std::vect
   }
 }
 
-void write_fmi3_structure(XmlWriter& w, const Structure& structure) {
+// Event indicators are variables, too; their value references follow those of the catalog.
+void write_event_indicators(XmlWriter& w, int first, int count) {
+  for (int i = 0; i < count; ++i) {
+    w.open(2, "Float64").attribute("name", "event_indicators[" + std::to_string(i + 1) + "]");
+    w.attribute("valueReference", first + i);
+    w.attribute("description", "event indicator of model exchange; 0 with co-simulation");
+    w.attribute("causality", "local").attribute("variability", "continuous").attribute("initial", "calculated").end();
+  }
+}
+
+void write_fmi3_structure(XmlWriter& w, const Structure& structure, int first_indicator, int indicators) {
   w.open(1, "ModelStructure").inside();
   write_fmi3_unknowns(w, "Output", structure.outputs());
   write_fmi3_unknowns(w, "ContinuousStateDerivative", structure.derivatives());
   write_fmi3_unknowns(w, "InitialUnknown", structure.initial_unknowns());
+  for (int i = 0; i < indicators; ++i)
+    w.open(2, "EventIndicator").attribute("valueReference", first_indicator + i).end();
   w.close(1, "ModelStructure");
 }
 
@@ -161,8 +172,11 @@ std::string write_fmi3_description(const Scene& scene, const Catalog& catalog, c
   for (std::size_t i = 0; i < is_shown.size(); ++i) {
     if (is_shown[i]) write_fmi3_variable(w, catalog.variables()[i], i, reinit[i]);
   }
+  const int first_indicator = static_cast<int>(is_shown.size());
+  const int indicators = facts.event_indicators.value_or(0);
+  write_event_indicators(w, first_indicator, indicators);
   w.close(1, "ModelVariables");
-  write_fmi3_structure(w, Structure(catalog, dependencies));
+  write_fmi3_structure(w, Structure(catalog, dependencies), first_indicator, indicators);
   write_fmi3_annotations(w, scene, facts);
   w.close(0, "fmiModelDescription");
   return w.take();

@@ -61,7 +61,7 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
   try {
     return gelenk::instantiate(gelenk::log_of(logMessage, instanceEnvironment, instanceName, loggingOn),
                                {.function = "fmi3InstantiateCoSimulation",
-                                .interface = {gelenk::fmi3_vocabulary, earlyReturnAllowed},
+                                .interface = {gelenk::fmi3_vocabulary, true, earlyReturnAllowed},
                                 .kind = gelenk::Plant::Kind::co_simulation,
                                 .token = instantiationToken,
                                 .resources = resourcePath,
@@ -78,11 +78,10 @@ fmi3Instance fmi3InstantiateModelExchange(fmi3String instanceName, fmi3String in
   try {
     return gelenk::instantiate(gelenk::log_of(logMessage, instanceEnvironment, instanceName, loggingOn),
                                {.function = "fmi3InstantiateModelExchange",
-                                .interface = {gelenk::fmi3_vocabulary},
+                                .interface = {gelenk::fmi3_vocabulary, true},
                                 .kind = gelenk::Plant::Kind::model_exchange,
                                 .token = instantiationToken,
-                                .resources = resourcePath,
-                                .can_have_indicators = false});
+                                .resources = resourcePath});
   } catch (...) {  // no memory
     return nullptr;
   }

@@ -51,6 +51,13 @@ const PlantModel::States& PlantModel::states() const {
   return *states_;
 }
 
+int PlantModel::indicators() const {
+  std::call_once(indicators_once_, [this] {
+    if (ModelExchange::refusal(scene).empty()) indicators_ = ModelExchange::indicators_of(scene);
+  });
+  return indicators_;
+}
+
 Plant::Plant(std::shared_ptr<const PlantModel> model, Kind kind)
     : model_(std::move(model)),
       scene_(model_->scene),
@@ -123,6 +130,12 @@ Simulation& Plant::simulation() {
 ModelExchange& Plant::exchange() {
   assemble();
   return *exchange_;
+}
+
+std::vector<double> Plant::indicator_values() {
+  std::vector<double> out(static_cast<std::size_t>(model_->indicators()));
+  if (kind_ == Kind::model_exchange) exchange().indicator_values(out.data());
+  return out;
 }
 
 double Plant::nominal(std::size_t state) const {

@@ -35,10 +35,14 @@ struct PlantModel {
     std::vector<int> index_of, index_of_derivative;
   };
   const States& states() const;
+  // How many variables for event indicators follow those of the catalog in FMI 3.0: none if the FMU is for
+  // co-simulation only. Determined on first use, as the states are.
+  int indicators() const;
 
  private:
-  mutable std::once_flag states_once_;
+  mutable std::once_flag states_once_, indicators_once_;
   mutable std::optional<States> states_;
+  mutable int indicators_ = 0;
 };
 
 // Movable before it is assembled.
@@ -89,6 +93,8 @@ class Plant {
   Simulation& simulation();
   // With model exchange; assembles it if necessary. Its states are those of PlantModel::states(), in that order.
   ModelExchange& exchange();
+  // The values of PlantModel::indicators(); 0 with co-simulation, which passes events within its steps.
+  std::vector<double> indicator_values();
   // The expected magnitude of a state.
   double nominal(std::size_t state) const;
 

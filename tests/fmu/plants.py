@@ -180,3 +180,24 @@ def touching(boxes: int) -> Scene:
     out["gravity"] = [0, 0, -9.81]
     out["experiment"] = {"step": 0.005}
     return out
+
+
+def two_cylinders() -> Scene:
+    """Shapes whose contacts are solved in time steps only."""
+    return {
+        "gelenk": 1,
+        "name": "Cylinders",
+        "bodies": {
+            name: {
+                "mass": 1,
+                "inertia": [0.1, 0.1, 0.1],
+                "shapes": {"s": {"cylinder": {"radius": 0.1, "length": 0.4}, "surface": name}},
+            }
+            for name in ("a", "b")
+        },
+        "joints": {
+            name: {"type": "free", "parent": "ground", "child": name, "start": {"r": [0, 0, z]}}
+            for name, z in (("a", 0.0), ("b", 1.0))
+        },
+        "contacts": {"c": {"between": ["a", "b"]}},
+    }

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import random
 import zipfile
 from collections.abc import Callable
@@ -14,17 +15,18 @@ import fmpy
 import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
-from mechanisms import Scene
+from mechanisms import GRAVITY, Scene
 
 import gelenk
 
-from .host import OK, Fmu
+from .host import ERROR, OK, Fmu
 from .host3 import Fmu3, Slave3, expect
 from .importer import Importer
 from .importer3 import Importer3
-from .plants import crank_rocker, driven, touching, with_circuit
+from .plants import crank_rocker, driven, two_cylinders, with_circuit
 from .test_fmi3 import SHIPPED, source_of
 from .test_model_exchange import TORQUES
+from .test_model_exchange_events import slide
 
 SMOOTH = ["crank_rocker", "gyroscope", *SHIPPED]
 
@@ -113,12 +115,84 @@ def test_the_description_is_of_both_kinds(both: tuple[Path, Path]) -> None:
     assert states
 
 
+def bouncing() -> Scene:
+    """Impacts on a limit, then rest."""
+    return slide(0.7, GRAVITY, {"s": 1.1}, limit={"lower": 0.1, "restitution": 0.5})
+
+
+@pytest.mark.parametrize(
+    ("plant", "least"),
+    [
+        (bouncing, 2),
+        (lambda: slide(friction={"coulomb": 2.0}, start={"v": 1.0}), 2),
+        ("docs/gallery/cam/scene.yaml", 5),
+        (with_circuit, 1),
+    ],
+    ids=["limit", "friction", "contact", "kink"],
+)
+def test_event_indicators_are_variables(
+    plant: Callable[[], Scene] | str, least: int, root: Path, tmp_path: Path
+) -> None:
+    """Values by reference are those of fmi3GetEventIndicators; fmpy's runs are those of FMI 2.0."""
+    source = root / plant if isinstance(plant, str) else plant()
+    paths = [gelenk.export_fmu(source, tmp_path / f"v{v}.fmu", view=False, fmi=v) for v in (2, 3)]
+    assert validate_fmu(str(paths[1])) == []
+    fmu = Fmu3(fmpy.extract(str(paths[1]), str(tmp_path / "extracted")))
+    names = [v.variable.name for v in fmu.description.eventIndicators]
+    assert names == [f"event_indicators[{k + 1}]" for k in range(len(names))]
+    new, old = Importer3(fmu).start(), Importer(Fmu(fmpy.extract(str(paths[0])))).start()
+    assert new.count("EventIndicators") == len(names) == len(old.indicators()) >= least
+    t = 0.0
+    for _ in range(20):
+        t += 1e-3
+        x = [a + 1e-3 * b for a, b in zip(old.states(), old.rates(), strict=True)]
+        old.go_to(t, x)
+        new.go_to(t, x)
+        status, values = new.read("fmi3GetEventIndicators", len(names))
+        assert status == OK
+        assert values == old.indicators() == new.get(names[::-1])[::-1]
+    new.free()
+    old.free()
+    runs = [
+        fmpy.simulate_fmu(
+            str(path),
+            fmi_type="ModelExchange",
+            stop_time=2.0,
+            output_interval=0.01,
+            relative_tolerance=1e-10,
+            output=[v.name for v in fmu.description.modelVariables if v.causality == "output"],
+        )
+        for path in paths
+    ]
+    assert runs[0].tobytes() == runs[1].tobytes()
+
+
+def test_event_indicators_in_co_simulation_and_wrong_calls(tmp_path: Path) -> None:
+    """They are 0 where events are passed within steps, and cannot be set; FMI 2.0 has no such variables."""
+    folder = fmpy.extract(str(gelenk.export_fmu(bouncing(), tmp_path / "x.fmu", view=False, fmi=3)))
+    s = Slave3(Fmu3(folder))
+    first = ["event_indicators[1]"]
+    assert s.enter() == OK
+    assert s.get(first) == [0]
+    assert s.leave() == OK
+    s.step(0.0, 0.1)
+    assert s.get(["event_indicators[2]", "J.s", *first])[::2] == [0, 0]
+    assert s.set({first[0]: 1.0}) == ERROR
+    expect(s, ERROR, ERROR, "event_indicators[1] is computed by the plant and cannot be set")
+    place, number = (ctypes.c_int32 * 1)(), ctypes.c_size_t(1)
+    assert s.call("fmi3GetInt32", s.references(first), number, place, number) == ERROR
+    expect(s, ERROR, ERROR, "event_indicators[1] is of type Float64")
+    beyond = (ctypes.c_uint32 * 1)(s.references(first)[0] + len(s.fmu.description.eventIndicators))
+    assert s.call("fmi3GetFloat64", beyond, number, (ctypes.c_double * 1)(), number) == ERROR
+    expect(s, ERROR, ERROR, f"value reference: found {beyond[0]}, expected less than")
+    s.free()
+
+
 @pytest.mark.parametrize(
     ("plant", "words"),
     [
-        (with_circuit, "event indicators, which are variables in FMI 3.0 and not described; with FMI 2.0"),
         (driven, "this FMU is for co-simulation: "),
-        (lambda: touching(2), "this FMU is for co-simulation: "),
+        (two_cylinders, "this FMU is for co-simulation: contacts are solved in time steps"),
     ],
 )
 def test_other_scenes_are_for_co_simulation_only(
@@ -128,6 +202,7 @@ def test_other_scenes_are_for_co_simulation_only(
     assert fmpy.read_model_description(str(found)).modelExchange is None
     fmu = Fmu3(fmpy.extract(str(found), str(tmp_path / "extracted")))
     s = Slave3(fmu).start()
+    s.log.clear()  # with co-simulation, time steps are warned of
     token, resources = fmu.description.instantiationToken, str(fmu.folder / "resources")
     arguments = [b"plant", token.encode(), resources.encode(), c_bool(False), c_bool(False), None, s._logger]
     assert fmu.library.fmi3InstantiateModelExchange(*arguments) is None

@@ -16,7 +16,7 @@ import gelenk
 from .derivatives import directional
 from .host import DISCARD, ERROR, MODEL_EXCHANGE, OK, Fmu, Slave, expect
 from .importer import Importer
-from .plants import cranked, gyroscope, with_circuit
+from .plants import cranked, gyroscope, two_cylinders, with_circuit
 
 TOLERANCE = 1e-9
 LINKS = (0.5, 1.75, 1.5, 2.0)  # crank, coupler, rocker, ground [m]
@@ -40,24 +40,7 @@ def test_inputs_that_prescribe_motions_are_for_co_simulation(tmp_path: Path) -> 
 
 
 def test_contacts_of_time_steps_are_for_co_simulation(tmp_path: Path) -> None:
-    cylinders = {
-        "gelenk": 1,
-        "name": "Cylinders",
-        "bodies": {
-            name: {
-                "mass": 1,
-                "inertia": [0.1, 0.1, 0.1],
-                "shapes": {"s": {"cylinder": {"radius": 0.1, "length": 0.4}, "surface": name}},
-            }
-            for name in ("a", "b")
-        },
-        "joints": {
-            name: {"type": "free", "parent": "ground", "child": name, "start": {"r": [0, 0, z]}}
-            for name, z in (("a", 0.0), ("b", 1.0))
-        },
-        "contacts": {"c": {"between": ["a", "b"]}},
-    }
-    fmu = extracted(cylinders, tmp_path)
+    fmu = extracted(two_cylinders(), tmp_path)
     assert fmu.description.modelExchange is None
     refused = Slave(fmu, kind=MODEL_EXCHANGE)
     expect(
