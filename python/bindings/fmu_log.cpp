@@ -71,6 +71,16 @@ static void gelenk_fmu_logger(void* environment, const char* /*instance*/, int s
   }
   va_end(arguments);
 }
+
+// fmi3LogMessageCallback: the same for FMI 3.0.
+static void gelenk_fmu3_logger(void* environment, int status, const char* /*category*/, const char* message) noexcept {
+  if (environment == nullptr || message == nullptr) return;
+  try {
+    static_cast<FmuLog*>(environment)->add(status, message);
+  } catch (...) {  // out of memory: the message is lost
+    (void)environment;
+  }
+}
 }
 
 void gelenk::bind_fmu_log(nb::module_& m) {
@@ -79,7 +89,10 @@ void gelenk::bind_fmu_log(nb::module_& m) {
       .def("take", &FmuLog::take, "Return the messages since the last call: pairs of FMI status and bytes.")
       .def_prop_ro(
           "environment", [](FmuLog& log) { return reinterpret_cast<std::uintptr_t>(&log); },
-          "Value of fmi2CallbackFunctions.componentEnvironment.")
+          "Value of fmi2CallbackFunctions.componentEnvironment, and of fmi3InstanceEnvironment.")
+      .def_prop_ro(
+          "logger_of_fmi3", [](const FmuLog&) { return reinterpret_cast<std::uintptr_t>(&gelenk_fmu3_logger); },
+          "Address of a function of type fmi3LogMessageCallback.")
       .def_prop_ro(
           "logger", [](const FmuLog&) { return reinterpret_cast<std::uintptr_t>(&gelenk_fmu_logger); },
           "Address of the function for fmi2CallbackFunctions.logger.");

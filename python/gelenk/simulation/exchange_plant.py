@@ -18,6 +18,8 @@ from fmpy.sundials.cvode import CV_ROOT_RETURN, CVode
 from fmpy.sundials.libraries import sundials_cvode
 
 from gelenk.errors import StepError
+from gelenk.simulation.fmi3 import Model3
+from gelenk.simulation.fmu_description import is_fmi3, type_of
 from gelenk.simulation.fmu_plant import FmuPlant
 
 _ONE_STEP = 2  # CV_ONE_STEP of CVODE
@@ -52,14 +54,14 @@ class _Input:
 
 
 class ExchangedFmuPlant(FmuPlant):
-    """An FMI 2.0 model exchange FMU as a plant; see `gelenk.simulation.plant.Plant`."""
+    """A model exchange FMU of FMI 2.0 or 3.0 as a plant; see `gelenk.simulation.plant.Plant`."""
 
-    instance_type = fmi2.FMU2Model
+    instance_types = (fmi2.FMU2Model, Model3)
     part = "modelExchange"
 
     def __init__(self, path: Path) -> None:
         super().__init__(path)
-        self.held = frozenset(name for name in self.inputs if self._variables[name].type != "Real")
+        self.held = frozenset(name for name in self.inputs if type_of(self._variables[name]) != "Real")
         self._solver: _Cvode | None = None
         self._signals: dict[str, _Input] = {}
         self._start = 0.0  # s: of the communication step
@@ -167,7 +169,9 @@ class _Cvode(CVodeSolver):  # type: ignore[misc]
         self._failure: Exception | None = None
         super().__init__(
             nx=description.numberOfContinuousStates,
-            nz=description.numberOfEventIndicators,
+            nz=len(description.eventIndicators)
+            if is_fmi3(description)
+            else description.numberOfEventIndicators,
             get_x=fmu.getContinuousStates,
             set_x=fmu.setContinuousStates,
             get_dx=fmu.getDerivatives,

@@ -3,15 +3,12 @@
 
 from __future__ import annotations
 
-import io
 import logging
 import math
 import re
 import shutil
 import tempfile
 import warnings
-import xml.etree.ElementTree as ET
-import zipfile
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from ctypes import c_double, c_int, c_uint
@@ -32,7 +29,18 @@ from gelenk.model.scales import Scales
 from gelenk.model.scene import Scene, load
 from gelenk.model.values import Value, number
 from gelenk.simulation.derivatives import Derivatives, Quaternion, quaternions_of, rates_of
-from gelenk.simulation.fmu_file import DESCRIPTION, extract, text_in
+from gelenk.simulation.fmi3 import Slave3
+from gelenk.simulation.fmu_description import (
+    annotations_of,
+    description_of,
+    experiment_of,
+    integer_types,
+    is_fmi3,
+    provides_derivatives,
+    type_of,
+    unit_of,
+)
+from gelenk.simulation.fmu_file import extract
 from gelenk.simulation.fmu_slave import instantiated
 from gelenk.simulation.plant import Plant
 
@@ -44,9 +52,9 @@ LOCKED_ROUNDING = 1e-10  # of the change of a velocity with itself where frictio
 
 
 class FmuPlant(Plant):
-    """An FMI 2.0 co-simulation FMU as a plant; see `gelenk.simulation.plant.Plant`."""
+    """A co-simulation FMU of FMI 2.0 or 3.0 as a plant; see `gelenk.simulation.plant.Plant`."""
 
-    instance_type: type = FMU2Slave
+    instance_types: tuple[type, type] = (FMU2Slave, Slave3)  # by version of FMI
     part = "coSimulation"  # of fmpy's description
 
     def __init__(self, path: Path) -> None:
@@ -54,21 +62,21 @@ class FmuPlant(Plant):
         self._messages: list[str] = []
         self._warnings: list[str] = []
         self._warnings_in_steps: list[str] = []
-        self._description = _description(path, self.part)
+        self._description = description_of(path, self.part)
         self._variables = {v.name: v for v in self._description.modelVariables}
         self.name = str(self._description.modelName)
-        self.stop, self.step = _experiment(path, self._description.defaultExperiment)
+        self.stop, self.step = experiment_of(path, self._description.defaultExperiment)
         self.inputs = self._names("input")
         self.outputs = self._names("output")
         self.parameters = self._names("parameter")
         self._interface = getattr(self._description, self.part)
         interpolates = bool(getattr(self._interface, "canInterpolateInputs", False))
         self.held = frozenset(
-            name for name in self.inputs if not interpolates or self._variables[name].type != "Real"
+            name for name in self.inputs if not interpolates or type_of(self._variables[name]) != "Real"
         )
         self.idle: list[str] = []
         self.readings = [*self.outputs, *self._names("local")]
-        self.units = {name: _unit(v) for name, v in self._variables.items() if v.type == "Real"}
+        self.units = {name: unit_of(v) for name, v in self._variables.items() if type_of(v) == "Real"}
         self.assembly_report = ""
         self._references: list[int] = []
         self._folder = tempfile.mkdtemp(prefix="gelenk-")
@@ -76,12 +84,13 @@ class FmuPlant(Plant):
         self._slave: Any = None
         try:
             extract(path, self._folder)
-            self._annotations = _annotations(path, self._folder)
+            self._annotations = annotations_of(path, self._folder)
             with self._reporting(UsageError):
                 self._slave = instantiated(
-                    self.instance_type, self._folder, self._description.guid, self._interface.modelIdentifier,
-                    self._log, verbose=log.isEnabledFor(logging.INFO),
+                    self.instance_types[is_fmi3(self._description)], self._folder, self._description.guid,
+                    self._interface.modelIdentifier, self._log, verbose=log.isEnabledFor(logging.INFO),
                 )  # fmt: skip
+                self._slave.integer_types = integer_types(self._description)
         except BaseException:
             self.close()
             raise
@@ -141,17 +150,17 @@ class FmuPlant(Plant):
     def _set(self, name: str, value: Value) -> None:
         v = self._variables[name]
         with self._reporting(UsageError):
-            if v.type == "String":
+            if type_of(v) == "String":
                 self._slave.setString([v.valueReference], [str(value)])
                 return
             if choices := self._choices(v):
                 x = number(name, value, "enumeration", choices)
                 self._slave.setInteger([v.valueReference], [[*choices.values()][int(x) - 1]])
                 return
-            x = number(name, value, "boolean" if v.type == "Boolean" else "real")
-            if v.type == "Boolean":
+            x = number(name, value, "boolean" if type_of(v) == "Boolean" else "real")
+            if type_of(v) == "Boolean":
                 self._slave.setBoolean([v.valueReference], [bool(x)])
-            elif v.type == "Integer":
+            elif type_of(v) == "Integer":
                 if x != round(x):
                     raise UsageError(f"{name}: found {value!r}, expected a whole number")
                 self._slave.setInteger([v.valueReference], [int(x)])
@@ -160,7 +169,7 @@ class FmuPlant(Plant):
 
     def _choices(self, variable: Any) -> dict[str, int]:
         """Return the items of a choice with their numbers; until version 0.1 choices were Enumerations."""
-        if variable.type == "Enumeration":
+        if type_of(variable) == "Enumeration":
             return {item.name: int(item.value) for item in variable.declaredType.items}
         for choice in () if self._annotations is None else self._annotations.findall(".//Choice"):
             if choice.get("variable") == variable.name:
@@ -196,7 +205,7 @@ class FmuPlant(Plant):
     @override
     def select(self, names: list[str]) -> None:
         for name in names:
-            if self._variables[name].type != "Real":
+            if type_of(self._variables[name]) != "Real":
                 raise UsageError(f"{name}: not a real variable; only real variables can be recorded")
         self._references = [self._variables[name].valueReference for name in names]
 
@@ -208,6 +217,8 @@ class FmuPlant(Plant):
 
     @override
     def set_input_derivatives(self, name: str, derivatives: Sequence[float]) -> None:
+        if is_fmi3(self._description):  # which has none; FMUs of Gelenk continue the values of motions
+            return
         n = len(derivatives)
         reference = self._variables[name].valueReference
         with self._reporting(UsageError):  # fmpy's wrapper only works for one number of inputs
@@ -233,7 +244,7 @@ class FmuPlant(Plant):
             raise UsageError(
                 f"friction: found {friction!r} with an FMU, expected 'present'; others require the scene"
             )
-        if not getattr(self._interface, "providesDirectionalDerivative", False):
+        if not provides_derivatives(self._file, self._folder, self.part):
             raise UsageError(
                 f"{self._file}: this FMU provides no directional derivatives, which linearization requires"
             )
@@ -262,7 +273,7 @@ class FmuPlant(Plant):
         )  # fmt: skip
 
     def _real(self, names: Iterable[str]) -> list[str]:
-        return [name for name in names if self._variables[name].type == "Real"]
+        return [name for name in names if type_of(self._variables[name]) == "Real"]
 
     def _annotated(self) -> tuple[int | None, Scales]:
         """Return the minimal number of states, None if unknown, and the mechanism's own units."""
@@ -318,7 +329,7 @@ class FmuPlant(Plant):
             text = message.decode("utf-8", "replace")
             text = text.replace(f"{self._folder}/resources/scene.json", str(self._file))
             if status > _WARNING:
-                text = re.sub(r"^fmi2\w+: ", "", text)
+                text = re.sub(r"^fmi[23]\w+: ", "", text)
                 self._messages.append(text)
             else:
                 log.info("%s", text)
@@ -344,57 +355,3 @@ class FmuPlant(Plant):
                 raise
             raise error("\n".join(self._messages) or f"{self._file}: {e}") from e
         self._collect_messages()
-
-
-_KINDS = {"coSimulation": "co-simulation", "modelExchange": "model exchange"}
-
-
-def _description(path: Path, part: str) -> Any:
-    text = text_in(path, DESCRIPTION)
-    if b"<!ENTITY" in text or b"\0" in text:
-        raise UsageError(f"{path}: its modelDescription.xml is not plain UTF-8 text without entities")
-    # As the only file of an archive: fmpy reads FMUs.
-    only = io.BytesIO()
-    with zipfile.ZipFile(only, "w") as archive:
-        archive.writestr(DESCRIPTION, text)
-    try:
-        found = fmpy.read_model_description(only, validate=False)
-    except Exception as e:  # exceptions of the XML parser and of fmpy
-        raise UsageError(
-            f"{path}: its modelDescription.xml cannot be read: {' '.join(str(e).split())}"
-        ) from None
-    kinds = [name for key, name in _KINDS.items() if getattr(found, key) is not None]
-    if found.fmiVersion != "2.0" or getattr(found, part) is None:
-        raise UsageError(
-            f"{path}: found an FMU of FMI {found.fmiVersion} for {' and '.join(kinds)}, expected FMI 2.0 "
-            f"{_KINDS[part]}{'; fmpy.simulate_fmu runs it' if found.fmiVersion[:1] == '3' else ''}"
-        )
-    return found
-
-
-def _experiment(path: Path, experiment: Any) -> tuple[float, float]:
-    """Return the stop time and the step size of an FMU [s]."""
-    given = [getattr(experiment, name, None) for name in ("stopTime", "stepSize")]
-    try:
-        stop, step = (float(value or default) for value, default in zip(given, (1.0, 1e-3), strict=True))
-    except ValueError:
-        stop = step = math.nan
-    if not (math.isfinite(stop) and math.isfinite(step) and step > 0):
-        raise UsageError(
-            f"{path}: found the stop time {given[0]} and the step size {given[1]}, expected numbers"
-        )
-    return stop, step
-
-
-def _annotations(path: Path, folder: str) -> ET.Element | None:
-    """Return Gelenk's vendor annotations in modelDescription.xml, which fmpy does not read."""
-    try:
-        root = ET.parse(Path(folder, DESCRIPTION))
-    except (ET.ParseError, ValueError, LookupError) as e:
-        raise UsageError(f"{path}: its modelDescription.xml cannot be read: {e}") from None
-    return root.find("VendorAnnotations/Tool[@name='Gelenk']")
-
-
-def _unit(variable: Any) -> str:
-    declared = getattr(variable.declaredType, "unit", None)
-    return str(variable.unit or declared or "1")

@@ -13,6 +13,7 @@ from typing import Any
 from fmpy import fmi2
 
 from gelenk import _core
+from gelenk.simulation.fmi3 import Model3, Slave3
 
 
 def _library(folder: str, identifier: str) -> str | None:
@@ -32,7 +33,7 @@ def instantiated(
     uses freed memory.
 
     Args:
-        kind: fmpy's FMU2Slave or FMU2Model.
+        kind: fmpy's FMU2Slave or FMU2Model, or Slave3 or Model3.
         folder: folder with the extracted FMU.
         guid: identifier of the FMU.
         identifier: name of its library.
@@ -46,22 +47,31 @@ def instantiated(
         Exception: the library cannot be loaded or returns no instance.
     """
     # fmpy changes to the library's directory and remains there if the library cannot be loaded.
+    is_fmi3 = issubclass(kind, (Slave3, Model3))
     with chdir(Path.cwd()):
         slave = kind(
             guid=guid,
             unzipDirectory=folder,
             modelIdentifier=identifier,
-            libraryPath=_library(folder, identifier),
+            **({"instanceName": identifier} if is_fmi3 else {"libraryPath": _library(folder, identifier)}),
         )
+    try:
+        if is_fmi3:
+            slave.begin(log, verbose=verbose)
+        else:
+            _begin(slave, log, verbose=verbose)
+    except BaseException:
+        slave.freeLibrary()
+        raise
+    return slave
+
+
+def _begin(slave: Any, log: _core.FmuLog, *, verbose: bool) -> None:
+    """Create the instance of an FMU of FMI 2.0."""
     callbacks = fmi2.fmi2CallbackFunctions(
         logger=fmi2.fmi2CallbackLoggerTYPE(log.logger),
         allocateMemory=fmi2.defaultCallbacks.allocateMemory,
         freeMemory=fmi2.defaultCallbacks.freeMemory,
         componentEnvironment=c_void_p(log.environment),
     )
-    try:
-        slave.instantiate(callbacks=callbacks, loggingOn=verbose)  # keeps a reference to the callbacks
-    except BaseException:
-        slave.freeLibrary()
-        raise
-    return slave
+    slave.instantiate(callbacks=callbacks, loggingOn=verbose)  # keeps a reference to the callbacks
