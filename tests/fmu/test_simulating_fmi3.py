@@ -59,7 +59,7 @@ def test_linear_models_are_those_of_fmi_2(exports: tuple[Path, Path, dict[str, f
 
 def test_parameters_of_all_types(tmp_path: Path) -> None:
     """Numbers, choices by name, whole numbers and truth values."""
-    settings = {
+    settings: dict[str, float | str | bool] = {
         "crank.m": 2.5, "solver.integrator": "rk4", "solver.max_evaluations": 4000, "B.fixed": False,
     }  # fmt: skip
     fmus = [gelenk.export_fmu(crank_rocker(), tmp_path / f"v{v}.fmu", view=False, fmi=v) for v in (2, 3)]
