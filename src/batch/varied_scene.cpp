@@ -4,13 +4,15 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <stdexcept>
 #include <utility>
 
+#include "batch/equation_check.h"
 #include "recording/recorded.h"
+#include "scene/words.h"
 #include "scene_file/read.h"
 #include "simulation/simulation.h"
+#include "util/text.h"
 
 namespace gelenk {
 namespace {
@@ -20,12 +22,12 @@ constexpr std::size_t most_velocities = 64;
 
 std::string prefix_of(const Scene& scene) { return (scene.file.empty() ? scene.name : scene.file) + ": "; }
 
-// What is 0, such as a damping, is left out of the equations. To have those in which it may be any number, it is so
-// small instead that it has no effect.
-std::vector<double> without_zeros(std::vector<double> values) {
+// What is 0 or 1, such as a damping or a factor, is left out of the equations. To have those in which it may be any
+// number, it is another one, so near that it has no effect.
+double nearby(double value) {
   constexpr double tiny = 1e-200;
-  for (double& value : values) value = value == 0 ? tiny : value;
-  return values;
+  if (value == 0) return tiny;
+  return std::abs(value) == 1 ? std::nextafter(value, 2 * value) : value;
 }
 
 // The parameters with these names, in this order.
@@ -47,6 +49,9 @@ void refuse_unsuited(const Scene& scene, const SceneEquations& equations) {
   std::vector<std::string> faults;
   for (const std::string& note : equations.notes)
     faults.push_back(prefix_of(scene) + note + " Lanes need equations that hold everywhere.");
+  if (scene.solver.start != words::starts.front())
+    faults.push_back(prefix_of(scene) + "solver.start: found " + scene.solver.start + ", expected " +
+                     words::starts.front() + ": lanes begin with the start values, such as those of an equilibrium");
   for (const std::string& name : equations.prescribed)
     faults.push_back(prefix_of(scene) + name + ": found a prescribed motion, expected forces and motors only");
   if (equations.v.size() > most_velocities)
@@ -94,19 +99,31 @@ LaneStart expected(const TracedScene& scene) {
 
 VariedScene::VariedScene(const Scene& scene, const std::vector<std::string>& parameters)
     : scene_(scene), parameters_(named(scene, parameters)) {
-  NumberedScene first = numbered(scene);
-  refuse_unsuited(scene, first.scene->equations());
-  const std::vector<double> others = parameters.empty() ? first.numbers : changed_numbers();
-  Scene recorded = scene;
-  if (others.size() != first.numbers.size()) {
-    recorded = with(without_zeros(values()));
-    first = numbered(recorded);
+  refuse_unsuited(scene, TracedScene(scene).equations());
+  if (parameters.empty()) {
+    record(scene, numbered(scene));
+    return;
   }
-  if (others.size() != first.numbers.size())
-    throw SceneError({prefix_of(scene) + "the parameters change more than numbers of the equations of motion"});
-  varied_ = std::make_unique<VariedNumbers>(first.numbers, others);
+  const NumberedScene others = changed();
+  if (record(scene, others) || record(without_special_values(values(), Replaced::all), others)) return;
+  throw other_equations(nullptr);
+}
+
+// Whether the equations of the scene are those of the changed one, too, but for numbers.
+bool VariedScene::record(const Scene& scene, const NumberedScene& changed) {
+  const NumberedScene first = numbered(scene);
+  if (first.numbers.size() != changed.numbers.size()) return false;
+  varied_ = std::make_unique<VariedNumbers>(first.numbers, changed.numbers);
   const recording::NumberList list(varied_->variables());
-  recorded_ = std::make_unique<TracedScene>(recorded);
+  recorded_ = std::make_unique<TracedScene>(scene);
+  std::vector<double> found;
+  return find(first, *first.scene, found) && find(changed, *changed.scene, found);
+}
+
+// The values of the variables in a scene of which the numbers are listed, if with them the equations are those wanted.
+bool VariedScene::find(const NumberedScene& scene, const TracedScene& wanted, std::vector<double>& out) const {
+  out.resize(static_cast<std::size_t>(numbers()));
+  return varied_->find(scene.numbers, out.data()) && are_equations_of(wanted, equations(), out);
 }
 
 std::vector<double> VariedScene::values() const {
@@ -121,47 +138,61 @@ Scene VariedScene::with(const std::vector<double>& values) const {
   return checked(out);
 }
 
-// All parameters with other values, by different amounts: all that depends on them is another number.
-Scene VariedScene::changed() const {
-  constexpr double changes[] = {1e-3, -1e-3, 1e-6, -1e-6};  // of their values; some are at their limits
-  const std::vector<double> now = values();
-  for (const double change : changes) {
-    std::vector<double> others;
-    for (std::size_t k = 0; k < now.size(); ++k) {
-      const double own = change * (1 + 0.7 * static_cast<double>(k + 1) / static_cast<double>(now.size() + 1));
-      others.push_back(now[k] == 0 ? own : now[k] * (1 + own));
-    }
-    const auto possible = [&]() -> std::optional<Scene> {
-      try {
-        return with(others);
-      } catch (const SceneError&) {
-        return std::nullopt;  // they contradict each other
-      } catch (const std::invalid_argument&) {
-        return std::nullopt;
-      }
-    };
-    if (const std::optional<Scene> scene = possible()) return *scene;
+// With these values, or others nearby: all of them, or those of which 0 is no other law. Those of expressions may be
+// switches.
+Scene VariedScene::without_special_values(const std::vector<double>& values, Replaced which) const {
+  std::vector<double> own = values;
+  for (std::size_t k = 0; k < own.size(); ++k) {
+    const bool is_of_expressions = std::ranges::find(scene_.constants, parameters_[k].name,
+                                                     &FormulaNames::Constant::name) != scene_.constants.end();
+    if (which == Replaced::all || !is_of_expressions) own[k] = nearby(own[k]);
   }
-  throw SceneError({prefix_of(scene_) + "no other values of these parameters are possible together"});
+  return with(own);
 }
 
-std::vector<double> VariedScene::changed_numbers() const {
-  try {
-    return numbered(changed()).numbers;
-  } catch (const AssemblyError& e) {
-    throw AssemblyError("with slightly other values of the parameters: " + std::string(e.what()));
+// All parameters with other values: what depends on them is another number. They change by different amounts, unless
+// they contradict each other then; so do the moments of inertia of a rod that are equal.
+NumberedScene VariedScene::changed() const {
+  struct Change {
+    double size;  // of their values; some are at their limits
+    double spread;
+  };
+  constexpr Change changes[] = {{1e-3, 0.7}, {-1e-3, 0.7}, {1e-6, 0.7}, {-1e-6, 0.7},
+                                {1e-3, 0},   {-1e-3, 0},   {-1e-6, 0}};
+  const std::vector<double> now = values();
+  std::string why;
+  for (const Change& change : changes) {
+    std::vector<double> others;
+    for (std::size_t k = 0; k < now.size(); ++k) {
+      const double share = static_cast<double>(k + 1) / static_cast<double>(now.size() + 1);
+      const double own = change.size * (1 + change.spread * share);
+      others.push_back(now[k] == 0 ? own : now[k] * (1 + own));
+    }
+    try {
+      return numbered(with(others));
+    } catch (const SceneError& e) {
+      why = e.lines().front();
+    } catch (const std::runtime_error& e) {  // loops that do not close
+      why = e.what();
+    } catch (const std::invalid_argument& e) {
+      why = e.what();
+    }
   }
+  throw SceneError({prefix_of(scene_) + "with slightly other values of the parameters: " + why});
 }
 
 LaneStart VariedScene::start(const std::vector<double>& values, const std::string& prefix) const {
   try {
     NumberedScene scene = numbered(with(values));
+    std::vector<double> found;
+    if (!find(scene, *scene.scene, found)) {
+      scene = numbered(without_special_values(values, Replaced::all));
+      const TracedScene wanted(without_special_values(values, Replaced::numbers_of_elements));
+      if (!find(scene, wanted, found)) throw other_equations(&values);
+    }
     LaneStart out = expected(*scene.scene);
-    out.numbers.resize(static_cast<std::size_t>(numbers()));
-    if (varied_->find(scene.numbers, out.numbers.data())) return out;
-    scene = numbered(with(without_zeros(values)));
-    if (varied_->find(scene.numbers, out.numbers.data())) return out;
-    throw SceneError({"its parameters change more than numbers of the equations of motion"});
+    out.numbers = found;
+    return out;
   } catch (const std::invalid_argument& e) {
     throw UsageError(prefix + e.what());
   } catch (const SceneError& e) {
@@ -171,6 +202,26 @@ LaneStart VariedScene::start(const std::vector<double>& values, const std::strin
   } catch (const AssemblyError& e) {
     throw AssemblyError(prefix + e.what());
   }
+}
+
+// What no program for all lanes can do: names the first parameter that causes it alone. values: of a lane; null: of
+// any.
+SceneError VariedScene::other_equations(const std::vector<double>* values) const {
+  const auto named = [&](std::size_t k) {
+    return parameters_[k].name + (values == nullptr ? "" : " = " + text::number((*values)[k]));
+  };
+  std::string found = parameters_.size() == 1 ? named(0) : "the parameters together";
+  for (std::size_t k = 0; parameters_.size() > 1 && k < parameters_.size(); ++k) {
+    try {
+      const VariedScene alone(scene_, {parameters_[k].name});
+      if (values != nullptr) (void)alone.start({(*values)[k]}, "");
+    } catch (const std::exception&) {
+      found = named(k);
+      break;
+    }
+  }
+  return SceneError({found + ": changes more than numbers of the equations of motion, such as an exponent or a "
+                             "branch does; gelenk.sweep can run it"});
 }
 
 }  // namespace gelenk

@@ -39,8 +39,12 @@ class VariedScene {
 
  private:
   Scene with(const std::vector<double>& values) const;
-  Scene changed() const;
-  std::vector<double> changed_numbers() const;
+  enum class Replaced { all, numbers_of_elements };
+  Scene without_special_values(const std::vector<double>& values, Replaced which) const;
+  NumberedScene changed() const;
+  bool record(const Scene& scene, const NumberedScene& changed);
+  bool find(const NumberedScene& scene, const TracedScene& wanted, std::vector<double>& out) const;
+  SceneError other_equations(const std::vector<double>* values) const;
 
   Scene scene_;
   std::vector<Parameter> parameters_;

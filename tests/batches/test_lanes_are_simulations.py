@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -155,3 +156,64 @@ def test_inputs_are_held_until_they_are_changed() -> None:
         )  # fmt: skip
         expected = {of: float(np.asarray(result[of])[-1]) for of in result}
         assert difference(batch, lane, expected) < ROUNDING
+
+
+def varying(effort: str, k: float) -> dict[str, Any]:
+    """A lever of 0.1 kg m2 under a law with a constant k, from rest at 1 rad, with an input u of 1."""
+    joint = {"type": "revolute", "parent": "ground", "child": "lever", "law": {"effort": effort}}
+    return {
+        "gelenk": 1,
+        "bodies": {"lever": {"mass": 0, "inertia": [0.1, 0.1, 0.1]}},
+        "constants": {"k": k},
+        "parameters": ["k"],
+        "inputs": {"u": {"start": 1.0}},
+        "joints": {"A": {**joint, "start": {"phi": 1.0, "fixed": True}}},
+    }
+
+
+@pytest.mark.parametrize(
+    "effort", ["-k*phi", "k*u", "-0.1*phi - k*phi", "exp(-k*t)", "sin(k*t)", "-phi/(2 + k)"]
+)
+@pytest.mark.parametrize("k", [0.0, 1.0, -1.0, 0.7])
+def test_values_with_which_terms_vanish_are_as_good_as_others(effort: str, k: float) -> None:
+    """0 and 1 are left out of equations: in the scene and in lanes."""
+    scene, lanes = gelenk.load(varying(effort, k)), [0.0, 1.0, -1.0, 2.0, 5.0]
+    batch = gelenk.batch(scene, len(lanes), {"k": lanes}, step=STEP)
+    batch.inputs["u"] = 0.25
+    batch.step(500)
+    for lane, value in enumerate(lanes):
+        expected = alone(scene.with_parameters({"k": value}), 500, {"u": 0.25})
+        assert difference(batch, lane, expected) < ROUNDING
+
+
+def test_an_oscillation_whose_stiffness_is_0_in_the_scene() -> None:
+    """The closed form cos(sqrt(k/J) t), with an error of (w h)^4 w t / 120: 7e-11."""
+    lanes = np.array([0.0, 2.0, 5.0])
+    batch = gelenk.batch(varying("-k*phi", 0.0), 3, {"k": lanes}, step=STEP)
+    batch.step(500)
+    assert batch.states["A.phi"] == pytest.approx(np.cos(np.sqrt(lanes / 0.1) * 0.5), abs=1e-10)
+
+
+TOGETHER = {
+    "damping of the joint that closes the loop": ("four_bar", {"C.damping": [0.0, 0.05, 0.2]}),
+    "its stiffness": ("four_bar", {"C.stiffness": [0.3, 0.0, 0.1]}),
+    "of a pin": ("slider_crank", {"piston_pin.damping": [0.05, 0.0, 0.01]}),
+    "moments of a rod": ("double_pendulum", {f"upper.inertia[{i}]": [0.05, 0.04, 0.06] for i in (2, 3)}),
+    "plane of the loop": ("four_bar", {f"{n}.parent.position[2]": [0.01, 0.0, 0.2] for n in "AD"}),
+    "mass": ("four_bar", {"rocker.mass": [0.0, 1.0, 2.0]}),
+}
+
+
+@pytest.mark.filterwarnings("ignore::gelenk.errors.StartWarning", "ignore::gelenk.errors.SceneWarning")
+@pytest.mark.parametrize("name", TOGETHER)
+def test_parameters_that_choose_the_tree_or_are_possible_together(name: str) -> None:
+    """Another joint is cut where one has no damping; moments of a thin rod are equal."""
+    file, parameters = TOGETHER[name]
+    scene = gelenk.load(SCENES[file])
+    batch = gelenk.batch(scene, 3, parameters, step=STEP)
+    batch.step(100)
+    for lane in range(3):
+        listed, renamed = with_listed(scene, list(parameters))
+        values = {renamed.get(of, of): row[lane] for of, row in parameters.items()}
+        result = alone(listed.with_parameters(values), 100)
+        assert difference(batch, lane, result) < 1e-10  # another tree: other rounding

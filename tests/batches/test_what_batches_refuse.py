@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -60,6 +61,38 @@ def test_scenes_that_need_events_are_refused_by_the_name_of_the_element(source: 
     assert message in str(refusal.value)
 
 
+def test_a_start_at_an_equilibrium_is_refused() -> None:
+    """It would be another state than that of `gelenk.simulate`."""
+    scene = gelenk.load(FOUR_BAR).with_parameters({"solver.start": "equilibrium"})
+    with pytest.raises(SceneError, match=r"solver\.start: found equilibrium, expected as_given"):
+        gelenk.batch(scene, 2)
+
+
+def varying(effort: str, k: float, **fields: Any) -> dict[str, Any]:
+    """A lever of which the law of A depends on a constant k."""
+    return lever(law={"effort": effort}, **fields) | {"constants": {"k": k}, "parameters": ["k"]}
+
+
+@pytest.mark.parametrize(
+    ("effort", "k", "lanes", "which"),
+    [
+        ("-30*phi^k", 2.0, [2.0, 3.0], "k: changes more"),
+        ("-30*u^k", 2.0, [2.0, 3.0], "k: changes more"),
+        ("-if(k > 0, 1, 0)*30*phi^3", 1.0, [1.0, 0.0], "lane 1: k = 0: changes more"),
+        ("-if(k > 0, 1, 0)*30*phi^3", 0.0, [0.0], "lane 0: k = 0: changes more"),
+        ("-sign(k)*30*phi^3", 0.0, [0.0], "lane 0: k = 0: changes more"),
+        ("-if(k > 0, 4, 2)*phi", -1.0, [0.3], "lane 0: k = 0.3: changes more"),
+    ],
+)
+def test_what_changes_more_than_numbers_is_refused_by_name(
+    effort: str, k: float, lanes: list[float], which: str
+) -> None:
+    """At phi = 0 and u = 0, where the terms vanish; as many constants are recorded."""
+    source = varying(effort, k, start={"phi": 0.0, "w": 3.0}) | {"inputs": {"u": {}}}
+    with pytest.raises(SceneError, match=which):
+        gelenk.batch(source, len(lanes), {"k": lanes, "lever.mass": 2.5})
+
+
 def test_all_reasons_are_given_at_once() -> None:
     with pytest.raises(SceneError) as refusal:
         gelenk.batch(lever(friction={"coulomb": 1.0}, law={"effort": "-abs(phi)"}), 4)
@@ -95,9 +128,16 @@ def test_large_mechanisms_are_refused() -> None:
     ("call", "message"),
     [
         (lambda: gelenk.batch(PENDULUM, 0), "lanes: found 0, expected at least 1"),
+        (lambda: gelenk.batch(PENDULUM, 3.0), "lanes: found 3.0, expected a whole number"),  # type: ignore[arg-type]
+        (lambda: gelenk.batch(PENDULUM, 2**31), "lanes: found 2147483648, expected at most 2147483583"),
+        (lambda: gelenk.batch(PENDULUM, 2, threads=1.5), "threads: found 1.5, expected a whole number"),  # type: ignore[arg-type]
+        (lambda: gelenk.batch(PENDULUM, 2, step="a"), "step: found 'a'"),  # type: ignore[arg-type]
+        (lambda: gelenk.batch(PENDULUM, 2, {"rod.mass": "heavy"}), "rod.mass: found 'heavy', expected one"),
+        (lambda: gelenk.batch(PENDULUM, 2, [1.0]), "parameters: found list, expected values by name"),  # type: ignore[arg-type]
+        (lambda: gelenk.batch(PENDULUM, 2, {"rod.mass": 1, "rod.m": 2}), "found two names of one parameter"),
         (lambda: gelenk.batch(PENDULUM, 2, threads=0), "threads: found 0, expected at least 1"),
         (lambda: gelenk.batch(PENDULUM, 2, step=0.0), "step: found 0.0 s, expected more than 0 s"),
-        (lambda: gelenk.batch(PENDULUM, 2, step=np.inf), "step: found inf s"),
+        (lambda: gelenk.batch(PENDULUM, 2, step=np.inf), "step: found inf, expected a finite number"),
         (lambda: gelenk.batch(PENDULUM, 2, {"bob.mass": 1.0}), "bob.mass: no such parameter"),
         (
             lambda: gelenk.batch(PENDULUM, 2, {"solver.tolerance": 1e-6}),
@@ -144,6 +184,11 @@ def batch() -> Batch:
         (lambda b: b.set({"rocker.mass": 1.0}), "rocker.mass: not among the parameters that may vary"),
         (lambda b: b.set({"crank.mass": [1.0, 2.0]}), r"crank.mass: found an array of shape \(2,\)"),
         (lambda b: b.step(-1), "count: found -1, expected 0 or more"),
+        (lambda b: b.step(2.5), "count: found 2.5, expected a whole number"),
+        (
+            lambda b: b.inputs.__setitem__("drive.tau", [1.0, 2.0]),
+            r"drive.tau: found an array of shape \(2,\)",
+        ),
         (lambda b: b.run(0.0015), "stop: found 0.0015 s, expected a multiple of the step"),
         (lambda b: b.run(np.nan), "stop: found nan s"),
         (lambda b: (b.step(3), b.run(0.002)), "stop: found 0.002 s, .*from 0.003 s on"),
@@ -205,3 +250,8 @@ def test_evaluations_are_counted() -> None:
     assert batch.evaluations == 4 * 10 * 5
     assert batch.lanes == 5
     assert batch.running.all()
+
+
+def test_batches_are_not_copied(batch: Batch) -> None:
+    with pytest.raises(TypeError, match="a Batch cannot be copied or pickled"):
+        copy.deepcopy(batch)

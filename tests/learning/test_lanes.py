@@ -122,3 +122,28 @@ def test_forces_by_the_time_are_refused(task: dict[str, Any]) -> None:
     data["joints"]["hinge"]["law"] = {"effort": "sin(t)"}
     with pytest.raises(UsageError, match="forces depend on the time, which differs from episode to episode"):
         gelenk.vector_environment(**{**task, "scene": data}, instances=4, lanes=True)
+
+
+def test_an_action_that_is_no_number_ends_one_episode(task: dict[str, Any]) -> None:
+    """As without lanes; the others are not affected."""
+    many = gelenk.vector_environment(**task, instances=5, lanes=True)
+    twin = gelenk.vector_environment(**task, instances=5, lanes=True)
+    for of in (many, twin):
+        of.reset(seed=1)
+    actions = np.full((5, 1), 0.5)
+    expected = twin.step(actions)[0]
+    actions[3] = np.nan
+    seen, _, ended, _, info = many.step(actions)
+    assert ended.tolist() == [False, False, False, True, False]
+    assert info["error"][3] == "an action is not a finite number"
+    assert np.isfinite(seen).all()
+    assert np.array_equal(np.delete(seen, 3, axis=0), np.delete(expected, 3, axis=0))
+    assert np.isfinite(many.step(np.full((5, 1), 0.5))[0]).all()
+
+
+@pytest.mark.parametrize("lanes", [False, True])
+def test_actions_of_another_shape_are_refused(task: dict[str, Any], lanes: bool) -> None:
+    many = gelenk.vector_environment(**task, instances=4, lanes=lanes)
+    many.reset(seed=1)
+    with pytest.raises(UsageError, match=r"actions: found an array of shape \(4, 2\), expected \(4, 1\)"):
+        many.step(np.zeros((4, 2)))

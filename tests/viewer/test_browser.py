@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import scene_files
+import warned
 from samples import sampled
 
 import gelenk
@@ -46,6 +47,7 @@ def undrawn(browser: Browser, bodies: list[str]) -> list[str]:
     return missing
 
 
+@warned.STILL  # five_bar, without torques
 @pytest.mark.parametrize(
     "name", sampled(scene_files.gallery(), ["car", "five_bar", "gripper", "rolling_disc"])
 )

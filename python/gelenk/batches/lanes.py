@@ -4,9 +4,10 @@
 from __future__ import annotations
 
 import math
+import operator
 import time
 from collections.abc import Iterator, Mapping
-from typing import Any, override
+from typing import Any, NoReturn, override
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,10 +16,11 @@ from gelenk import _core
 from gelenk.errors import UsageError
 from gelenk.model.scene import Scene, Source, by_parameter, load
 from gelenk.model.settable import with_listed
-from gelenk.model.values import unknown
+from gelenk.model.values import number, unknown
 
 type Numbers = NDArray[np.float64]
 
+MOST_LANES = 2**31 - 65  # their numbers are of 32 bits, and blocks are whole
 _LONGEST_CALL = 0.1  # s; longer ones could not be interrupted from the keyboard
 
 
@@ -46,11 +48,13 @@ class Rows(Mapping[str, Numbers]):
         return len(self._index)
 
     def __setitem__(self, name: str, values: ArrayLike) -> None:
-        self[name][:] = values
+        self[name][:] = _row(name, values, self._array.shape[1], finite=False)
 
 
 class Batch:
     """Instances of one scene, which are stepped together; `gelenk.batch` makes them.
+
+    It cannot be copied or pickled; `array` and `parameters` say all that changes.
 
     Attributes:
         step_size: step of the Runge-Kutta method [s].
@@ -121,7 +125,7 @@ class Batch:
                 its loops cannot be closed. The batch is then as it was.
         """
         given = dict(self._values)
-        for name, of in values.items():
+        for name, of in mapping("values", values).items():
             if name not in self._names:
                 raise UsageError(
                     f"{name}: not among the parameters that may vary ({', '.join(self._names) or 'none'}); "
@@ -147,12 +151,15 @@ class Batch:
         Raises:
             UsageError: the count is negative, or an input is not finite.
         """
-        if count < 0:
-            raise UsageError(f"count: found {count}, expected 0 or more")
+        count = whole("count", count, 0)
         for name, row in self.inputs.items():
             if not np.isfinite(row).all():
                 lane = int(np.flatnonzero(~np.isfinite(row))[0])
                 raise UsageError(f"{name}: found {row[lane]} in lane {lane}, expected a finite number")
+        self._advance(count)
+
+    def _advance(self, count: int) -> None:
+        """Make steps. Instances with inputs that are not finite stop."""
         while count > 0:
             now = min(count, max(1, int(self._steps_per_second * _LONGEST_CALL)))
             begin = time.perf_counter()
@@ -177,6 +184,9 @@ class Batch:
                 f"from {self.time:.10g} s on"
             )
         self.step(round(steps) - done)
+
+    def __reduce__(self) -> NoReturn:
+        raise TypeError("a Batch cannot be copied or pickled; make another one, and set its array")
 
     def __repr__(self) -> str:
         return (
@@ -226,17 +236,17 @@ def batch(
     (3,)
     """
     loaded = load(scene)
-    if lanes < 1:
-        raise UsageError(f"lanes: found {lanes}, expected at least 1")
-    if threads < 1:
-        raise UsageError(f"threads: found {threads}, expected at least 1")
-    values = dict(parameters or {})
+    lanes = whole("lanes", lanes, 1, MOST_LANES)
+    threads = whole("threads", threads, 1)
+    values = dict(mapping("parameters", parameters or {}))
     listed, renamed = with_listed(loaded, values)
     names = {name: renamed.get(name, name) for name in values}
     for name, own in names.items():
         if own not in listed.parameters:
             names[name] = _parameter(listed, name)
-    size = _step_of(loaded) if step is None else float(step)
+    if twice := [name for name in names if [*names.values()].count(names[name]) > 1]:
+        raise UsageError(f"{' and '.join(twice[:2])}: found two names of one parameter, expected one")
+    size = _step_of(loaded) if step is None else number("step", step, "real")
     if not (math.isfinite(size) and size > 0):
         raise UsageError(f"step: found {size} s, expected more than 0 s")
     with loaded.located():
@@ -259,10 +269,34 @@ def _step_of(scene: Scene) -> float:
     return float(parameters["solver.step"]) or scene.step
 
 
-def _row(name: str, values: ArrayLike, lanes: int) -> Numbers:
-    given = np.asarray(values, np.float64)
+def whole(name: str, value: object, least: int, most: int = 2**62) -> int:
+    """Return a whole number. Raises UsageError: it is another value, or beyond its bounds."""
+    try:
+        out = operator.index(value)  # type: ignore[arg-type]
+    except TypeError:
+        raise UsageError(f"{name}: found {value!r}, expected a whole number") from None
+    if out < least:
+        expected = f"{least} or more" if least == 0 else f"at least {least}"
+        raise UsageError(f"{name}: found {value}, expected {expected}")
+    if out > most:
+        raise UsageError(f"{name}: found {value}, expected at most {most}")
+    return int(out)
+
+
+def mapping[T](name: str, value: Mapping[str, T]) -> Mapping[str, T]:
+    """Return the mapping. Raises UsageError: it is something else."""
+    if not isinstance(value, Mapping):
+        raise UsageError(f"{name}: found {type(value).__name__}, expected values by name")
+    return value
+
+
+def _row(name: str, values: ArrayLike, lanes: int, *, finite: bool = True) -> Numbers:
+    try:
+        given = np.asarray(values, np.float64)
+    except (TypeError, ValueError):
+        raise UsageError(f"{name}: found {values!r}, expected one number or an array of ({lanes},)") from None
     if given.shape not in ((), (lanes,)):
         raise UsageError(f"{name}: found an array of shape {given.shape}, expected one number or ({lanes},)")
-    if not np.isfinite(given).all():
+    if finite and not np.isfinite(given).all():
         raise UsageError(f"{name}: found a value that is not finite")
     return np.broadcast_to(given, (lanes,)).copy()

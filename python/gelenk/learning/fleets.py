@@ -78,9 +78,12 @@ class Lanes:
         for row, of in zip(self._inputs, actions.T, strict=True):
             row[:] = of
         before = len(self._batch._core.stopped)
-        self._batch.step(self._steps)
+        self._batch._advance(self._steps)
         rows[:] = self._batch.array[self._seen].T
-        return [], [(stop.lane, stop.text) for stop in self._batch._core.stopped[before:]]
+        wrong = set(np.flatnonzero(~np.isfinite(actions).all(axis=1)).tolist())
+        why = "an action is not a finite number"
+        stopped = self._batch._core.stopped[before:]
+        return [], [(stop.lane, why if stop.lane in wrong else stop.text) for stop in stopped]
 
 
 def _values(scene: Scene, name: str, starts: Sequence[Mapping[str, Value]]) -> Numbers:

@@ -65,7 +65,12 @@ class VectorEnvironment(gymnasium.vector.VectorEnv[Array, Array, Array]):
         if not self._begun:
             raise UsageError("step: called before reset")
         task, n = self._task, self.num_envs
-        given = np.clip(np.asarray(actions, np.float64).reshape(n, -1), self._low, self._high)
+        given = np.asarray(actions, np.float64)
+        if given.size != n * len(task.actions):
+            raise UsageError(
+                f"actions: found an array of shape {given.shape}, expected ({n}, {len(task.actions)})"
+            )
+        given = np.clip(given.reshape(n, -1), self._low, self._high)
         rows = np.empty((n, len(task.observations)))
         events, errors = self._fleet.step(given, rows)
         self._count += 1
