@@ -10,6 +10,7 @@
 #include "mechanism/disjoint_sets.h"
 #include "scene/formulas.h"
 #include "scene/name_index.h"
+#include "scene/touching_laws.h"
 #include "simulation/start_report.h"
 
 namespace gelenk {
@@ -120,7 +121,7 @@ class DependencyAnalysis {
       all_islands_.states.insert(islands_[p].states.begin(), islands_[p].states.end());
     }
     // Which bodies touch changes during a run.
-    structure_is_known_ = structure_is_known_ && !geometry_may_change(scene_) && scene_.contacts.empty();
+    structure_is_known_ = structure_is_known_ && !geometry_may_change(scene_) && !has_touching_laws(scene_);
     for (IslandKnowns& island : islands_) island.list();
     all_islands_.list();
   }

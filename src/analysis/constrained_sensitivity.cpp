@@ -81,7 +81,7 @@ ConstrainedSensitivity::ConstrainedSensitivity(const Mechanism& mechanism, const
   }
   dynamics_->set_max_rank(rank_);
   jacobians_.of_inputs = true;
-  if (!mechanism.shapes.empty() && !loads.contacts.empty())
+  if (mechanism.touches() && !loads.contacts.empty())
     contacts_ = std::make_unique<HeldContacts>(mechanism, *dynamics_, loads);
   dual_state_.equations = make_residual_evaluator<Dual>(mechanism, loads);
   series_state_.equations = make_residual_evaluator<Series>(mechanism, loads);

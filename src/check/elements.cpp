@@ -11,6 +11,7 @@
 #include "scene/formulas.h"
 #include "scene/motions.h"
 #include "scene/shapes.h"
+#include "scene/touching_laws.h"
 #include "shape/features.h"
 #include "shape/rounded.h"
 #include "util/text.h"
@@ -157,7 +158,7 @@ std::string pair_without_tips(const Scene& scene, const Contact& contact) {
 // Whether the integrator steps with impulses.
 bool steps_with_impulses(const Scene& scene) {
   const std::string& integrator = scene.solver.integrator;
-  return integrator == "moreau-jean" || (!scene.contacts.empty() && (integrator.empty() || integrator == "auto"));
+  return integrator == "moreau-jean" || (has_touching_laws(scene) && (integrator.empty() || integrator == "auto"));
 }
 
 // Contacts that change at events.
@@ -166,7 +167,7 @@ void check_located_contacts(const Scene& scene, Faults& faults) {
   const std::string with = text::quoted(solver.integrator) + " with contacts.";
   if (solver.formulation != "projection" && !solver.formulation.empty())
     faults.add("solver.formulation",
-               text::quoted(solver.formulation) + " with contacts." + text::printable(scene.contacts.front().name),
+               text::quoted(solver.formulation) + " with " + text::printable(path_of_touching_law(scene, 0)),
                "the formulation projection");
   for (const Contact& contact : scene.contacts) {
     const std::string pair = pair_without_tips(scene, contact);
@@ -179,7 +180,7 @@ void check_located_contacts(const Scene& scene, Faults& faults) {
 
 void check_contact_methods(const Scene& scene, Faults& faults) {
   const Solver& solver = scene.solver;
-  if (!steps_with_impulses(scene) && !scene.contacts.empty()) {
+  if (!steps_with_impulses(scene) && has_touching_laws(scene)) {
     check_located_contacts(scene, faults);
   } else if (steps_with_impulses(scene) && solver.formulation != "projection" && !solver.formulation.empty()) {
     faults.add("solver.formulation", text::quoted(solver.formulation) + " with the integrator moreau-jean",

@@ -97,7 +97,7 @@ void check_joints(const Scene& scene, Faults& faults, bool partial) {
     if (kind != nullptr) {
       check_axes(joint, *kind, path, faults);
       check_numbers(joint, *kind, path, faults);
-      check_fields(kind->fields, data_of(*joint.is), path, {}, faults);
+      check_element(kind->fields, data_of(*joint.is), path, {}, [&] { return fault_of(*joint.is); }, faults);
       for (const JointForceKind& force : joint_force_kinds()) {
         if (!partial && force.fits(*kind)) check_forces(joint, path, force, faults);
       }

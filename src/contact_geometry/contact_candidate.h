@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A candidate: features at which two shapes can touch, and how they are placed and move.
+// A candidate: features at which two shapes can touch, or the limit of the swing of a ball joint, and how they are
+// placed and move.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,11 +12,12 @@
 namespace gelenk {
 
 struct ContactCandidate {
-  // corner: a tip on one face of a box.
-  enum class Kind { tip, corner, edges, rim };
+  // corner: a tip on one face of a box. swing: an axis of the tip's link within a cone that is fixed to the core's; its
+  // gap is an angle, its normal the axis of the torque, and there are no shapes.
+  enum class Kind { tip, corner, edges, rim, swing };
 
   Kind kind = Kind::tip;
-  int core = 0, tip = 0;  // shapes of the mechanism
+  int core = 0, tip = 0;  // shapes of the mechanism; -1: none
   int core_link = 0, tip_link = 0;
   int pair = 0;                                   // of shapes: those of a pair follow each other
   int contact = 0;                                // of the scene
@@ -33,14 +35,19 @@ struct ContactCandidate {
   SolidEdge tip_edge;                             // in the link of the tip; of a rim, center and axis
   int placed_core_edge = 0, placed_tip_edge = 0;  // among the edges of all shapes
   Eigen::Matrix3d R_belt;                         // from the shape with the second surface to its link
+  Eigen::Vector3d core_axis, tip_axis;            // of a swing: unit, in the links
+  double swing = 0;                               // rad: the largest angle between them
+
+  // Whether its force is a torque about the normal.
+  bool turns() const { return kind == Kind::swing; }
 };
 
 // Where and how the shapes of a candidate touch or nearly do, in the root frame.
 template <class T>
 struct CandidateStateOf {
   Vector3<T> p, p_dot;  // m, m/s: the point of contact
-  Vector3<T> n, n_dot;  // unit normal, from the core to the tip; 1/s
-  T gap{0}, rate{0};    // m, m/s
+  Vector3<T> n, n_dot;  // unit normal, from the core to the tip; 1/s. Of a swing it is of unit length in contact
+  T gap{0}, rate{0};    // m, m/s; rad, rad/s
 };
 using CandidateState = CandidateStateOf<double>;
 

@@ -68,10 +68,14 @@ ContactCandidates::ContactCandidates(const Mechanism& mechanism, bool located)
       }
     }
   }
+  if (located) {
+    for (const Swing& swing : mechanism.swings) add_swing(swing);
+  }
   std::ranges::sort(links_);
   links_.erase(std::unique(links_.begin(), links_.end()), links_.end());
   std::vector<bool> is_core(core_poses_.size());
   for (int i = 0; i < count(); ++i) {
+    if ((*this)[i].turns()) continue;
     const auto core = static_cast<std::size_t>((*this)[i].core);
     if (!is_core[core]) cores_.push_back(i);
     is_core[core] = true;
@@ -92,6 +96,31 @@ void ContactCandidates::begin_pair(const Mechanism& mechanism, int tip, int core
   pair.core_arm = arm_of(*b.is);
 }
 
+void ContactCandidates::add_swing(const Swing& swing) {
+  Pair& pair = pairs_.emplace_back();
+  pair.first = count();
+  pair.core_link = swing.link_a;
+  pair.tip_link = swing.link_b;
+  pair.core.setZero();
+  pair.tip.setZero();
+  ContactCandidate& candidate = candidates_.emplace_back();
+  candidate.kind = ContactCandidate::Kind::swing;
+  candidate.core = candidate.tip = -1;
+  candidate.core_link = swing.link_a;
+  candidate.tip_link = swing.link_b;
+  candidate.pair = static_cast<int>(pairs_.size()) - 1;
+  candidate.contact = swing.contact;
+  candidate.size = 1;
+  candidate.core_axis = swing.axis_a;
+  candidate.tip_axis = swing.axis_b;
+  candidate.swing = swing.angle;
+  candidate.center.setZero();
+  candidate.way.setZero();
+  candidate.R_belt.setIdentity();
+  links_.push_back(swing.link_a);
+  links_.push_back(swing.link_b);
+}
+
 ContactCandidates::Range ContactCandidates::range(int pair) const {
   const auto i = static_cast<std::size_t>(pair);
   return {pairs_[i].first, i + 1 < pairs_.size() ? pairs_[i + 1].first : count()};
@@ -106,6 +135,12 @@ ContactCandidates::Approach ContactCandidates::approach(int pair, bool of_tip) c
   const Pair& of = pairs_[static_cast<std::size_t>(pair)];
   const int moving = of_tip ? of.tip_link : of.core_link;
   const int other = of_tip ? of.core_link : of.tip_link;
+  if (const ContactCandidate& swing = (*this)[of.first]; swing.turns()) {
+    const Eigen::Matrix3d R = pose(of.core_link).R.transpose();
+    const Vector3d b = pose(of.tip_link).R * swing.tip_axis;
+    const Vector3d w = velocity(of.tip_link).w - velocity(of.core_link).w;
+    return {.p = R * b, .v = R * w.cross(b), .w = R * w, .arm = 0};
+  }
   const Vector3d p = pose(moving).point(of_tip ? of.tip : of.core);
   const Vector3d w = velocity(moving).w - velocity(other).w;
   const Vector3d v = velocity(moving).v - velocity(other).v + w.cross(p);
@@ -273,6 +308,8 @@ Vector3d ContactCandidates::way_to_tip(const ContactCandidate& candidate) const 
 
 double ContactCandidates::gap(int candidate) const {
   const ContactCandidate& at = (*this)[candidate];
+  if (at.turns())
+    return features::gap_of_swing<double>(at, pose(at.core_link).R * at.core_axis, pose(at.tip_link).R * at.tip_axis);
   if (at.kind == ContactCandidate::Kind::edges) return crossing(at).gap;
   if (at.kind == ContactCandidate::Kind::rim) return lowest(at).gap;
   return line(at).distance - at.box.radius - at.radius;
@@ -282,6 +319,7 @@ double ContactCandidates::margin(int candidate) const {
   const ContactCandidate& at = (*this)[candidate];
   switch (at.kind) {
     case ContactCandidate::Kind::tip:
+    case ContactCandidate::Kind::swing:
       return at.size;
     case ContactCandidate::Kind::corner: {
       const Vector3d left = at.box.half - center(at).cwiseAbs();
@@ -298,7 +336,7 @@ double ContactCandidates::margin(int candidate) const {
 
 bool ContactCandidates::is_near(int candidate) const {
   const ContactCandidate& at = (*this)[candidate];
-  if (at.kind == ContactCandidate::Kind::tip || at.kind == ContactCandidate::Kind::rim) return true;
+  if (at.kind == ContactCandidate::Kind::tip || at.kind == ContactCandidate::Kind::rim || at.turns()) return true;
   if (at.kind == ContactCandidate::Kind::edges) return is_near(at, crossing(at));
   if (margin(candidate) < -features::near_tolerance) return false;
   // A corner that touches a face is ahead of its body, which is on the outer side; on the inner side of a thin plate

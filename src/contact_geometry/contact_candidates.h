@@ -14,6 +14,8 @@
 
 namespace gelenk {
 
+struct Swing;
+
 // Motion of the tip's link relative to the core's, about the origin of the root frame; the acceleration is that without
 // generalized accelerations.
 struct RelativeMotion {
@@ -23,6 +25,11 @@ struct RelativeMotion {
   // The rate of velocity(p), where p moves.
   Eigen::Vector3d acceleration(const Eigen::Vector3d& p, const Eigen::Vector3d& p_dot) const {
     return A.v + A.w.cross(p) + V.w.cross(p_dot);
+  }
+  // The rate of the rate of a gap; turns: of an angle.
+  double normal_acceleration(const CandidateState& at, bool turns) const {
+    if (turns) return at.n.dot(A.w) + at.n_dot.dot(V.w);
+    return at.n.dot(acceleration(at.p, at.p_dot)) + at.n_dot.dot(velocity(at.p));
   }
 };
 
@@ -58,6 +65,7 @@ class ContactCandidates {
     Eigen::Vector3d w = Eigen::Vector3d::Zero();  // rad/s
     double arm = 0;  // m: the largest distance of its points from that origin; infinite if it is not bounded
   };
+  // Of a swing: of the end of the tip's axis, as if it were a point at the distance 1 from the joint.
   Approach approach(int pair, bool of_tip) const;
   // Whether the shape with the tips is that whose points are nearer to the origin of its frame.
   bool tip_is_smaller(int pair) const;
@@ -93,6 +101,7 @@ class ContactCandidates {
   void add_pair(const Mechanism& mechanism, int contact, int tip, int core);
   void add_edges(const Mechanism& mechanism, int contact, int tip, int core);
   void add_rims(const Mechanism& mechanism, int contact, int tip, int core);
+  void add_swing(const Swing& swing);
   ContactCandidate candidate_between(const Mechanism& mechanism, int contact, int tip, int core);
   void add_corner(const ContactCandidate& candidate);
   Line line(const ContactCandidate& candidate) const;
@@ -119,7 +128,7 @@ class ContactCandidates {
   features::Lowest<double> lowest(const ContactCandidate& candidate) const;
   features::PairMotion<double> pair_motion(const ContactCandidate& candidate) const;
   const Pose3& core_pose(const ContactCandidate& candidate) const {
-    return core_poses_[static_cast<std::size_t>(candidate.core)];
+    return candidate.turns() ? pose(candidate.core_link) : core_poses_[static_cast<std::size_t>(candidate.core)];
   }
   const Spatial::Motion& velocity(int link) const { return V_[static_cast<std::size_t>(link)]; }
 

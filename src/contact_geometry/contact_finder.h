@@ -14,13 +14,17 @@
 
 namespace gelenk {
 
-// A point of contact of two shapes of Mechanism::shapes; a has the first surface of the contact of the scene.
+// A point of contact of two shapes of Mechanism::shapes; a has the first surface of the contact of the scene. Or the
+// limit of a swing (Mechanism::swings), numbered after the shapes, where axes at an angle play the part of shapes at a
+// distance.
 struct NearPoint {
   int a = 0, b = 0;
+  int link_a = 0, link_b = 0;
+  bool turns = false;                                 // of a swing: its force is a torque about the normal
   int contact = 0;                                    // of the scene
   Eigen::Vector3d p = Eigen::Vector3d::Zero();        // m, in the root frame
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  // unit, from a to b, in the root frame
-  double gap = 0;                                     // m
+  double gap = 0;                                     // m, rad
   int feature = 0;                                    // number of the touching features; the same while they touch
 
   // Identifies the point from one step to the next.
@@ -32,7 +36,7 @@ class ContactFinder {
   // contacts: number of contacts of the scene.
   ContactFinder(const Mechanism& mechanism, std::size_t contacts);
 
-  // Calls visit(contact) for each pair of shapes that can touch, until it returns false.
+  // Calls visit(contact) for each pair of shapes that can touch, and for each swing, until it returns false.
   template <class Visit>
   void each_pair(const Visit& visit) const {
     const int n = static_cast<int>(mechanism_.shapes.size());
@@ -40,6 +44,9 @@ class ContactFinder {
       for (int b = a + 1; b < n; ++b) {
         if (const int contact = contact_of(a, b); contact >= 0 && !visit(contact)) return;
       }
+    }
+    for (const Swing& swing : mechanism_.swings) {
+      if (!visit(swing.contact)) return;
     }
   }
   // Allocates what find() needs for this number of points.
@@ -53,6 +60,8 @@ class ContactFinder {
   const std::vector<double>& smallest_gaps(const Readings<double>& readings);
 
   const Pose3& pose(int shape) const { return poses_[static_cast<std::size_t>(shape)]; }
+  // The most by which a step may move a point to remove its penetration: the size of a shape [m], or an angle [rad].
+  double size(int shape) const;
 
  private:
   void place(const Readings<double>& readings);
@@ -65,6 +74,7 @@ class ContactFinder {
   Found points_of(int& a, int& b) const;
   // The contact between two shapes; -1: they cannot touch.
   int contact_of(int a, int b) const;
+  NearPoint swing_point(const Readings<double>& readings, std::size_t i) const;
 
   const Mechanism& mechanism_;
   std::vector<Pose3> poses_;   // X_0S

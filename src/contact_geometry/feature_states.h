@@ -280,9 +280,38 @@ CandidateStateOf<T> state_of_rim(const ContactCandidate& candidate, const PairMo
   return out;
 }
 
+// Of the unit axes a and b with the largest angle L: (a . b - cos L) / sin L, which at contact is L less the angle, to
+// first order, and is smooth everywhere. Differences of nearly equal numbers are avoided.
+template <class T>
+T gap_of_swing(const ContactCandidate& candidate, const Vector3<T>& a, const Vector3<T>& b) {
+  const double half_sine = std::sin(candidate.swing / 2), half_cosine = std::cos(candidate.swing / 2);
+  const double sine = 2 * half_sine * half_cosine;
+  if (half_sine < half_cosine) return (T(2 * half_sine * half_sine) - (a - b).squaredNorm() / T(2)) / T(sine);
+  return ((a + b).squaredNorm() / T(2) - T(2 * half_cosine * half_cosine)) / T(sine);
+}
+
+template <class T>
+CandidateStateOf<T> state_of_swing(const ContactCandidate& candidate, const PairMotion<T>& at) {
+  const Vector3<T> a = at.core.R * candidate.core_axis.cast<T>();
+  const Vector3<T> b = at.tip.R * candidate.tip_axis.cast<T>();
+  const T sine = T(std::sin(candidate.swing));
+  CandidateStateOf<T> out;
+  out.p.setZero();
+  out.p_dot.setZero();
+  out.gap = gap_of_swing<T>(candidate, a, b);
+  out.n = b.cross(a) / sine;
+  const Vector3<T> a_dot = at.V_core.w.cross(a);
+  const Vector3<T> b_dot = at.V_tip.w.cross(b);
+  out.n_dot = (b_dot.cross(a) + b.cross(a_dot)) / sine;
+  out.rate = out.n.dot(at.V_tip.w - at.V_core.w);
+  return out;
+}
+
 template <class T>
 CandidateStateOf<T> state(const ContactCandidate& candidate, const PairMotion<T>& at) {
   switch (candidate.kind) {
+    case ContactCandidate::Kind::swing:
+      return state_of_swing(candidate, at);
     case ContactCandidate::Kind::edges:
       return state_of_edges(candidate, crossing(candidate, PlacedEdges<T>::of(candidate, at)), at);
     case ContactCandidate::Kind::rim:

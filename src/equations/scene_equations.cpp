@@ -11,6 +11,7 @@
 #include "preparation/loads.h"
 #include "scene/formulas.h"
 #include "scene/signals.h"
+#include "scene/touching_laws.h"
 #include "simulation/simulation.h"
 #include "simulation/start_report.h"
 
@@ -194,6 +195,9 @@ void TracedScene::note_modes(std::size_t island, IslandArguments& of, std::vecto
            ": found contacts between shapes; equations are handed out for mechanisms without");
     break;
   }
+  for (const Swing& swing : mechanism.swings)
+    equations_.notes.push_back(name_of_touching_law(scene_, swing.contact) +
+                               " is left out; the equations hold where it is not reached.");
   const std::string rest = ", which equations do not contain; expected names of inputs, states and coordinates";
   if (std::ranges::any_of(loads.named, [](const NamedQuantity& of) { return of.reading != nullptr; })) {
     for (const FormulaReader& reader : formula_readers(scene_)) {

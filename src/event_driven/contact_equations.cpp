@@ -172,9 +172,9 @@ void ContactEquations::build(std::span<const int> candidates, const std::vector<
     entry.at = candidates_.state(entry.candidate);
     entry.axes = contact_axes(entry.at.n);
     const RelativeMotion motion = candidates_.motion(entry.candidate);
-    add_row(entry, entry.at.n, false, out.R.row(entry.first).data());
-    out.rates[entry.first] = entry.at.n.dot(motion.acceleration(entry.at.p, entry.at.p_dot)) +
-                             entry.at.n_dot.dot(motion.velocity(entry.at.p));
+    const bool turns = candidates_[entry.candidate].turns();
+    add_row(entry, entry.at.n, turns, out.R.row(entry.first).data());
+    out.rates[entry.first] = motion.normal_acceleration(entry.at, turns);
     for (int group = 0; group < contact_groups; ++group) set_group(modes, group, motion, entry, out);
   }
 }
@@ -302,8 +302,9 @@ const std::vector<ContactEquations::CandidateForce>& ContactEquations::forces_of
   for (const Entry& entry : rows_.entries) {
     CandidateForce& out = forces_.emplace_back();
     out.normal = x[entry.first];
-    out.force = out.normal * entry.at.n;
+    out.force.setZero();
     out.moment.setZero();
+    (candidates_[entry.candidate].turns() ? out.moment : out.force) = out.normal * entry.at.n;
     for (int group = 0; group < contact_groups; ++group) {
       const auto g = static_cast<std::size_t>(group);
       Vector3d& on = group == 0 ? out.force : out.moment;

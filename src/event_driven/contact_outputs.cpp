@@ -39,7 +39,7 @@ void ContactOutputs::record(const Eigen::VectorXd* distributed) {
     forces_.push_back({candidate.contact, candidate.core, candidate.tip, entry.at.p, forces[i].force, forces[i].moment,
                        forces[i].normal});
     ContactSum& sum = sums_[static_cast<std::size_t>(candidate.contact)];
-    sum.force -= candidate.sign * (mechanism_.X_W0.R * forces[i].force);
+    sum.force -= candidate.sign * (mechanism_.X_W0.R * (candidate.turns() ? forces[i].moment : forces[i].force));
     const CandidateMode& mode = contact_equations_.modes()[static_cast<std::size_t>(entry.candidate)];
     const bool slides = mode.groups[0].moves || !(contact_equations_.coefficient(entry.candidate, 0, false) > 0);
     sum.mode = std::max(sum.mode, slides ? 2 : 1);
@@ -93,6 +93,13 @@ std::vector<std::array<std::string, 2>> ContactOutputs::event_texts(const std::v
   std::vector<std::array<std::string, 2>> out;
   for (int i = 0; i < contact_equations_.candidates().count(); ++i) {
     const ContactCandidate& candidate = contact_equations_.candidates()[i];
+    if (candidate.turns()) {
+      const std::string& limit = contacts[static_cast<std::size_t>(candidate.contact)];
+      const std::string joint = limit.substr(0, limit.rfind('.'));
+      out.push_back({joint + " leaves its swing limit", joint + " meets its swing limit"});
+      for (int k = 1; k < per_candidate; ++k) out.emplace_back();
+      continue;
+    }
     const std::string subject = contacts[static_cast<std::size_t>(candidate.contact)] + ": " + name(candidate.tip);
     const std::string core = name(candidate.core);
     out.push_back({subject + " leaves " + core, subject + " touches " + core});

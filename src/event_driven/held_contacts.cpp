@@ -179,7 +179,8 @@ MatrixXd HeldContacts::kept_speeds(const ResidualEvaluator<Dual>& of, Index dire
   for (const ContactEquations::Entry& entry : equations_.rows().entries) {
     const Placed<Dual> here = placed(of, entry, false);
     const Vector3<Dual> velocity = here.velocity();
-    put(here.at.n.dot(Vector3<Dual>(velocity - here.belt)), entry.first, out);
+    const bool turns = equations_.candidates()[entry.candidate].turns();
+    put(here.at.n.dot(turns ? here.V.w : Vector3<Dual>(velocity - here.belt)), entry.first, out);
     for (std::size_t k = 0; k < 2; ++k) {
       const auto row = static_cast<Index>(k);
       if (entry.rows[0] >= 0) put(here.along[k].dot(velocity), entry.rows[0] + row, out);
@@ -196,7 +197,10 @@ MatrixXd HeldContacts::kept_accelerations(const ResidualEvaluator<Dual>& of, Ind
     const Placed<Dual> here = placed(of, entry, true);
     const Vector3<Dual>& n = here.at.n;
     const Vector3<Dual> at_point = here.A.v + here.A.w.cross(here.at.p) + here.V.w.cross(here.at.p_dot);
-    put(n.dot(at_point) + here.at.n_dot.dot(Vector3<Dual>(here.velocity() - here.belt)), entry.first, out);
+    const bool turns = equations_.candidates()[entry.candidate].turns();
+    put(turns ? n.dot(here.A.w) + here.at.n_dot.dot(here.V.w)
+              : n.dot(at_point) + here.at.n_dot.dot(Vector3<Dual>(here.velocity() - here.belt)),
+        entry.first, out);
     const Vector3<Dual> with_belt = at_point + here.belt_rate - here.belt.dot(n) * here.at.n_dot;
     for (std::size_t k = 0; k < 2; ++k) {
       const auto row = static_cast<Index>(k);
@@ -216,7 +220,8 @@ HeldContacts::Exerted<Dual> HeldContacts::exerted(const ContactEquations::Entry&
     return out;
   };
   const Dual normal = multiplier(entry.first);
-  Exerted<Dual> out{normal * here.at.n, Vector3<Dual>::Zero()};
+  Exerted<Dual> out{Vector3<Dual>::Zero(), Vector3<Dual>::Zero()};
+  (equations_.candidates()[entry.candidate].turns() ? out.moment : out.force) = normal * here.at.n;
   for (int group = 0; group < contact_groups; ++group) {
     const auto g = static_cast<std::size_t>(group);
     Vector3<Dual>& on = group == 0 ? out.force : out.moment;
@@ -236,7 +241,8 @@ HeldContacts::Exerted<Dual> HeldContacts::exerted(const ContactEquations::Entry&
 // Of other multipliers.
 HeldContacts::Exerted<double> HeldContacts::exerted(const ContactEquations::Entry& entry, const VectorXd& x) const {
   const double normal = x[entry.first];
-  Exerted<double> out{normal * entry.at.n, Vector3d::Zero()};
+  Exerted<double> out{Vector3d::Zero(), Vector3d::Zero()};
+  (equations_.candidates()[entry.candidate].turns() ? out.moment : out.force) = normal * entry.at.n;
   for (int group = 0; group < contact_groups; ++group) {
     const auto g = static_cast<std::size_t>(group);
     Vector3d& on = group == 0 ? out.force : out.moment;
@@ -261,7 +267,8 @@ void HeldContacts::find_redundant_forces() {
       const Spatial::Force wrench{on.moment + entry.at.p.cross(on.force), on.force};
       on_links[static_cast<std::size_t>(candidate.tip_link)] += wrench;
       on_links[static_cast<std::size_t>(candidate.core_link)] -= wrench;
-      of_contacts[static_cast<std::size_t>(candidate.contact)] += candidate.sign * on.force;
+      of_contacts[static_cast<std::size_t>(candidate.contact)] +=
+          candidate.sign * (candidate.turns() ? on.moment : on.force);
     }
     for (std::size_t i = 1; i < on_links.size(); ++i) {
       const double size = std::max(on_links[i].f.cwiseAbs().maxCoeff(), on_links[i].n.cwiseAbs().maxCoeff());
@@ -283,7 +290,8 @@ void HeldContacts::apply(ResidualEvaluator<Dual>& of, const MatrixXd& dx, bool s
     const Force wrench{on.moment + here.at.p.cross(on.force), on.force};
     dual_wrenches_[static_cast<std::size_t>(candidate.tip_link)] += wrench;
     dual_wrenches_[static_cast<std::size_t>(candidate.core_link)] -= wrench;
-    forces_[static_cast<std::size_t>(candidate.contact)] -= Dual(candidate.sign) * on.force;
+    forces_[static_cast<std::size_t>(candidate.contact)] -=
+        Dual(candidate.sign) * (candidate.turns() ? on.moment : on.force);
   }
   const auto undetermine = [](Vector3<Dual>& x) {
     for (Dual& component : x) component.derivatives().setConstant(std::numeric_limits<double>::quiet_NaN());

@@ -63,6 +63,8 @@ HiddenContacts::HiddenContacts(const Mechanism& mechanism, Dynamics& dynamics, C
         pair.core = corners_of(mechanism.shapes[static_cast<std::size_t>(candidate.core)]);
         pair.tip = corners_of(mechanism.shapes[static_cast<std::size_t>(candidate.tip)]);
       }
+    } else if (candidate.turns()) {
+      pair.normal = candidate.core_axis / std::sin(candidate.swing);  // its gap is linear in the end of the other axis
     } else if (candidate.box.half_space || candidate.kind == ContactCandidate::Kind::rim) {
       pair.normal = candidate.X_LS.R.col(2);
     } else {

@@ -53,8 +53,9 @@ class HiddenContacts {
     int core_link = 0, tip_link = 0;
     Eigen::Vector3d core_center, tip_center;  // origins of the frames of the shapes in their links [m]
     bool tip_is_smaller = true;
-    double curvature = 0;                               // 1/m, of the surfaces together; 0: that of planes
-    Eigen::Vector3d normal = Eigen::Vector3d::Zero();   // of a plane, in its link; zero: otherwise
+    double curvature = 0;  // 1/m, of the surfaces together; 0: that of planes
+    // Of a plane, in its link, of a swing times what makes distances angles; zero: otherwise.
+    Eigen::Vector3d normal = Eigen::Vector3d::Zero();
     std::vector<Tip> core, tip;                         // with sharp features: the corners, in the links of the shapes
     Gap gaps[2];                                        // at the ends
     ContactCandidates::Approach core_at[2], tip_at[2];  // at the ends; of shapes without sharp features the smaller one

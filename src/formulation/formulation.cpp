@@ -25,7 +25,7 @@ class Raised {
 };
 
 bool locates_contacts(const FormulationContext& context) {
-  return context.options.locates_contacts && !context.mechanism.shapes.empty();
+  return context.options.locates_contacts && context.mechanism.touches();
 }
 
 // Branch-free: zero times NaN or infinity is NaN.

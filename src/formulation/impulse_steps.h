@@ -28,7 +28,7 @@ class ImpulseSteps {
   explicit ImpulseSteps(const Context& context) : with_(context) {}
 
   // As ImpulseEquations.
-  bool are_required() const { return !with_.mechanism.shapes.empty(); }
+  bool are_required() const { return with_.mechanism.touches(); }
   void use(double cone_tolerance);
   bool are_available() const { return stepper_ != nullptr; }
   void start(double t, double h, const double* y);

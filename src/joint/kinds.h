@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -36,6 +37,12 @@ std::vector<Eigen::Vector3d> default_axes(const JointKind& kind);
 // Address of the joint in the variant, to which its fields refer.
 void* data_of(AnyJoint& joint);
 const void* data_of(const AnyJoint& joint);
+
+// The limit of its swing; null: it has none.
+struct SwingLimit;
+const SwingLimit* swing_limit_of(const AnyJoint& joint);
+// Returns the error in its parameters that the ranges of the fields do not cover, if there is one.
+std::optional<ElementFault> fault_of(const AnyJoint& joint);
 
 // Pose of the joint's frame M in F, and the rates of its coordinates at the velocities v; in the joint's canonical
 // frames.

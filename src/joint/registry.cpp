@@ -88,6 +88,26 @@ const void* data_of(const AnyJoint& joint) {
   return std::visit([](const auto& j) -> const void* { return &j; }, joint);
 }
 
+const SwingLimit* swing_limit_of(const AnyJoint& joint) {
+  return std::visit(
+      [](const auto& j) -> const SwingLimit* {
+        if constexpr (requires { j.limit->swing; }) {
+          if (j.limit) return &*j.limit;
+        }
+        return nullptr;
+      },
+      joint);
+}
+
+std::optional<ElementFault> fault_of(const AnyJoint& joint) {
+  return std::visit(
+      [](const auto& j) -> std::optional<ElementFault> {
+        if constexpr (requires { j.fault(); }) return j.fault();
+        return {};
+      },
+      joint);
+}
+
 const JointKind& kind_of(const AnyJoint& joint) { return joint_kinds()[joint.index()]; }
 
 Stored<TreeJoint> tree_joint(const AnyJoint& joint, bool reversed) {

@@ -3,6 +3,7 @@
 
 #include "joint/base.h"
 #include "joint/quaternion.h"
+#include "joint/swing_limit.h"
 
 namespace gelenk {
 
@@ -26,6 +27,15 @@ struct Spherical : NoAxis {
   static constexpr bool reverses_by_half_turn = false, constant_S = true, rows_turn = false;
   static constexpr int shifts_in_F = 0;
   static constexpr double q_zero[] = {0, 0, 0, 1};
+
+  std::optional<SwingLimit> limit;
+
+  static std::span<const Field> fields() {
+    static constexpr Field all[] = {
+        field<&Spherical::limit>({.name = "limit", .text = "hard limit of its swing, with impacts"})};
+    return all;
+  }
+  std::optional<ElementFault> fault() const { return limit ? limit->fault() : std::nullopt; }
 
   static Spherical make(std::span<const Eigen::Vector3d>) { return {}; }
 

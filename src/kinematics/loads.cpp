@@ -22,6 +22,7 @@ std::vector<int> links_with_loads(const Mechanism& mechanism, const Loads& loads
   std::vector<bool> needed(mechanism.links.size(), false);
   mark_links(*loads.forces, needed);
   for (const LinkShape& shape : mechanism.shapes) needed[shape.link] = true;
+  for (const Swing& swing : mechanism.swings) needed[swing.link_a] = needed[swing.link_b] = true;
   for (const NamedQuantity& named : loads.named) {
     if (named.reading != nullptr) named.reading->mark_links(needed);
   }

@@ -41,7 +41,7 @@ struct Loads {
   JointLoads tree;
   std::vector<JointLoads> cuts;       // by cut
   std::vector<double> added_inertia;  // kg m2 (kg), by velocity: of motors
-  std::vector<ContactLaw> contacts;   // by contact of the scene
+  std::vector<ContactLaw> contacts;   // as scene/touching_laws.h
   std::vector<int> inputs;            // indices of the signals that act on this island
   // All signals: the inputs of the scene and its clock, the element states of the island, and what its expressions name
   // of the motion, which the kernels add.

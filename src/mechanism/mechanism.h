@@ -112,6 +112,16 @@ struct ContactTable {
   }
 };
 
+// The limit of the swing of a ball joint: the angle between an axis of one link and one of another.
+struct Swing {
+  int contact = 0;  // its number after those of the contacts of the scene (scene/touching_laws.h)
+  int link_a = 0, link_b = 0;
+  Eigen::Vector3d axis_a = Eigen::Vector3d::UnitZ(), axis_b = Eigen::Vector3d::UnitZ();  // unit, in their links
+  double angle = 0;                                                                      // rad
+  int body_a = -1, body_b = -1;                                                          // of the scene; -1: the ground
+  Eigen::Vector3d p_b = Eigen::Vector3d::Zero();                                         // m: the joint, in link b
+};
+
 // Rigid links in depth-first order on a spanning tree, and the remaining joints, which close loops. Link 0 is the
 // ground; each other link has one tree joint. In a planar mechanism the z axes of all link frames, including that of
 // the ground, are along the normal of the plane.
@@ -134,6 +144,10 @@ struct Mechanism {
   std::vector<double> heights;    // planar: position of each link's origin along the normal [m]
   std::vector<LinkShape> shapes;  // those that can touch others; bodies of the scene in their order, the ground last
   ContactTable contact_table;     // if there are shapes
+  std::vector<Swing> swings;      // limits of ball joints
+
+  // Whether anything can touch: shapes, or axes the cones of their limits.
+  bool touches() const { return !shapes.empty() || !swings.empty(); }
 
   int first_coordinate_row() const { return rows - static_cast<int>(coordinate_rows.size()); }
   // Whether any constraint equation depends on time or on an input.

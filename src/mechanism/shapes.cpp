@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The shapes of an island that can touch each other.
+// The shapes of an island that can touch each other, and the limits of its ball joints.
 #include <algorithm>
 
+#include "joint/swing_limit.h"
 #include "mechanism/graph.h"
 #include "mechanism/touching.h"
 #include "scene/shapes.h"
+#include "scene/touching_laws.h"
 #include "util/text.h"
 
 namespace gelenk {
@@ -73,6 +75,36 @@ void check_pairs(const Scene& scene, const ReducedScene& reduced) {
 
 }  // namespace
 
+namespace {
+
+// Of joints that move.
+void add_swings(const Scene& scene, ReducedScene& reduced) {
+  const BodyNumbers number(scene);
+  int contact = static_cast<int>(scene.contacts.size());
+  for (const int j : joints_with_swing_limit(scene)) {
+    const Joint& joint = scene.joints[static_cast<std::size_t>(j)];
+    const JointPlace& at = reduced.joints[static_cast<std::size_t>(j)];
+    const SwingLimit& limit = *swing_limit_of(*joint.is);
+    if (at.role == JointPlace::Role::tree || at.role == JointPlace::Role::cut) {
+      const BodyPlace parent = place(scene, reduced, at.island, joint.parent);
+      const BodyPlace child = place(scene, reduced, at.island, joint.child);
+      reduced.islands[static_cast<std::size_t>(at.island)].swings.push_back(
+          {.contact = contact,
+           .link_a = parent.link,
+           .link_b = child.link,
+           .axis_a = parent.X_LB.R * limit.parent_axis.along,
+           .axis_b = child.X_LB.R * limit.child_axis.along,
+           .angle = limit.swing,
+           .body_a = number(joint.parent.body),
+           .body_b = number(joint.child.body),
+           .p_b = child.X_LB.p});
+    }
+    ++contact;
+  }
+}
+
+}  // namespace
+
 int contact_between(const ContactTable& table, const LinkShape& a, const LinkShape& b) {
   if (a.link == b.link) return -1;
   const int contact = table.contact(a.surface, b.surface);
@@ -82,6 +114,7 @@ int contact_between(const ContactTable& table, const LinkShape& a, const LinkSha
 }
 
 void add_shapes(const Scene& scene, ReducedScene& reduced) {
+  add_swings(scene, reduced);
   if (scene.contacts.empty()) return;
   const BodyNumbers number(scene);
   const ContactTable table = table_of(scene, number);

@@ -12,6 +12,7 @@
 #include "scene/name_index.h"
 #include "scene/settable.h"
 #include "scene/signals.h"
+#include "scene/touching_laws.h"
 #include "scene/wanted_outputs.h"
 #include "util/text.h"
 
@@ -127,10 +128,14 @@ class Pruner {
   }
   bool is_island(int part) const { return part != none && part < islands_; }
 
-  // Marks the part of an output of a joint, a state or a named expression.
+  // Marks the part of an output of a joint, its limit, a state or a named expression.
   void keep_part_of(const Signal& output) {
     if (output.joint >= 0) keep(part_of_joint_[static_cast<std::size_t>(output.joint)]);
     const auto element = static_cast<std::size_t>(output.element);
+    if (output.section == sections::contacts && element >= scene_.contacts.size()) {
+      const int joint = joints_with_swing_limit(scene_)[element - scene_.contacts.size()];
+      keep(part_of_joint_[static_cast<std::size_t>(joint)]);
+    }
     if (output.section == sections::states) keep(part_of_state_[element]);
     if (output.section == sections::expressions) keep(part_of_expression_[element]);
   }

@@ -161,7 +161,11 @@ Outputs::Source Outputs::element_source(const Scene& scene, const Signal& signal
     return out;
   }
   if (signal.section == sections::contacts) {
-    const auto touches = [](const Mechanism& mechanism) { return !mechanism.shapes.empty(); };
+    const bool is_swing = static_cast<std::size_t>(signal.element) >= scene.contacts.size();
+    const auto touches = [&](const Mechanism& mechanism) {
+      return is_swing ? std::ranges::find(mechanism.swings, signal.element, &Swing::contact) != mechanism.swings.end()
+                      : !mechanism.shapes.empty();
+    };
     const auto found = std::ranges::find_if(reduced_.islands, touches);
     out.kind = found == reduced_.islands.end() ? Kind::constant : Kind::contact;
     out.stage = Stage::acceleration;

@@ -16,6 +16,7 @@
 #include "scene/formulas.h"
 #include "scene/scene.h"
 #include "scene/signals.h"
+#include "scene/touching_laws.h"
 
 namespace gelenk {
 
@@ -24,7 +25,7 @@ void BodyWrenches::add(int island, const Reading& reading, const Loads& loads, c
   add_forces(island, &reading.dynamics, &loads, u);
   add_along_joints(reading, mechanism, loads, u);
   add_reactions(island, reading.dynamics);
-  if (!mechanism.shapes.empty() && !scene_.contacts.empty()) add_contacts(reading, mechanism);
+  if (mechanism.touches() && reading.contacts != nullptr) add_contacts(reading, mechanism);
 }
 
 int BodyWrenches::body_of(const BodyFrame& frame) const {
@@ -185,6 +186,20 @@ void BodyWrenches::add_reactions(int island, const Readings<double>& dynamics) {
   }
 }
 
+// The torque of the limit of a ball joint, at the joint.
+void BodyWrenches::add_swing_limit(const ContactForce& at, const Mechanism& mechanism) {
+  const auto swing = std::ranges::find(mechanism.swings, at.contact, &Swing::contact);
+  if (swing == mechanism.swings.end()) return;
+  const std::string name = name_of_touching_law(scene_, at.contact);
+  const auto joint = std::ranges::find(scene_.joints, name.substr(0, name.rfind('.')), &Joint::name);
+  const Eigen::Vector3d n = mechanism.X_W0.R * at.moment;
+  for (const auto& [on, number, side] : {std::tuple(&joint->parent, 0, -1.0), std::tuple(&joint->child, 1, 1.0)}) {
+    const int body = body_of(*on);
+    if (body < 0) continue;
+    all.push_back({BodyWrench::Kind::load, name, body, number, on->X_BF.p, Eigen::Vector3d::Zero(), side * n});
+  }
+}
+
 // All points between two bodies together: their force acts at the mean of the points, weighted by the normal forces.
 void BodyWrenches::add_contacts(const Reading& reading, const Mechanism& mechanism) {
   struct Sum {
@@ -194,6 +209,10 @@ void BodyWrenches::add_contacts(const Reading& reading, const Mechanism& mechani
   };
   std::map<std::tuple<int, int, int>, Sum> sums;  // by contact and bodies
   for (const ContactForce& at : reading.contacts->forces()) {
+    if (static_cast<std::size_t>(at.contact) >= scene_.contacts.size()) {
+      add_swing_limit(at, mechanism);
+      continue;
+    }
     const auto body = [&](int shape) { return mechanism.shapes[static_cast<std::size_t>(shape)].scene_body; };
     const double side = body(at.a) < body(at.b) ? 1 : -1;
     Sum& sum = sums[{at.contact, std::min(body(at.a), body(at.b)), std::max(body(at.a), body(at.b))}];

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Messages about contacts where derivatives are taken.
 #include "preparation/report.h"
+#include "scene/touching_laws.h"
 #include "util/text.h"
 
 namespace gelenk {
 
 std::string describe_closed_contact(const Scene& scene, int contact, const std::string& what, double t) {
-  return "t = " + text::rounded(t) + " s: contacts." + scene.contacts[static_cast<std::size_t>(contact)].name + " " +
-         what;
+  return "t = " + text::rounded(t) + " s: " + path_of_touching_law(scene, contact) + " " + what;
 }
 
 std::string describe_contact_edge(const Scene& scene, const LawEdge& edge, double t) {

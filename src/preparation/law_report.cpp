@@ -3,6 +3,7 @@
 
 #include "kinematics/switching_force.h"
 #include "scene/element_numbers.h"
+#include "scene/touching_laws.h"
 #include "util/text.h"
 
 namespace gelenk {
@@ -42,11 +43,13 @@ bool is_of_contact(BrokenLaw::Kind kind) {
 }
 
 std::string of_contact(const Scene& scene, const BrokenLaw& broken) {
-  const std::string law = "contacts." + scene.contacts[static_cast<std::size_t>(broken.index)].name;
+  const std::string law = path_of_touching_law(scene, broken.index);
+  const bool turns = static_cast<std::size_t>(broken.index) >= scene.contacts.size();
   if (broken.kind == BrokenLaw::Kind::contact_pulls)
-    return law + ": the normal force would pull with " + shown(scene, -broken.found, "N");
+    return law + ": the normal force would pull with " + shown(scene, -broken.found, turns ? "N.m" : "N");
   if (broken.kind == BrokenLaw::Kind::contact_approaches)
-    return law + ": surfaces that touch would approach each other with " + shown(scene, broken.found, "m/s") +
+    return law + ": surfaces that touch would approach each other with " +
+           shown(scene, broken.found, turns ? "rad/s" : "m/s") +
            ", since no impulses were found that prevent it (as where a heavy body rests on one of far less mass)";
   const bool is_moment = broken.kind == BrokenLaw::Kind::contact_moment;
   const std::string unit = is_moment ? "N.m" : "N";

@@ -18,6 +18,7 @@
 #include "scene/formulas.h"
 #include "scene/motions.h"
 #include "scene/signals.h"
+#include "scene/touching_laws.h"
 
 namespace gelenk {
 namespace {
@@ -77,8 +78,7 @@ struct LoadCollector {
     for (std::size_t c = 0; c < mechanism.cuts.size(); ++c) reserve_capacity(loads.cuts[c], mechanism.cuts[c].nv);
     loads.added_inertia.assign(mechanism.nv, 0);
     if (loads.branches == nullptr) loads.branches = std::make_shared<HeldBranches>();
-    loads.contacts.clear();
-    for (const Contact& contact : scene.contacts) loads.contacts.push_back(law_of(*contact.is));
+    loads.contacts = touching_laws(scene);
   }
 
   static void reserve_capacity(JointLoads& loads, int nv) {

@@ -21,7 +21,7 @@ struct PreparedIsland {
   // Whether its constraints alone determine its positions at any time, without contacts, element states or rolling.
   bool is_positioned() const {
     return mechanism.nv > 0 && mobility.position_rank == mechanism.nv && mechanism.states.empty() &&
-           mechanism.shapes.empty();
+           !mechanism.touches();
   }
   MobilityAnalysis mobility;   // of the island with all rows, as in ReducedScene::islands
   std::vector<double> states;  // start values of its element states

@@ -32,7 +32,10 @@ std::string describe_singular_start(const Scene& scene, const ReducedScene& redu
 // Describes a start from which loops move a coordinate beyond its limit. indicator: see LockModes::State.
 std::string describe_unstoppable(const Scene& scene, const Loads& loads, int indicator);
 
-// Describes each coordinate that is beyond one of its limits at the position q. `dynamics` is left there.
+// Describes each coordinate, and each swing of a ball joint, that is beyond one of its limits at the position q.
+// `dynamics` is left there.
+std::vector<std::string> describe_violated_swings(const Scene& scene, const Mechanism& mechanism, Dynamics& dynamics,
+                                                  const double* q);
 std::vector<std::string> describe_violated_limits(const Scene& scene, const Loads& loads, Dynamics& dynamics,
                                                   const double* q);
 

@@ -8,6 +8,7 @@
 #include "event_driven/force_margin.h"
 #include "kinematics/loads.h"
 #include "mechanism/mechanism.h"
+#include "scene/touching_laws.h"
 
 namespace gelenk {
 namespace {
@@ -15,9 +16,27 @@ namespace {
 // Of the largest force: what an evaluation may miss of a law.
 constexpr double law_rounding = 1e-10;
 
-std::string name_of_body(const Scene& scene, const Mechanism& mechanism, int shape) {
-  const int body = mechanism.shapes[static_cast<std::size_t>(shape)].scene_body;
+std::string name_of_body(const Scene& scene, int body) {
   return body < 0 ? std::string("ground") : scene.bodies[static_cast<std::size_t>(body)].name;
+}
+
+// Those with the core and with the tip.
+std::pair<int, int> bodies_of(const Mechanism& mechanism, const ContactCandidate& candidate) {
+  if (!candidate.turns()) {
+    const auto& shapes = mechanism.shapes;
+    return {shapes[static_cast<std::size_t>(candidate.core)].scene_body,
+            shapes[static_cast<std::size_t>(candidate.tip)].scene_body};
+  }
+  const auto swing = std::ranges::find(mechanism.swings, candidate.contact, &Swing::contact);
+  return {swing->body_a, swing->body_b};
+}
+
+// A torque is shown at its joint. p: the point of contact.
+Eigen::Vector3d position_of(const Mechanism& mechanism, Dynamics& dynamics, const ContactCandidate& candidate,
+                            const Eigen::Vector3d& p) {
+  if (!candidate.turns()) return p;
+  const auto swing = std::ranges::find(mechanism.swings, candidate.contact, &Swing::contact);
+  return swing->link_b == 0 ? swing->p_b : dynamics.readings().link_pose(swing->link_b).point(swing->p_b);
 }
 
 // What touches sticks if it has friction.
@@ -62,14 +81,14 @@ bool obey(const ContactEquations& equations, const std::vector<ContactEquations:
 
 RestContacts rest_contacts(const Scene& scene, const EquilibriumProblem& of, Dynamics& dynamics, double* vdot) {
   RestContacts out;
-  if (of.mechanism.shapes.empty() || scene.contacts.empty()) return out;
+  if (!of.mechanism.touches()) return out;
   ContactEquations equations(of.mechanism, dynamics, of.loads.contacts, true);
   equations.set_modes(closed_where_it_touches(equations, dynamics));
   // Pairs of shapes whose points are not located, and cylinders on their flat ends, have no candidates.
-  if (const int closed = closed_contact(of.mechanism, dynamics.readings(), scene.contacts.size()); closed >= 0) {
+  if (const int closed = closed_contact(of.mechanism, dynamics.readings(), of.loads.contacts.size()); closed >= 0) {
     const bool is_known =
         std::ranges::any_of(equations.closed(), [&](int i) { return equations.candidates()[i].contact == closed; });
-    if (!is_known) out.undefined = scene.contacts[static_cast<std::size_t>(closed)].name;
+    if (!is_known) out.undefined = name_of_touching_law(scene, closed);
   }
   if (equations.closed().empty()) return out;
   equations.accelerate(vdot);
@@ -93,12 +112,13 @@ RestContacts rest_contacts(const Scene& scene, const EquilibriumProblem& of, Dyn
     const ContactCandidate& candidate = equations.candidates()[entry.candidate];
     const bool core_is_first = candidate.sign > 0;
     RestPoint& point = out.points.emplace_back();
-    point.contact = scene.contacts[static_cast<std::size_t>(candidate.contact)].name;
-    point.first = name_of_body(scene, of.mechanism, core_is_first ? candidate.core : candidate.tip);
-    point.second = name_of_body(scene, of.mechanism, core_is_first ? candidate.tip : candidate.core);
-    point.position = length * of.mechanism.X_W0.point(entry.at.p);
+    point.contact = name_of_touching_law(scene, candidate.contact);
+    const auto bodies = bodies_of(of.mechanism, candidate);
+    point.first = name_of_body(scene, core_is_first ? bodies.first : bodies.second);
+    point.second = name_of_body(scene, core_is_first ? bodies.second : bodies.first);
+    point.position = length * of.mechanism.X_W0.point(position_of(of.mechanism, dynamics, candidate, entry.at.p));
     point.force = -candidate.sign * force * (of.mechanism.X_W0.R * of_point.force);
-    point.normal = force * of_point.normal;
+    point.normal = (candidate.turns() ? force * length : force) * of_point.normal;
     point.friction = force * of_point.held[0];
     point.limit = std::max(0.0, equations.coefficient(entry.candidate, 0, false) * point.normal);
   }

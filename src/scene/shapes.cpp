@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "scene/element_numbers.h"
+#include "scene/touching_laws.h"
 #include "shape/features.h"
 #include "shape/kinds.h"
 #include "shape/rounded.h"
@@ -109,7 +110,7 @@ int located_features(const AnyShape& a, const AnyShape& b) {
 
 bool locates_contacts(const Scene& scene) {
   const std::string& integrator = scene.solver.integrator;
-  if (scene.contacts.empty() || integrator == "moreau-jean") return false;
+  if (!has_touching_laws(scene) || integrator == "moreau-jean") return false;
   return (integrator != "auto" && !integrator.empty()) || reason_for_time_steps(scene).empty();
 }
 

@@ -9,6 +9,7 @@
 #include "joint/kinds.h"
 #include "scene/element_numbers.h"
 #include "scene/scene.h"
+#include "scene/touching_laws.h"
 
 namespace gelenk {
 namespace {
@@ -122,6 +123,21 @@ void add_section(std::vector<Signal>& signals, const Scene& scene, int section,
   }
 }
 
+// After those of the contacts, as they are numbered.
+void add_swing_limits(std::vector<Signal>& signals, const Scene& scene) {
+  for (int i = static_cast<int>(scene.contacts.size()); i < static_cast<int>(touching_law_count(scene)); ++i) {
+    const ElementPlace place{.name = name_of_touching_law(scene, i), .frames = {}, .joints = {}, .coordinate = {}};
+    const std::span<const SignalGroup> groups = swing_limit_outputs();
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+      Signal of;
+      of.section = sections::contacts;
+      of.element = i;
+      of.group = static_cast<int>(g);
+      add_group(signals, groups[g], place, {}, of);
+    }
+  }
+}
+
 // Adds the signal of something that the scene names itself; kind: its description if it has no text.
 template <class Named>
 Signal& add_named(std::vector<Signal>& signals, const Named& named, std::string_view kind) {
@@ -184,6 +200,7 @@ std::vector<Signal> output_signals(const Scene& scene) {
   add_section(signals, scene, sections::forces, scene.forces, groups);
   add_section(signals, scene, sections::constraints, scene.constraints, groups);
   add_section(signals, scene, sections::contacts, scene.contacts, groups);
+  add_swing_limits(signals, scene);
   for (std::size_t i = 0; i < scene.states.size(); ++i) {
     const ElementState& state = scene.states[i];
     Signal& signal = add_named(signals, state, "state of expressions");

@@ -161,6 +161,8 @@ std::vector<std::string> keys_of(const JointForceKind& kind) {
 // Adds errors for forces that this kind of joint cannot have.
 void refuse_forces(Fields& fields, const JointForceKind& kind, Reader& reader, const Joint& joint) {
   for (const std::string& key : keys_of(kind)) {
+    const auto fields_of_joint = kind_of(*joint.is).fields;  // it may have a group of its own
+    if (std::ranges::find(fields_of_joint, key, &Field::name) != fields_of_joint.end()) continue;
     const Json* value = fields.find(key);
     if (value == nullptr) continue;
     refuse(*value, fields.path(key), key, kind, kind_of(*joint.is), reader.faults);

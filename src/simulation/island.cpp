@@ -9,6 +9,7 @@
 #include "preparation/law_report.h"
 #include "scene/element_numbers.h"
 #include "scene/shapes.h"
+#include "scene/touching_laws.h"
 
 namespace gelenk {
 namespace {
@@ -89,10 +90,9 @@ std::vector<std::array<std::string, 2>> Island::event_texts() const {
     const std::string text = place.is_knot ? "" : owner_of_branch(scene_, mechanism(), place) + " changes its branch";
     out.push_back({text, text});
   }
-  std::vector<std::string> bodies, contacts;
+  std::vector<std::string> bodies;
   for (const Body& body : scene_.bodies) bodies.push_back(body.name);
-  for (const Contact& contact : scene_.contacts) contacts.push_back(contact.name);
-  for (const auto& texts : equations_->contacts().event_texts(bodies, contacts)) out.push_back(texts);
+  for (auto& of : equations_->contacts().event_texts(bodies, names_of_touching_laws(scene_))) out.push_back(of);
   return out;
 }
 
@@ -119,7 +119,7 @@ void Island::warm_up(double step) {
 // words: size of an archive at the start; later it also contains stored accelerations and inputs (projection.cpp) and
 // samples near a singular configuration (singularity_monitor.h), and points of contact.
 void Island::reserve(std::size_t words) {
-  const std::size_t contacts = mechanism().shapes.empty() ? 0 : ContactState::reserved_words;
+  const std::size_t contacts = !mechanism().touches() ? 0 : ContactState::reserved_words;
   replay_.beginning.reserve(words + 16 * (20 + y_.size() + inputs_of_scene_) + contacts);
   if (may_have_history()) replay_.legs.reserve(ReplayHistory::max_legs);
 }

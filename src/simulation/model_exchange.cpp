@@ -8,6 +8,7 @@
 #include "joint/kinds.h"
 #include "preparation/report.h"
 #include "scene/shapes.h"
+#include "scene/touching_laws.h"
 #include "simulation/exchanged_island.h"
 #include "simulation/simulation_impl.h"
 #include "simulation/state_derivatives.h"
@@ -23,7 +24,7 @@ std::string ModelExchange::refusal(const Scene& scene) {
              "or "
              "move the joint by a force or torque";
   }
-  const std::string reason = scene.contacts.empty() ? "" : reason_for_time_steps(scene);
+  const std::string reason = !has_touching_laws(scene) ? "" : reason_for_time_steps(scene);
   return reason.empty() ? "" : "contacts are solved in time steps, not at located events: " + reason;
 }
 

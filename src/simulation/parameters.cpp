@@ -14,6 +14,7 @@
 #include "joint/kinds.h"
 #include "scene/quantity_groups.h"
 #include "scene/settable.h"
+#include "scene/touching_laws.h"
 #include "scene/words.h"
 #include "util/text.h"
 
@@ -284,7 +285,7 @@ std::vector<Parameter> scene_parameters(const Scene& scene) {
   add_starts(table, scene);
   add_gravity(table);
   add_solver(table);
-  if (!scene.contacts.empty()) add_cone_tolerance(table);
+  if (has_touching_laws(scene)) add_cone_tolerance(table);
   add_listed(table, scene);
   return table;
 }

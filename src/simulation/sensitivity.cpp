@@ -90,7 +90,7 @@ ConstrainedSensitivity& Sensitivity::set_point(int island) {
   if (modes.edge.contact >= 0 && holds_contacts_) throw NotDifferentiablePoint(modes.edge);
   sensitivities_[island]->hold(modes.sides, holds_contacts_ ? modes.contacts : ContactHold{});
   nearest_.clear();
-  if (const Mechanism& mechanism = from.prepared().mechanism; !mechanism.shapes.empty()) {
+  if (const Mechanism& mechanism = from.prepared().mechanism; mechanism.touches()) {
     Dynamics& dynamics = islands_[island]->dynamics();
     dynamics.set_position(y);
     dynamics.set_velocity(y + mechanism.nq);

@@ -105,6 +105,9 @@ void Simulation::assemble(double time) {
   for (const auto& island : s.islands) {
     std::ranges::move(describe_violated_limits(s.scene, island->loads(), island->dynamics(), island->reading().q),
                       std::back_inserter(violated));
+    std::ranges::move(
+        describe_violated_swings(s.scene, island->prepared().mechanism, island->dynamics(), island->reading().q),
+        std::back_inserter(violated));
     const int unstoppable = island->formulation().modes().locks().state().unstoppable;
     if (unstoppable >= 0 && !island->prepared().mechanism.driven())  // inputs that prescribe motions may still change
       violated.push_back(describe_unstoppable(s.scene, island->loads(), unstoppable));

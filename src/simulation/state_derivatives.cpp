@@ -7,6 +7,7 @@
 #include "contact_geometry/contact_finder.h"
 #include "preparation/report.h"
 #include "preparation/start.h"
+#include "scene/touching_laws.h"
 #include "simulation/simulation_impl.h"
 #include "util/text.h"
 
@@ -177,7 +178,7 @@ void StateDerivatives::refuse_closed_contacts(bool in_time) {
     if (has_modes && !in_time) continue;
     island->realize(Stage::velocity);
     const int closed =
-        closed_contact(island->prepared().mechanism, island->dynamics().readings(), s.scene.contacts.size());
+        closed_contact(island->prepared().mechanism, island->dynamics().readings(), touching_law_count(s.scene));
     if (closed < 0) continue;
     const std::string why = has_modes ? "is closed: time derivatives of outputs exist for open contacts only"
                                       : "is closed in time steps, in which contacts have no modes: derivatives exist "

@@ -11,6 +11,7 @@
 #include "preparation/rest_forces.h"
 #include "scene/formulas.h"
 #include "scene/natural_time.h"
+#include "scene/touching_laws.h"
 #include "simulation/simulation_impl.h"
 #include "simulation/trim.h"
 
@@ -189,9 +190,9 @@ void Simulation::Impl::refuse_touching_equilibrium() {
   for (const auto& island : islands) {
     island->realize(Stage::velocity);
     const int closed =
-        closed_contact(island->prepared().mechanism, island->dynamics().readings(), scene.contacts.size());
+        closed_contact(island->prepared().mechanism, island->dynamics().readings(), touching_law_count(scene));
     if (closed < 0) continue;
-    throw AssemblyError("contacts." + scene.contacts[static_cast<std::size_t>(closed)].name +
+    throw AssemblyError(path_of_touching_law(scene, closed) +
                         " is closed at the equilibrium found (solver.start: equilibrium), expected it to be open: the "
                         "search does not know the forces of contacts");
   }

@@ -39,12 +39,9 @@ double TimeStepper::opening(double gap, const RememberedContact& before, double 
 // missed_ <- the worst one, at the speeds free_speeds_ after the step.
 void TimeStepper::find_missed(double h) {
   const double fastest = velocity_tolerance() / cone_tolerance_;
-  const auto mass = [&](int shape) {
-    const int link = mechanism_.shapes[static_cast<std::size_t>(shape)].link;
-    return link < 0 ? 0.0 : mechanism_.links[static_cast<std::size_t>(link)].G.m;
-  };
+  const auto mass = [&](int link) { return link < 0 ? 0.0 : mechanism_.links[static_cast<std::size_t>(link)].G.m; };
   const bool hides = std::ranges::any_of(points_, [&](const NearPoint& point) {
-    const double a = mass(point.a), b = mass(point.b);
+    const double a = mass(point.link_a), b = mass(point.link_b);
     return a > 0 && b > 0 && std::max(a, b) > hiding_ratio * std::min(a, b);
   });
   if (!hides) return;
@@ -62,7 +59,7 @@ Spatial::Force TimeStepper::force_at(std::size_t i, double h) const {
   const Cone& cone = cones_[i];
   const double* x = x_.data() + cone.first;
   Spatial::Force out;
-  out.f = frames_[i].col(0) * (x[0] / h);
+  (points_[i].turns ? out.n : out.f) = frames_[i].col(0) * (x[0] / h);
   for (int k = 0; k < cone.tangential; ++k) out.f += frames_[i].col(1 + k) * (x[1 + k] / h);
   const double* moment = x + 1 + cone.tangential;
   if (cone.spin > 0) out.n += frames_[i].col(0) * (*moment++ / h);
@@ -74,8 +71,8 @@ Spatial::Force TimeStepper::force_at(std::size_t i, double h) const {
 void TimeStepper::add_wrench(const NearPoint& point, const Spatial::Force& on_b,
                              std::vector<Spatial::Force>& out) const {
   const Spatial::Force wrench{on_b.n + point.p.cross(on_b.f), on_b.f};
-  out[static_cast<std::size_t>(mechanism_.shapes[static_cast<std::size_t>(point.b)].link)] += wrench;
-  out[static_cast<std::size_t>(mechanism_.shapes[static_cast<std::size_t>(point.a)].link)] -= wrench;
+  out[static_cast<std::size_t>(point.link_b)] += wrench;
+  out[static_cast<std::size_t>(point.link_a)] -= wrench;
 }
 
 void TimeStepper::remember(double h) {
@@ -103,7 +100,7 @@ void TimeStepper::remember(double h) {
     contact.slides = cone.tangential == 0 || slip(i, free_speeds_).norm() > slow;
     add_wrench(point, on_b, state_.wrenches);
     ContactSum& sum = state_.sums[static_cast<std::size_t>(point.contact)];
-    sum.force -= mechanism_.X_W0.R * contact.force;
+    sum.force -= mechanism_.X_W0.R * (point.turns ? contact.moment : contact.force);
     sum.mode = std::max(sum.mode, contact.slides ? 2 : 1);
   }
   // They act on bodies that have moved on since the middle of the step: their lever arms are those of the middle.
@@ -135,7 +132,8 @@ std::vector<ContactForce> TimeStepper::forces() {
   std::vector<ContactForce> out;
   for (const NearPoint& point : finder_.find(dynamics_.readings(), 0, 0, reach)) {
     if (const RememberedContact* const of = state_.find(point))
-      out.push_back({point.contact, point.a, point.b, point.p, of->force, of->moment, point.normal.dot(of->force)});
+      out.push_back({point.contact, point.a, point.b, point.p, of->force, of->moment,
+                     point.normal.dot(point.turns ? of->moment : of->force)});
   }
   return out;
 }
@@ -145,7 +143,7 @@ double TimeStepper::gap(int contact) {
 }
 
 void TimeStepper::serialize(Archive& archive) {
-  const int shapes = static_cast<int>(mechanism_.shapes.size());
+  const int shapes = static_cast<int>(mechanism_.shapes.size() + mechanism_.swings.size());
   state_.serialize(archive, shapes);
   archive.serialize(has_second_);
   if (has_second_) second_.serialize(archive, shapes);

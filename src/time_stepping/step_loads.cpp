@@ -48,7 +48,7 @@ void TimeStepper::apply_mean_forces(double h, const double* u) {
   }
   rows_.add_generalized(static_cast<int>(x_.size()) - static_cast<int>(joints_.count()), load_x_.data(), 1 / h,
                         load_along_.data());
-  const bool has_shapes = !mechanism_.shapes.empty();
+  const bool has_shapes = mechanism_.touches();
   if (has_shapes) {
     std::ranges::fill(load_wrenches_, Spatial::Force{});
     for (std::size_t i = 0; i < points_.size(); ++i) {

@@ -102,7 +102,7 @@ void TimeStepper::collect(double h) {
   joints_.clear();
   frames_.clear();
   points_.clear();
-  if (!mechanism_.shapes.empty())
+  if (mechanism_.touches())
     points_ = finder_.find(dynamics_.readings(), h, h * loads_.gravity.norm(), 2 * touch_tolerance);
   turning_.assign(points_.size(), Turning::no);
   opens_.assign(points_.size(), 0.0);
@@ -134,11 +134,11 @@ void TimeStepper::add_contact(const NearPoint& point) {
   const ContactLaw& law = loads_.contacts[static_cast<std::size_t>(point.contact)];
   const Cone cone = Cone::contact(rows_.count(), law.static_friction, law.spinning, law.rolling);
   const Eigen::Matrix3d axes = contact_axes(point.normal);
-  const int a = mechanism_.shapes[static_cast<std::size_t>(point.a)].link;
-  const int b = mechanism_.shapes[static_cast<std::size_t>(point.b)].link;
+  const int a = point.link_a;
+  const int b = point.link_b;
   rotation_.touch(a);
   rotation_.touch(b);
-  rows_.add(a, b, point.p, axes.col(0), false);
+  rows_.add(a, b, point.p, axes.col(0), point.turns);
   for (int i = 0; i < cone.tangential; ++i) rows_.add(a, b, point.p, axes.col(1 + i), false);
   if (cone.spin > 0) rows_.add(a, b, point.p, axes.col(0), true);
   for (int i = 0; i < cone.roll; ++i) rows_.add(a, b, point.p, axes.col(1 + i), true);
@@ -154,7 +154,7 @@ void TimeStepper::guess(double h) {
     opens_[i] = opening(points_[i].gap, *before, h);
     const Cone& cone = cones_[i];
     double* x = x_.data() + cone.first;
-    *x++ = h * frames_[i].col(0).dot(before->force);
+    *x++ = h * frames_[i].col(0).dot(points_[i].turns ? before->moment : before->force);
     for (int k = 0; k < cone.tangential; ++k) *x++ = h * frames_[i].col(1 + k).dot(before->force);
     if (cone.spin > 0) *x++ = h * frames_[i].col(0).dot(before->moment);
     for (int k = 0; k < cone.roll; ++k) *x++ = h * frames_[i].col(1 + k).dot(before->moment);
@@ -259,8 +259,7 @@ TimeStepper::Gap TimeStepper::gap_of(std::size_t cone) const {
 // Penetration that is removed within a step [m, rad].
 double TimeStepper::most_corrected(std::size_t cone) const {
   if (cone >= points_.size()) return unlimited;
-  const auto size = [&](int shape) { return size_of(*mechanism_.shapes[static_cast<std::size_t>(shape)].is); };
-  return max_correction * std::min(size(points_[cone].a), size(points_[cone].b));
+  return max_correction * std::min(finder_.size(points_[cone].a), finder_.size(points_[cone].b));
 }
 
 // Adds to dq the smallest displacement that ends all penetrations that remain at the end of the step, and all gaps of

@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from gelenk.equilibria.swings import path_of_law, room, swing_limits, unit_of_law
 from gelenk.errors import EquilibriumError, SceneError, UsageError
 from gelenk.linear.model import EQUILIBRIUM_RATE_TOLERANCE
 from gelenk.linear.operating_point import START, OperatingPoint
@@ -68,11 +69,11 @@ class ContactPoint:
     """A point at which two shapes touch at rest, and what they exert there.
 
     Attributes:
-        contact: name of the contact.
+        contact: name of the contact; "J.limit" is the limit of the joint J.
         bodies: names of the bodies with its first and its second surface.
         position: of the point in the world [m].
         force: on the first body, in the world [N].
-        normal: normal force [N].
+        normal: normal force [N]; of the limit of a ball joint its torque [N m], while `force` is zero.
         friction: size of the friction [N].
         limit: the largest static friction under this normal force [N].
     """
@@ -93,9 +94,11 @@ class ContactPoint:
         return max(0.0, 1 - self.friction / self.limit) if self.limit > 0 else 0.0
 
     def __str__(self) -> str:
+        unit = unit_of_law(self.contact)
+        kind = "torque" if unit == "N m" else "normal force"
         friction = f", friction {self.friction:.6g} of {self.limit:.6g} N" if self.limit > 0 else ""
         at = ", ".join(f"{x:.6g}" for x in self.position)
-        return f"{' on '.join(self.bodies)} at ({at}) m: normal force {self.normal:.6g} N{friction}"
+        return f"{' on '.join(self.bodies)} at ({at}) m: {kind} {self.normal:.6g} {unit}{friction}"
 
 
 def _vector(x: Sequence[float]) -> tuple[float, float, float]:
@@ -126,6 +129,7 @@ class PosedScene:
         self._joints = plant.scene.to_dict()["joints"]
         self._holds = plant.scene.has_friction_or_limits
         self._contacts = list(plant.scene.to_dict().get("contacts", {}))
+        self._swings = swing_limits(self._joints)
         settings = point.reach(plant).settings
         known, rates = set(plant.parameters), plant.rates
         starts = [name for name in plant.readings if start_parameter(name) in known]
@@ -141,8 +145,8 @@ class PosedScene:
 
     @property
     def has_contacts(self) -> bool:
-        """Whether shapes can touch."""
-        return bool(self._contacts)
+        """Whether shapes can touch, or ball joints meet the limit of their swing."""
+        return bool(self._contacts or self._swings)
 
     def starts(self, steady: bool = False) -> dict[str, Value]:
         """Return the present pose as start values, with its velocities in steady motion, else zero."""
@@ -233,7 +237,7 @@ class PosedScene:
         )
 
     def check_open(self) -> None:
-        """Raise EquilibriumError if shapes touch or overlap: no search knows the forces of contacts."""
+        """Raise EquilibriumError where anything touches: no search knows the forces of contacts."""
         values = self.plant.values
         for name in self._contacts:
             gap = values[f"{name}.gap"]
@@ -242,6 +246,14 @@ class PosedScene:
                     f"contacts.{name} has a gap of {gap:.6g} m in the pose found, expected one above 0: the "
                     "search does not know the forces of contacts; friction='present' asks whether they hold "
                     "a given pose"
+                )
+        for name, limit in self._swings.items():
+            left = room(limit, [values[f"{name}.Q[{k}]"] for k in range(1, 5)])
+            if left <= TOUCH_TOLERANCE:
+                raise EquilibriumError(
+                    f"joints.{name}.limit.swing is {limit['swing']:.6g} rad, and the swing in the pose found "
+                    f"{limit['swing'] - left:.6g} rad, expected one within it: the search does not know "
+                    "its torque; friction='present' asks whether it holds a given pose"
                 )
 
     def _contact(self, name: str, force: float, side: int) -> tuple[float, str]:
@@ -317,8 +329,8 @@ class PosedScene:
         if not pushes:
             worst = min(points, key=lambda point: point.normal)
             raise EquilibriumError(
-                f"contacts do not hold this pose: contacts.{worst.contact} would have to pull with "
-                f"{-worst.normal:.6g} N between {' and '.join(worst.bodies)}"
+                f"contacts do not hold this pose: {path_of_law(worst.contact)} would have to pull with "
+                f"{-worst.normal:.6g} {unit_of_law(worst.contact)} between {' and '.join(worst.bodies)}"
             )
         beyond = [point for point in points if point.friction > point.limit]
         if not beyond:

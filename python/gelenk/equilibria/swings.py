@@ -1,0 +1,38 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Limits of the swing of ball joints, which equilibria treat as contacts."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+Z_AXIS = (0.0, 0.0, 1.0)
+
+
+def swing_limits(joints: Mapping[str, Mapping[str, Any]]) -> dict[str, Mapping[str, Any]]:
+    """Return the limits of the swing among the joints of a scene, by the names of joints."""
+    limits = {name: joint.get("limit", {}) for name, joint in joints.items()}
+    return {name: limit for name, limit in limits.items() if "swing" in limit}
+
+
+def room(limit: Mapping[str, Any], Q: Sequence[float]) -> float:
+    """Return how far a ball joint with the quaternion Q is from such a limit [rad]; negative beyond it."""
+    v, s = np.array(Q[:3]), Q[3]
+    parent = np.array(limit.get("parent_axis", Z_AXIS), float)
+    child = np.array(limit.get("child_axis", Z_AXIS), float)
+    turned = child + 2 * s * np.cross(v, child) + 2 * np.cross(v, np.cross(v, child))
+    angle = math.atan2(float(np.linalg.norm(np.cross(parent, turned))), float(parent @ turned))
+    return float(limit["swing"]) - angle
+
+
+def path_of_law(law: str) -> str:
+    """Return the place in a scene of a contact, or of the limit of a joint, by its name."""
+    return f"joints.{law}" if "." in law else f"contacts.{law}"
+
+
+def unit_of_law(law: str) -> str:
+    """Return the unit of its normal force, of a limit a torque."""
+    return "N m" if "." in law else "N"
