@@ -42,7 +42,13 @@ class Case:
     @property
     def numbers(self) -> dict[str, float]:
         """A general value of each of its fields."""
-        return {field["name"]: 0.37 + 0.1 * k for k, field in enumerate(self.kind["fields"])}
+        names: list[str] = []
+        for field in self.kind["fields"]:
+            inner = [
+                f"{field['name']}.{each['name']}" for each in field["fields"] if each["type"] == "number"
+            ]
+            names += inner if field["type"] == "group" else [field["name"]]
+        return {name: 0.37 + 0.1 * k for k, name in enumerate(names)}
 
     @property
     def directions(self) -> list[int]:

@@ -251,9 +251,9 @@ class PosedScene:
             left = room(limit, [values[f"{name}.Q[{k}]"] for k in range(1, 5)])
             if left <= TOUCH_TOLERANCE:
                 raise EquilibriumError(
-                    f"joints.{name}.limit.swing is {limit['swing']:.6g} rad, and the swing in the pose found "
-                    f"{limit['swing'] - left:.6g} rad, expected one within it: the search does not know "
-                    "its torque; friction='present' asks whether it holds a given pose"
+                    f"joints.{name}.limit is closed in the pose found, at a swing of {limit['swing']:.6g} "
+                    "rad, expected less: the search does not know its torque; friction='present' asks whether it "
+                    "holds a given pose"
                 )
 
     def _contact(self, name: str, force: float, side: int) -> tuple[float, str]:
@@ -282,6 +282,14 @@ class PosedScene:
                     out.append(
                         f"{name} = {value:.6g} {unit}, beyond its {bound} limit of {limit[bound]:.6g} {unit}"
                     )
+        for name, limit in self._swings.items():
+            Q = [starts.get(start_parameter(f"{name}.Q[{k}]")) for k in range(1, 5)]
+            left = 0.0 if None in Q else room(limit, [float(x) for x in Q if x is not None])
+            if left < -TOUCH_TOLERANCE:
+                swing = limit["swing"] - left
+                out.append(
+                    f"{name} at a swing of {swing:.6g} rad, beyond its limit of {limit['swing']:.6g} rad"
+                )
         return out
 
     def _check_speeds(self) -> None:

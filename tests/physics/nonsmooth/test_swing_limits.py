@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The cone that limits the swing of a ball joint: impacts, rest on the cone, precession along it and lift-off,
+"""The cone that limits the swing of a ball joint: impacts, rest on it, precession along it, lift-off,
 compared with closed forms, with conserved quantities, and by all integrators.
 """
 
@@ -7,17 +7,14 @@ from __future__ import annotations
 
 import json
 import math
-from pathlib import Path
 from typing import Any
 
-import jsonschema
 import numpy as np
 import pytest
 import warned
 from scipy.integrate import quad
 
 import gelenk
-from gelenk.io import export
 
 pytestmark = [warned.GUESSES, warned.TIGHT]
 
@@ -44,7 +41,7 @@ def pendulum(
     axis: list[float] | None = None,
     **more: Any,
 ) -> Source:
-    """A symmetric pendulum on a ball joint, its axis within a cone about the vertical; turned about `axis`."""
+    """A symmetric pendulum on a ball joint, its axis in a cone about the vertical; turned about `axis`."""
     return {
         "gelenk": 1,
         "gravity": [0, 0, gravity],
@@ -112,7 +109,7 @@ def test_planar_pendulum_strikes_as_a_revolute_one(integrator: str) -> None:
 
 
 def precession(angle: float, spin: float) -> float:
-    """The torque of the cone while the axis precesses along it at the rate `spin` and the body does not turn about it:
+    """The torque of the cone while the axis precesses along it at the rate `spin`, without turns about it:
     with gravity, it turns the angular momentum A spin sin(angle), across the axis, about the vertical.
     """
     weight = MASS * G * ARM * math.sin(angle)
@@ -128,7 +125,7 @@ def on_the_cone(angle: float, rate: float) -> Source:
 
 @pytest.mark.parametrize("integrator", INTEGRATORS)
 def test_precession_along_the_cone_in_closed_form(integrator: str) -> None:
-    """A spherical pendulum faster than a conical one presses against the cone and moves along it uniformly."""
+    """A pendulum faster than a conical one presses against the cone and moves along it uniformly."""
     angle, rate = 0.7, 9.0
     result = run(on_the_cone(angle, rate), integrator, stop=1.0)
     torque = precession(angle, rate)
@@ -169,7 +166,7 @@ def test_lift_off_where_the_torque_vanishes() -> None:
         source, stop=1.0, step=0.01, tolerance=1e-10, inputs={"weight.f[3]": lambda t: -40.0 * t}
     )
     lifts = ABOUT_JOINT * rate**2 * math.cos(angle) / (40.0 * ARM)
-    assert [text for _, text in result.events][0] == "J leaves its swing limit"
+    assert result.events[0][1] == "J leaves its swing limit"
     assert result.events[0][0] == pytest.approx(lifts, abs=1e-8)
 
 
@@ -255,12 +252,11 @@ def test_falls_onto_the_cone_and_rests(integrator: str) -> None:
 def test_time_steps_converge_to_located_events() -> None:
     source = pendulum(0.6, restitution=0.4, angle=0.3, axis=[1, 2, 0], w=[2.5, 4.0, 3.0])
     expected = run(source, "erk", stop=0.8)
-    errors = []
-    for step in (1e-3, 2.5e-4):
+    assert len(expected.events) == 2
+    for step in (1e-3, 1e-4):
         found = run(source, "moreau-jean", stop=0.8, step=step)
-        errors.append(np.abs(swings(found) - swings(expected))[-1])
-    assert errors[0] < 5e-3
-    assert errors[1] < max(errors[0] / 2, 1e-4)
+        # An impact is up to a step too early or too late, at 4 rad/s.
+        assert np.abs(swings(found) - swings(expected)).max() < 5 * step
 
 
 def test_reversed_joint_and_turned_in_space() -> None:
@@ -318,37 +314,6 @@ def test_axes_of_the_cone() -> None:
         assert np.abs(mixed - expected[f"J.w[{k}]"]).max() < 1e-8
 
 
-@pytest.mark.parametrize("integrator", ["erk", "dirk", "ida", "moreau-jean"])
-def test_restored_to_the_bit(integrator: str) -> None:
-    source = pendulum(0.6, restitution=0.4, angle=0.3, axis=[1, 2, 0], w=[2.5, 4.0, 3.0])
-    source["solver"] = {"integrator": integrator}
-    names = ["J.Q[1]", "J.Q[4]", "J.w[1]", "J.w[2]", "J.w[3]", "J.limit.tau", "J.limit.mode"]
-    plant = gelenk.Simulation(source)
-    plant.initialize(0, 1e-8)
-    states, values = [], []
-    for k in range(60):
-        states.append(plant.save())
-        plant.step_to(0.02 * (k + 1))
-        values.append(plant.values(names))
-    for k in (50, 3, 20, 59, 0):
-        plant.restore(states[k])
-        plant.step_to(0.02 * (k + 1))
-        assert np.array_equal(plant.values(names), values[k])
-
-
-def test_as_an_fmu(tmp_path: Path) -> None:
-    source = pendulum(0.6, restitution=0.4, angle=0.3, axis=[1, 2, 0], w=[2.5, 4.0, 3.0])
-    source["parameters"] = ["J.limit.swing", "J.limit.restitution"]
-    path = tmp_path / "cone.fmu"
-    gelenk.export_fmu(gelenk.load(source), path)
-    changed = {"J.limit.swing": 0.5, "J.limit.restitution": 0.8}
-    found = gelenk.simulate(path, stop=1.0, step=0.01, tolerance=1e-8, parameters=changed)
-    source["joints"]["J"]["limit"] = {"swing": 0.5, "restitution": 0.8}
-    expected = gelenk.simulate(source, stop=1.0, step=0.01, tolerance=1e-8)
-    for name in ("J.Q[1]", "J.w[2]", "J.limit.tau", "J.limit.mode"):
-        assert np.array_equal(found[name], expected[name])
-
-
 def test_a_joint_that_closes_a_loop() -> None:
     """A ball joint in a loop, whose swing a cone limits: as the limit of the crank that swings it."""
 
@@ -360,7 +325,7 @@ def test_a_joint_that_closes_a_loop() -> None:
             **revolute,
             "parent": "ground",
             "child": "left",
-            "start": {"phi": 0.2, "w": 1.0, "fixed": True},
+            "start": {"phi": 0.2, "w": 4.0, "fixed": True},
         }
         C: Source = {
             "type": "spherical",
@@ -388,58 +353,3 @@ def test_a_joint_that_closes_a_loop() -> None:
     assert len(expected.events) > 2
     assert len(found.events) == len(expected.events)
     assert np.abs(found["A.phi"] - expected["A.phi"]).max() < 1e-7
-
-
-def test_linear_model_on_the_cone() -> None:
-    """Upright and pressed against the cone, the rod turns about the vertical and about itself freely."""
-    source = pendulum(0.4, angle=0.4, gravity=+G)
-    model = gelenk.linearize(source)
-    assert model.nstates == 4
-    assert np.abs(np.linalg.eigvals(model.A)).max() < 1e-6
-    source["joints"]["J"]["limit"]["swing"] = 0.5
-    assert gelenk.linearize(source).nstates == 6
-
-
-@pytest.mark.parametrize(
-    ("limit", "message"),
-    [
-        ({"swing": 4.0}, r"joints\.J\.limit\.swing: found 4 rad, expected less than pi rad"),
-        ({"swing": 0.0}, r"joints\.J\.limit\.swing: found 0 rad"),
-        ({"restitution": 0.5}, r"joints\.J\.limit\.swing: found nothing"),
-        ({"swing": 0.5, "restitution": 1.5}, r"joints\.J\.limit\.restitution: found 1\.5"),
-        ({"swing": 0.5, "upper": 1}, r"joints\.J\.limit\.upper: found an unknown field"),
-        ({"swing": 0.1}, r"joints\.J\.limit\.swing: found a start with a swing 0\.2 rad beyond it"),
-    ],
-)
-def test_errors(limit: Source, message: str) -> None:
-    source = pendulum(0.5, angle=0.3)
-    source["joints"]["J"]["limit"] = limit
-    with pytest.raises(gelenk.SceneError, match=message):
-        gelenk.simulate(source, stop=0.1, step=0.1)
-
-
-def test_needs_the_formulation_projection() -> None:
-    source = pendulum(0.5)
-    source["solver"] = {"formulation": "baumgarte", "integrator": "rk4"}
-    with pytest.raises(
-        gelenk.SceneError, match=r"'baumgarte' with joints\.J\.limit, expected the formulation projection"
-    ):
-        gelenk.load(source)
-
-
-def test_file_and_schema(tmp_path: Path) -> None:
-    source = pendulum(0.5, restitution=0.25)
-    source["joints"]["J"]["limit"]["child_axis"] = [0, 0, 2]
-    jsonschema.validate(source, json.loads(export.schema()))
-    scene = gelenk.load(source)
-    scene.save(tmp_path / "scene.yaml")
-    again = gelenk.load(tmp_path / "scene.yaml").to_dict()["joints"]["J"]["limit"]
-    assert again["swing"] == 0.5
-    assert again["restitution"] == 0.25
-    assert again["child_axis"] == [0, 0, 1]
-    source["parameters"] = ["J.limit.swing"]
-    scene = gelenk.load(source)
-    assert scene.with_parameters({"J.limit.swing": 0.6}).to_dict()["joints"]["J"]["limit"]["swing"] == 0.6
-    source["joints"]["J"]["limit"]["upper"] = 1
-    with pytest.raises(jsonschema.ValidationError):
-        jsonschema.validate(source, json.loads(export.schema()))
