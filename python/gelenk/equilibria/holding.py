@@ -251,9 +251,9 @@ class PosedScene:
             left = room(limit, [values[f"{name}.Q[{k}]"] for k in range(1, 5)])
             if left <= TOUCH_TOLERANCE:
                 raise EquilibriumError(
-                    f"joints.{name}.limit is closed in the pose found, at a swing of {limit['swing']:.6g} "
-                    "rad, expected less: the search does not know its torque; friction='present' asks whether it "
-                    "holds a given pose"
+                    f"joints.{name}.limit is closed in the pose found, at a swing of "
+                    f"{limit['swing']:.6g} rad, expected less: the search does not know its torque; "
+                    "friction='present' asks whether it holds a given pose"
                 )
 
     def _contact(self, name: str, force: float, side: int) -> tuple[float, str]:

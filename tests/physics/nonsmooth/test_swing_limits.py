@@ -211,6 +211,20 @@ def test_time_between_impacts_by_quadrature() -> None:
     assert times == pytest.approx(expected, abs=1e-9)
 
 
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+@pytest.mark.parametrize("overshoot", [1e-2, 1e-6])
+def test_cone_touched_within_a_step(integrator: str, overshoot: float) -> None:
+    """The axis of a ball turns along a circle that leaves the cone a little, for less than a step."""
+    tilt, rate = 0.4, 7.0
+    limit = 2 * tilt - overshoot
+    source = pendulum(limit, restitution=0.5, gravity=0)
+    source["bodies"]["rod"] = {"mass": 1.0, "inertia": [0.3, 0.3, 0.3]}
+    source["joints"]["J"]["start"]["w"] = [rate * math.sin(tilt), 0, rate * math.cos(tilt)]
+    result = run(source, integrator, tolerance=1e-8)
+    cosine = (math.cos(limit) - math.cos(tilt) ** 2) / math.sin(tilt) ** 2
+    assert result.events[0][0] == pytest.approx(math.acos(cosine) / rate, abs=1e-8)
+
+
 @pytest.mark.parametrize("swing", [1e-3, 0.1, math.pi / 2, 3.0, math.pi - 1e-3])
 def test_narrow_and_wide_cones(swing: float) -> None:
     """Impacts on cones with an apex angle near 0 and near a half turn."""
