@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <utility>
 
 #include "mechanism/touching.h"
@@ -27,6 +28,10 @@ double radius_of(const AnyShape& shape) {
     for (const Tip& tip : tips) out = std::max(out, tip.center.norm() + tip.radius);
   }
   return out + margin;
+}
+
+bool is_bitwise_equal(const Pose3& a, const Pose3& b) {
+  return std::memcmp(a.R.data(), b.R.data(), sizeof a.R) == 0 && std::memcmp(a.p.data(), b.p.data(), sizeof a.p) == 0;
 }
 
 // Of a ball about the origin of a shape's frame that contains it [m].
@@ -263,10 +268,18 @@ void ContactCandidates::add_rims(const Mechanism& mechanism, int contact, int ti
 }
 
 void ContactCandidates::read_position(Dynamics& dynamics) {
+  // What rests is looked at again and again at the same position.
   dynamics.readings().set_root_poses();
+  bool any_moved = !has_position_;
   for (const int link : links_) {
-    if (link > 0) poses_[static_cast<std::size_t>(link)] = dynamics.readings().link_pose(link);
+    if (link == 0) continue;
+    const Pose3 X = dynamics.readings().link_pose(link);
+    Pose3& known = poses_[static_cast<std::size_t>(link)];
+    any_moved = any_moved || !is_bitwise_equal(X, known);
+    known = X;
   }
+  if (!any_moved) return;
+  has_position_ = true;
   for (const int i : cores_) {
     const ContactCandidate& of = (*this)[i];
     core_poses_[static_cast<std::size_t>(of.core)] = pose(of.core_link) * of.X_LS;

@@ -137,6 +137,7 @@ class ContactCandidates {
   std::vector<PlacedEdge> edges_;
   std::vector<int> links_;              // with shapes
   std::vector<Pose3> poses_;            // by link, in the root frame
+  bool has_position_ = false;           // what follows from the poses does
   std::vector<int> cores_;              // candidates of all shapes that are cores, one of each
   std::vector<Pose3> core_poses_;       // by shape, in the root frame: of these
   std::vector<Spatial::Motion> V_, A_;  // by link, in and about the root frame
