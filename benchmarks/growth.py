@@ -82,6 +82,17 @@ def n_four_bar(n: int) -> Scene:
     return four_bar_chain(n // 2, 0.3, 1.0)
 
 
+def ring(n: int) -> Scene:
+    """Return n rods along a circle, all in one loop between two pins on the ground."""
+    turn, length = 2 * math.pi / (n + 1), 0.1
+    joints = {"j0": hinge("ground", "b0", start={"phi": 0.0})}
+    for i in range(1, n):
+        joints[f"j{i}"] = hinge(at(f"b{i - 1}", length), f"b{i}", start={"phi": turn})
+    end = [sum(length * of(turn * i) for i in range(n)) for of in (math.cos, math.sin)]
+    joints["end"] = hinge({"body": "ground", "position": [*end, 0]}, at(f"b{n - 1}", length))
+    return scene({f"b{i}": rod(length) for i in range(n)}, joints)
+
+
 def scissors(n: int) -> Scene:
     """Return a scissor lift of n / 2 crossed pairs."""
     angle = 0.7
@@ -104,6 +115,7 @@ FAMILIES: dict[str, Callable[[int], Scene]] = {
     "tree": tree,
     "islands": islands,
     "N-four-bar": n_four_bar,
+    "ring": ring,
     "scissors": scissors,
 }
 

@@ -23,7 +23,7 @@ import gelenk
 
 SMALL, LARGE = 1024, 4096
 MOST_MEMORY = 500  # MB
-LINEAR = ["chain", "equipped chain", "tree", "N-four-bar"]
+LINEAR = ["chain", "equipped chain", "tree", "N-four-bar", "ring"]
 
 
 @pytest.mark.clock

@@ -185,9 +185,8 @@ double relax(AssemblyProblem& problem, std::vector<double>& q) {
     return [G = problem.gap_jacobian(at), T = problem.distance_jacobian(at)](const VectorXd& r,
                                                                              double damping) -> VectorXd {
       if (G.cols() == 0) return {};
-      const SparseMatrix normal = G.transpose() * G + SparseMatrix(T.transpose() * T);
       const VectorXd downhill = G.transpose() * r.head(G.rows()) + T.transpose() * r.tail(T.rows());
-      return -solve_definite(plus_diagonal(normal, damping), downhill);
+      return -solve_normal(G, T, damping, downhill);
     };
   };
   return descend(q, relaxation, residual, linearized,

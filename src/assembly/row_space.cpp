@@ -21,8 +21,65 @@ constexpr Index max_basis_columns = 64;   // beyond this a basis of sparse equat
 constexpr double min_pivot_ratio = 1e-9;  // relative to the largest pivot, in a basis
 constexpr double second_weight = 1e-4;    // root of the weight of what is minimized second
 constexpr double regularization = 1e-12;  // relative to the largest entry, where no basis is used
+constexpr Index max_short_row = 16;       // entries of a row whose products with itself are added to a sparse matrix
 
 bool is_large(const SparseMatrix& G) { return G.cols() > max_dense_columns; }
+
+// The equations of A^T A x = b, in which each long row a of A has an unknown w = a x of its own: its products with
+// itself, as many as there are pairs of bodies in a loop, are not formed.
+class NormalEquations {
+ public:
+  explicit NormalEquations(Index columns) : unknowns_(columns), diagonal_(VectorXd::Zero(columns)) {}
+
+  void add(const SparseMatrix& A) {
+    const Eigen::SparseMatrix<double, Eigen::RowMajor> rows = A;
+    for (Index r = 0; r < rows.rows(); ++r) {
+      const Index count = rows.outerIndexPtr()[r + 1] - rows.outerIndexPtr()[r];
+      using Entry = Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator;
+      for (Entry at(rows, r); at; ++at) diagonal_[at.col()] += at.value() * at.value();
+      if (count > max_short_row) {
+        for (Entry at(rows, r); at; ++at) add(unknowns_, at.col(), at.value());
+        entries_.emplace_back(unknowns_, unknowns_, -1);
+        ++unknowns_;
+        continue;
+      }
+      for (Entry a(rows, r); a; ++a) {
+        for (Entry b(rows, r); b; ++b) entries_.emplace_back(a.col(), b.col(), a.value() * b.value());
+      }
+    }
+  }
+  void add_to_diagonal(double x) {
+    for (Index k = 0; k < diagonal_.size(); ++k) entries_.emplace_back(k, k, x);
+  }
+  // The largest diagonal entry of A^T A, without what was added to it.
+  double size() const { return diagonal_.size() == 0 ? 0 : diagonal_.maxCoeff(); }
+  // Rows to which the solution is subject, G x = 0, with this on the diagonal.
+  void constrain(const SparseMatrix& G, double diagonal) {
+    for (Index k = 0; k < G.cols(); ++k) {
+      for (SparseMatrix::InnerIterator at(G, k); at; ++at) add(unknowns_ + at.row(), k, at.value());
+    }
+    for (Index r = 0; r < G.rows(); ++r) entries_.emplace_back(unknowns_ + r, unknowns_ + r, diagonal);
+    unknowns_ += G.rows();
+  }
+  VectorXd solve(const VectorXd& b) const {
+    SparseMatrix K(unknowns_, unknowns_);
+    K.setFromTriplets(entries_.begin(), entries_.end());
+    const Eigen::SimplicialLDLT<SparseMatrix> factor(K);
+    VectorXd right = VectorXd::Zero(unknowns_);
+    right.head(b.size()) = b;
+    return factor.solve(right).head(b.size());
+  }
+
+ private:
+  void add(Index row, Index column, double x) {
+    entries_.emplace_back(row, column, x);
+    entries_.emplace_back(column, row, x);
+  }
+
+  Index unknowns_;
+  VectorXd diagonal_;
+  std::vector<Eigen::Triplet<double>> entries_;
+};
 
 }  // namespace
 
@@ -104,29 +161,14 @@ VectorXd nearest(const RowSpace& rows, const SparseMatrix& T, const VectorXd& d)
   }
   // [T^T T, G^T; G, 0] with a small regularization of the diagonal, so that it can be factorized in any order.
   const SparseMatrix& G = rows.rows();
-  const Index n = G.cols();
-  const Index m = G.rows();
-  const SparseMatrix H = T.transpose() * T;
   constexpr double tiny = 1e-300;  // if all entries are 0
-  const double size = std::max(tiny, H.diagonal().maxCoeff());
+  NormalEquations equations(G.cols());
+  equations.add(T);
+  const double size = std::max(tiny, equations.size());
   const double row_size = G.nonZeros() > 0 ? std::max(tiny, G.coeffs().square().maxCoeff()) : tiny;
-  std::vector<Eigen::Triplet<double>> entries;
-  for (Index k = 0; k < n; ++k) {
-    for (SparseMatrix::InnerIterator at(H, k); at; ++at) entries.emplace_back(at.row(), k, at.value());
-    entries.emplace_back(k, k, regularization * 1e3 * size);
-    for (SparseMatrix::InnerIterator at(G, k); at; ++at) {
-      entries.emplace_back(n + at.row(), k, at.value());
-      entries.emplace_back(k, n + at.row(), at.value());
-    }
-  }
-  for (Index r = 0; r < m; ++r) entries.emplace_back(n + r, n + r, -regularization * row_size / size);
-  SparseMatrix K(n + m, n + m);
-  K.setFromTriplets(entries.begin(), entries.end());
-  const Eigen::SimplicialLDLT<SparseMatrix> factor(K);
-  VectorXd right = VectorXd::Zero(n + m);
-  right.head(n) = -(T.transpose() * d);
-  const VectorXd x = factor.solve(right);
-  return rows.null_space_part(x.head(n));  // removes the error of the regularization
+  equations.add_to_diagonal(regularization * 1e3 * size);
+  equations.constrain(G, -regularization * row_size / size);
+  return rows.null_space_part(equations.solve(-(T.transpose() * d)));  // removes the error of the regularization
 }
 
 VectorXd nearest(const RowSpace& rows, const SparseMatrix& T, const VectorXd& d, const std::vector<bool>& first) {
@@ -163,6 +205,18 @@ VectorXd solve_definite(const SparseMatrix& A, const VectorXd& b) {
   if (!is_large(A)) return MatrixXd(A).ldlt().solve(b);
   const Eigen::SimplicialLDLT<SparseMatrix> factor(A);
   return factor.solve(b);
+}
+
+VectorXd solve_normal(const SparseMatrix& A, const SparseMatrix& B, double shift, const VectorXd& b) {
+  if (!is_large(A)) {
+    const SparseMatrix normal = A.transpose() * A + SparseMatrix(B.transpose() * B);
+    return MatrixXd(plus_diagonal(normal, shift)).ldlt().solve(b);
+  }
+  NormalEquations equations(A.cols());
+  equations.add(A);
+  equations.add(B);
+  equations.add_to_diagonal(shift);
+  return equations.solve(b);
 }
 
 MatrixXd nullspace(const MatrixXd& G, Index n, double threshold) {

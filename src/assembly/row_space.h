@@ -58,6 +58,9 @@ SparseMatrix plus_diagonal(const SparseMatrix& A, double x);
 // Solves A x = b for a symmetric positive definite A.
 Eigen::VectorXd solve_definite(const SparseMatrix& A, const Eigen::VectorXd& b);
 
+// Solves (A^T A + B^T B + shift I) x = b.
+Eigen::VectorXd solve_normal(const SparseMatrix& A, const SparseMatrix& B, double shift, const Eigen::VectorXd& b);
+
 // An orthonormal basis of the null space of a dense G with n columns. threshold: relative to the largest pivot, below
 // which one is zero.
 Eigen::MatrixXd nullspace(const Eigen::MatrixXd& G, Eigen::Index n, double threshold = 1e-9);
