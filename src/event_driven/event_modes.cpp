@@ -291,6 +291,11 @@ bool EventModes::drift(double t, double* y, double dt) {
   return true;
 }
 
+bool EventModes::rates(double t, const double* y, double* ydot) {
+  equations_.rates_at(t, y, ydot);
+  return true;
+}
+
 void EventModes::serialize(Archive& archive) {
   resets_.serialize(archive);
   locks_.serialize(archive);
