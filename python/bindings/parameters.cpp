@@ -70,6 +70,8 @@ void gelenk::bind_parameters(nb::module_& m) {
       .def_ro("min", &Parameter::min)
       .def_ro("max", &Parameter::max)
       .def_ro("tunable", &Parameter::tunable, "Whether it may change during a run.")
+      .def_ro("keeps_positions", &Parameter::keeps_positions,
+              "Whether it is a number of a body, or a tunable one of a joint, motor or force.")
       .def("value", [](const Parameter& p, const Scene& scene) { return p.get(scene); }, nb::arg("scene"));
   m.def("list_parameters", &gelenk::scene_parameters, nb::arg("scene"), "All parameters of the scene.");
   m.def("list_settables", &settable_paths, nb::arg("scene"),

@@ -10,6 +10,9 @@
 #include <atomic>
 #include <chrono>
 #include <iterator>
+#include <memory>
+#include <mutex>
+#include <stdexcept>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -21,6 +24,7 @@
 #include "runs/trajectory.h"
 #include "scene_file/read.h"
 #include "simulation/parameters.h"
+#include "simulation/repeated_start.h"
 #include "simulation/start_report.h"
 #include "simulation/stepping_report.h"
 #include "util/text.h"
@@ -98,6 +102,7 @@ Sample record(SharedSimulation& plant, const Channels& channels, const Numbers<1
 // The outcome of one run of a batch.
 struct RunReport {
   int steps = 0;             // that were completed
+  bool is_repeated = false;  // whether the simulation of another run was used again
   bool is_complete = false;  // whether it has reached the end of the times
   std::string error;         // why not; lines
   std::vector<std::string> warnings;
@@ -108,6 +113,14 @@ struct RunReport {
   void fail(const std::vector<std::string>& lines) {
     for (const std::string& line : lines) error += (error.empty() ? "" : "\n") + line;
   }
+};
+
+// A simulation of which each run begins where the first one did (simulation/repeated_start.h).
+struct RepeatedRun {
+  explicit RepeatedRun(const Scene& scene) : simulation(scene) {}
+
+  Simulation simulation;
+  gelenk::RepeatedStart start{simulation};
 };
 
 // Many runs of a scene, which differ by parameters and constant inputs. Its functions may be called by several threads.
@@ -131,6 +144,7 @@ class Batch {
     }
     only_numbers_ =
         std::ranges::none_of(parameters, [this](const std::string& name) { return is_method_or_start(name); });
+    repeats_ = std::ranges::all_of(parameters_, &gelenk::Parameter::keeps_positions);
     check_channels(channels_, Simulation(scene_));
     if (times_.empty() || inputs.shape(0) < std::max<std::size_t>(1, times_.size() - 1) ||
         inputs.shape(1) != channels_.columns()) {
@@ -185,11 +199,48 @@ class Batch {
 
   void run_one(RunReport& report, const double* parameters, const std::vector<double>& constants, double* rows,
                Clock::time_point deadline) const {
-    Simulation simulation(parameters_.empty() ? scene_ : with(parameters));
     Channels channels = channels_;
     for (std::size_t i = 0; i < constants.size(); ++i) channels.constants[i].value = constants[i];
-    gelenk::set_inputs(simulation, channels, std::span(inputs_).first(channels.columns()));
-    simulation.initialize();
+    const auto set_inputs = [&](Simulation& simulation) {
+      gelenk::set_inputs(simulation, channels, std::span(inputs_).first(channels.columns()));
+    };
+    std::unique_ptr<RepeatedRun> repeated = idle_run();
+    const bool was_any = repeated != nullptr;
+    if (was_any) {
+      Simulation& simulation = repeated->simulation;
+      report.is_repeated = repeated->start.begin([&](Scene& scene) { return take_parameters(scene, parameters); },
+                                                 [&] { set_inputs(simulation); });
+      if (report.is_repeated) record(report, simulation, channels, rows, deadline);
+      keep_for_others(std::move(repeated));
+      if (report.is_repeated) return;
+    }
+    auto made = std::make_unique<RepeatedRun>(parameters_.empty() ? scene_ : with(parameters));
+    set_inputs(made->simulation);
+    made->simulation.initialize();
+    if (repeats_) made->start.keep();
+    record(report, made->simulation, channels, rows, deadline);
+    // In place of one that could not begin this run: others are more likely to be as this one.
+    if (!made->start.is_possible()) return;
+    if (was_any) idle_run();
+    keep_for_others(std::move(made));
+  }
+
+  // A simulation that no thread uses; null: there is none, or none can be used again.
+  std::unique_ptr<RepeatedRun> idle_run() const {
+    const std::scoped_lock lock(mutex_);
+    if (idle_.empty()) return nullptr;
+    std::unique_ptr<RepeatedRun> out = std::move(idle_.back());
+    idle_.pop_back();
+    return out;
+  }
+  // Those of runs that failed are not kept.
+  void keep_for_others(std::unique_ptr<RepeatedRun> of) const {
+    const std::scoped_lock lock(mutex_);
+    if (idle_.size() < most_idle) idle_.push_back(std::move(of));
+  }
+
+  void record(RunReport& report, Simulation& simulation, const Channels& channels, double* rows,
+              Clock::time_point deadline) const {
     report.warnings = gelenk::StartReport(simulation).warnings();
     const auto points = static_cast<std::ptrdiff_t>(times_.size());
     gelenk::read_channels(simulation, channels, rows, points);
@@ -221,9 +272,21 @@ class Batch {
     report.events = to_python(done.events);
   }
 
+  void set_parameters(Scene& scene, const double* values) const {
+    for (const gelenk::Parameter& parameter : parameters_) gelenk::set_parameter(scene, parameter, *values++);
+  }
+
+  // Returns whether they are valid; otherwise those of a new scene are refused in words.
+  bool take_parameters(Scene& scene, const double* values) const try {
+    set_parameters(scene, values);
+    return parameters_.empty() || gelenk::numbers_are_valid(scene);
+  } catch (const std::invalid_argument&) {
+    return false;
+  }
+
   Scene with(const double* values) const {
     Scene changed = scene_;
-    for (const gelenk::Parameter& parameter : parameters_) gelenk::set_parameter(changed, parameter, *values++);
+    set_parameters(changed, values);
     if (!only_numbers_) return gelenk::checked(changed);
     gelenk::check_scene(changed);
     return changed;
@@ -234,7 +297,12 @@ class Batch {
   std::vector<double> times_, inputs_;
   std::vector<gelenk::Parameter> parameters_;
   bool only_numbers_ = false;  // so that a changed scene need not be read again to be the same as if it were
+  bool repeats_ = false;       // no position depends on the parameters
   std::atomic<bool> stop_ = false;
+
+  static constexpr std::size_t most_idle = 64;
+  mutable std::mutex mutex_;  // of idle_
+  mutable std::vector<std::unique_ptr<RepeatedRun>> idle_;
 };
 
 }  // namespace
@@ -257,6 +325,7 @@ void gelenk::bind_runs(nb::module_& m, nb::class_<SharedSimulation>& simulation)
                  "`seconds`. Returns the number of steps, the events, and the class and message of an error.");
   nb::class_<RunReport>(m, "RunReport", "The outcome of one run of a batch.")
       .def_ro("steps", &RunReport::steps)
+      .def_ro("is_repeated", &RunReport::is_repeated, "Whether the simulation of another run was used again.")
       .def_ro("error", &RunReport::error)
       .def_ro("warnings", &RunReport::warnings)
       .def_ro("events", &RunReport::events)

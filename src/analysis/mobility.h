@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
+#include <cmath>
 #include <vector>
 
 #include "dynamics/dynamics.h"
@@ -19,6 +20,8 @@ struct MobilityAnalysis {
   // constraints leave a motion free at q, but no other closed position was found, so that q is singular (rigid, though
   // not at first order).
   double best_pivot_ratio = 0;
+  // The same; 0: not known.
+  double known_pivot_ratio() const { return std::isfinite(best_pivot_ratio) ? best_pivot_ratio : 0; }
   // Constraints are redundant at q, judged by the pivots, and no other closed position was found: the redundant ones
   // contradict the others.
   bool stuck = false;

@@ -150,6 +150,16 @@ void find_faults(const Scene& scene, Faults& faults, const SuspectNames& suspect
   check_settings(scene, faults, partial);
 }
 
+bool numbers_are_valid(const Scene& scene) {
+  Faults faults(scene.file);
+  check_finite(scene.gravity.data(), 3, "gravity", faults);
+  check_bodies(scene, faults, false);
+  check_joints(scene, faults, false);
+  check_elements(scene, faults, false);
+  check_motions(scene, faults);
+  return faults.none();
+}
+
 void check_scene(const Scene& scene) {
   Faults faults(scene.file);
   find_faults(scene, faults);

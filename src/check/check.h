@@ -17,6 +17,9 @@ using SuspectNames = std::set<std::string>;
 // Checks a scene that a program created or changed by the rules for scene files. Throws SceneError with all errors.
 void check_scene(const Scene& scene);
 
+// Whether check_scene() finds no error, if it found none before numbers of bodies, joints or elements were changed.
+bool numbers_are_valid(const Scene& scene);
+
 // Adds all errors in a scene to `faults`. If that has errors from reading the file already, their consequences (empty
 // names, masses that are NaN) are not reported again.
 void find_faults(const Scene& scene, Faults& faults, const SuspectNames& suspect_names = {});

@@ -12,6 +12,7 @@
 #include "dynamics/joint_modes.h"
 #include "dynamics/last_solution.h"
 #include "dynamics/law_kinks_of.h"
+#include "dynamics/link_inertias.h"
 #include "dynamics/mass_factor.h"
 #include "dynamics/mass_weighted_jacobian.h"
 #include "dynamics/with_kinematics.h"
@@ -31,13 +32,6 @@ std::vector<int> all_links(const Mechanism& mechanism) {
   std::vector<int> out(mechanism.links.size() - 1);
   std::iota(out.begin(), out.end(), 1);
   return out;
-}
-
-// The name of the link that moves with velocity k.
-std::string link_moved_by(const Mechanism& mechanism, int k) {
-  const auto moves = [k](const Link& link) { return k >= link.iv && k < link.iv + link.nv && link.parent >= 0; };
-  const auto link = std::ranges::find_if(mechanism.links, moves);
-  return link == mechanism.links.end() ? "?" : link->name;
 }
 
 class AllOfDynamics : public Dynamics, public StateReadings {};
@@ -127,7 +121,13 @@ class DynamicsOf final : public WithKinematics<A, AllOfDynamics> {
 
   void set_singular_threshold(double ratio) override { Y_.set_singular_threshold(ratio); }
   long solution() const override { return last_.number(); }
-  void loads_changed() override { last_.drop(); }
+  void loads_changed() override {
+    last_.drop();
+    if (!take_inertias(mechanism_, model_)) return;
+    stages_.clear();
+    factors_.drop();
+    forward_ad_.reset();  // has a model of its own
+  }
 
   void solve(const double* given, double* vdot, const double* extrapolated) override {
     const double* const u = this->with_named(given);

@@ -60,7 +60,7 @@ class Dynamics : public Kinematics {
   virtual void set_singular_threshold(double ratio) = 0;
   // Changes with each solve(), but one that returned the last solution, and with what overwrites its holding forces.
   virtual long solution() const = 0;
-  // Call when numbers of the loads have changed.
+  // Call when numbers of the loads or inertias of the mechanism have changed.
   virtual void loads_changed() = 0;
   // Makes solve() use J vdot = gamma + bias. bias: rows numbers, read at each evaluation; nullptr: none.
   virtual void set_constraint_bias(const double* bias) = 0;

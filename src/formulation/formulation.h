@@ -40,7 +40,9 @@ struct FormulationOptions {
   double baumgarte_beta = 0;      // 1/s; 0: equal to alpha
   int corrections = 0;            // projection iterations after each step; 0: until converged
   bool locates_contacts = false;  // contacts of shapes change at events, not in steps
-  double best_pivot_ratio = 0;    // largest known pivot ratio of the constraint Jacobian (MobilityAnalysis); 0: unknown
+  // Largest pivot ratio of the constraint Jacobian that is known where a run starts (MobilityAnalysis); must outlive the
+  // formulation; null: unknown.
+  const double* best_pivot_ratio = nullptr;
 };
 
 // The objects that a formulation refers to; all but the options must outlive it.

@@ -14,8 +14,8 @@ class WeakRowCorrector final : public ConstraintProjector {
   static constexpr double regular_fraction = 0.1;  // below it, rows are weak
   static constexpr double default_weak_fraction = 0.003;
 
-  // best_pivot_ratio: largest ratio known before the run.
-  WeakRowCorrector(const Mechanism& mechanism, Dynamics& dynamics, double best_pivot_ratio)
+  // best_pivot_ratio: largest ratio known before the run, read when it is needed; null: unknown.
+  WeakRowCorrector(const Mechanism& mechanism, Dynamics& dynamics, const double* best_pivot_ratio)
       : ConstraintProjector(mechanism, dynamics), best_known_pivot_ratio_(best_pivot_ratio) {}
 
   // Whether the last factors are not near a singular configuration.
@@ -24,14 +24,14 @@ class WeakRowCorrector final : public ConstraintProjector {
   double pivot_fraction() const { return dynamics_.pivot_ratio() / best_pivot_ratio_; }
   // The same, also by what was known before the run; 0: weak rows have not been corrected in full.
   double singular_distance() const {
-    const double best = std::max(best_pivot_ratio_, best_known_pivot_ratio_);
+    const double best = std::max(best_pivot_ratio_, best_known());
     return regular_ && best > 0 ? dynamics_.pivot_ratio() / best : 0;
   }
   bool below(double pivot_fraction) const { return dynamics_.pivot_ratio() < pivot_fraction * best_pivot_ratio_; }
   // At the start of a run: determines from earlier knowledge whether that is near a singular configuration.
   void assess_start() {
-    if (!(dynamics_.pivot_ratio() < regular_fraction * best_known_pivot_ratio_)) return;
-    best_pivot_ratio_ = std::max(best_pivot_ratio_, best_known_pivot_ratio_);
+    if (!(dynamics_.pivot_ratio() < regular_fraction * best_known())) return;
+    best_pivot_ratio_ = std::max(best_pivot_ratio_, best_known());
     update_singularity_status();
   }
   // Whether the mechanism narrowly misses the singular configuration: then no row is weak.
@@ -63,6 +63,7 @@ class WeakRowCorrector final : public ConstraintProjector {
   }
 
  private:
+  double best_known() const { return best_known_pivot_ratio_ == nullptr ? 0 : *best_known_pivot_ratio_; }
   void refactor() override {
     dynamics_.factorize();
     best_pivot_ratio_ = std::max(best_pivot_ratio_, dynamics_.pivot_ratio());
@@ -71,7 +72,7 @@ class WeakRowCorrector final : public ConstraintProjector {
   // Errors left along weak directions are small, and decay where the constraints are regular again.
   double slack() const override { return regular_ ? ConstraintProjector::slack() : 1e8; }
 
-  double best_known_pivot_ratio_;
+  const double* best_known_pivot_ratio_;
   double best_pivot_ratio_ = 0;  // largest in the run, or known before it if it starts near a singular configuration
   bool regular_ = true;
   bool is_near_miss_ = false;

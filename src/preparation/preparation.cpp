@@ -12,6 +12,7 @@
 #include "preparation/doubts.h"
 #include "preparation/friction_loads.h"
 #include "preparation/inertia.h"
+#include "preparation/initial_direction.h"
 #include "preparation/loads.h"
 #include "preparation/report.h"
 #include "preparation/start.h"
@@ -29,14 +30,6 @@ constexpr double max_closure_error = 1e-12;
 // A smaller ratio of pivots may belong to a pivot that would be zero without rounded dimensions.
 constexpr double suspect_pivot_ratio = 1e-2;
 
-bool is_doubtful(const PreparedIsland& island) {
-  const MobilityAnalysis& mobility = island.mobility;
-  const auto any = [&](const std::vector<bool>& flags) { return std::ranges::find(flags, true) != flags.end(); };
-  const bool regular = std::isfinite(mobility.best_pivot_ratio) && mobility.best_pivot_ratio >= suspect_pivot_ratio;
-  const bool nearly_singular = !regular && mobility.needed_rows > 0;
-  return island.start.gap > max_closure_error || mobility.stuck || (nearly_singular && any(mobility.immobile_links));
-}
-
 // Data that Dynamics refers to.
 struct ReducedModel {
   ReducedScene reduced;
@@ -44,13 +37,6 @@ struct ReducedModel {
 };
 
 // Islands are assembled independently: the result for an island is the same, bit for bit, as if it were alone.
-std::vector<double> without_inputs(const Inputs& inputs, std::size_t states, double time) {
-  std::vector<double> out(inputs.signals(), 0.0);
-  if (inputs.has_clock()) out.back() = time;
-  out.resize(out.size() + states, 0.0);
-  return out;
-}
-
 struct Preparer {
   const Scene& scene;
   double time;
@@ -247,8 +233,7 @@ struct Preparer {
     PreparedIsland& island = out.islands[i];
     const Mechanism& mechanism = out.reduced.islands[i];
     if (!mechanism.driven()) {
-      island.mobility =
-          analyze_mobility(mechanism, *dynamics[i], island.start.q, initial_direction(island, *dynamics[i]));
+      island.mobility = analyze_mobility(mechanism, *dynamics[i], island.start.q, direction(island, *dynamics[i]));
       return;
     }
     Mechanism free_mechanism = without_drives(mechanism);
@@ -257,21 +242,11 @@ struct Preparer {
     free->set_targets(
         Targets(free_mechanism, loads[i]).at(time, inputs, signals_at_start(scene, mechanism, inputs).data()));
     island.mobility = analyze_driven_mobility(mechanism, *dynamics[i], free_mechanism, *free, island.start.q,
-                                              initial_direction(island, *dynamics[i]));
+                                              direction(island, *dynamics[i]));
   }
 
-  // Returns the direction in which an island starts to move: its velocities or, at rest, accelerations without inputs.
-  std::vector<double> initial_direction(const PreparedIsland& island, Dynamics& of) const {
-    const auto moves = [](const std::vector<double>& v) {
-      return std::ranges::any_of(v, [](double x) { return std::abs(x) > 1e-9; });
-    };
-    if (moves(island.start.v)) return island.start.v;
-    std::vector<double> vdot(island.start.v.size());
-    of.set_position(island.start.q.data());
-    of.factorize();
-    of.set_velocity(island.start.v.data());
-    of.solve(no_inputs.data(), vdot.data());
-    return moves(vdot) ? vdot : std::vector<double>();
+  std::vector<double> direction(const PreparedIsland& island, Dynamics& of) const {
+    return initial_direction(island.start, of, no_inputs.data());
   }
 
   bool reaction_observed(const Mechanism& mechanism) const {
@@ -374,6 +349,14 @@ struct Preparer {
 };
 
 }  // namespace
+
+bool is_doubtful(const PreparedIsland& island) {
+  const MobilityAnalysis& mobility = island.mobility;
+  const auto any = [&](const std::vector<bool>& flags) { return std::ranges::find(flags, true) != flags.end(); };
+  const bool regular = std::isfinite(mobility.best_pivot_ratio) && mobility.best_pivot_ratio >= suspect_pivot_ratio;
+  const bool nearly_singular = !regular && mobility.needed_rows > 0;
+  return island.start.gap > max_closure_error || mobility.stuck || (nearly_singular && any(mobility.immobile_links));
+}
 
 PreparedScene prepare(const Scene& scene, const ReducedScene& reduced, double time, const Inputs& inputs,
                       bool stop_if_doubtful) {

@@ -36,6 +36,9 @@ struct PreparedScene {
   bool doubtful = false;
 };
 
+// Whether constraint equations of the island are inconsistent at its start, or immobile parts barely so.
+bool is_doubtful(const PreparedIsland& island);
+
 // Reduces a scene for purely kinematic computations: all links have unit inertias, and massless rods remain bodies.
 ReducedScene reduce_to_geometry(const Scene& scene);
 

@@ -179,6 +179,13 @@ double SettableNumber::min() const {
   return 0;
 }
 
+bool SettableNumber::keeps_positions() const {
+  if (of_ == Of::body || of_ == Of::inertia) return true;
+  const bool of_force = of_ == Of::along || (of_ == Of::element && (section_ == static_cast<int>(sections::motors) ||
+                                                                    section_ == static_cast<int>(sections::forces)));
+  return of_force && tunable();
+}
+
 double& SettableNumber::place(Scene& scene) const {
   switch (of_) {
     case Of::constant:

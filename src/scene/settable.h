@@ -33,6 +33,8 @@ class SettableNumber {
   std::string description(const Scene& scene) const;  // completes "crank: ..."
   double min() const;                                 // lower bound; -infinity if there is none
   bool tunable() const { return field_ != nullptr && field_->tunable; }
+  // Whether it is a number of a body, or a tunable one of a joint, motor or force.
+  bool keeps_positions() const;
 
   // Reads and writes the number in the scene; a product of inertia is written symmetrically.
   double get(const Scene& scene) const;

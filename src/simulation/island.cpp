@@ -21,11 +21,10 @@ constexpr double jump_tolerance = 1e-10;
 // Step of fixed-step methods [s].
 double step_of(const Scene& scene) { return scene.solver.step > 0 ? scene.solver.step : scene.experiment.step; }
 
-FormulationOptions options_of(const Scene& scene, const MobilityAnalysis& mobility) {
+FormulationOptions options_of(const Scene& scene, const double* best_pivot_ratio) {
   const Solver& solver = scene.solver;
-  const double ratio = mobility.best_pivot_ratio;
   return {step_of(scene),     solver.baumgarte_alpha,  solver.baumgarte_beta,
-          solver.corrections, locates_contacts(scene), std::isfinite(ratio) ? ratio : 0};
+          solver.corrections, locates_contacts(scene), best_pivot_ratio};
 }
 
 }  // namespace
@@ -39,9 +38,10 @@ Island::Island(const Scene& scene, PreparedIsland prepared, Loads loads, Inputs&
     : scene_(scene),
       prepared_(std::move(prepared)),
       loads_(std::move(loads)),
+      best_pivot_ratio_(prepared_.mobility.known_pivot_ratio()),
       dynamics_(make_dynamics(prepared_.mechanism, loads_, !scene.solver.reduces(Reduction::outputs))),
       equations_(make_formulation(scene.solver.formulation, {prepared_.mechanism, *dynamics_, u, events_, loads_,
-                                                             options_of(scene, prepared_.mobility)})),
+                                                             options_of(scene, &best_pivot_ratio_)})),
       time_(time),
       y_(prepared_.start.q),
       vdot_(prepared_.mechanism.nv, 0.0),

@@ -99,6 +99,16 @@ class Island {
   friend class Probe;
   friend class Placement;
   friend class ExchangedIsland;
+  friend class RepeatedStart;
+
+  // Exchanges the loads before another run, and then begins it as if the island had just been made with them, with the
+  // inertias of the links of `like` and with this mobility. initial: an archive of the state in which an island of the
+  // same start begins.
+  void renew_loads(Loads& loads) {
+    std::swap(loads_, loads);
+    dynamics_->loads_changed();
+  }
+  void begin_again(Archive& initial, const Mechanism& like, const MobilityAnalysis& mobility);
 
   // Changes the state by (dq, dv) at `time`, and closes the loops there by the smallest change in the mass metric.
   // Returns false if that fails; the island must then be placed elsewhere. Steps cannot be made afterwards.
@@ -141,6 +151,7 @@ class Island {
   const Scene& scene_;
   PreparedIsland prepared_;
   Loads loads_;
+  double best_pivot_ratio_;  // FormulationOptions
   std::unique_ptr<Dynamics> dynamics_;
   EventLog events_;
   std::unique_ptr<Formulation> equations_;

@@ -54,6 +54,7 @@ Parameter parameter_of(const Scene& scene, const SettableNumber& number) {
   p.description = number.owner(scene) + ": " + number.description(scene);
   p.min = number.min();
   p.tunable = number.tunable();
+  p.keeps_positions = number.keeps_positions();
   p.get = [number](const Scene& s) { return number.get(s); };
   p.put = [number](Scene& s, double value) { number.put(s, value); };
   return p;

@@ -28,6 +28,9 @@ struct Parameter {
   double min = -std::numeric_limits<double>::infinity();
   double max = std::numeric_limits<double>::infinity();
   bool tunable = false;  // whether it may change during a run (Simulation::tune)
+  // Whether it is a mass, a center of mass or a moment of inertia, or a tunable number of a joint, motor or force: no
+  // position depends on it (RepeatedStart).
+  bool keeps_positions = false;
 
   // Booleans are 0 or 1, enumerations the item's number, from 1. Use set_parameter() to set a value.
   std::function<double(const Scene&)> get;

@@ -142,6 +142,7 @@ class Simulation {
  private:
   friend class StateDerivatives;  // state_derivatives.h
   friend class StartReport;       // start_report.h
+  friend class RepeatedStart;     // repeated_start.h
   friend class SteppingReport;    // stepping_report.h
   friend class Probe;             // probe.h
   friend class Placement;         // placement.h
