@@ -40,8 +40,8 @@ struct FormulationOptions {
   double baumgarte_beta = 0;      // 1/s; 0: equal to alpha
   int corrections = 0;            // projection iterations after each step; 0: until converged
   bool locates_contacts = false;  // contacts of shapes change at events, not in steps
-  // Largest pivot ratio of the constraint Jacobian that is known where a run starts (MobilityAnalysis); must outlive the
-  // formulation; null: unknown.
+  // Largest pivot ratio of the constraint Jacobian that is known where a run starts (MobilityAnalysis); must outlive
+  // the formulation; null: unknown.
   const double* best_pivot_ratio = nullptr;
 };
 
