@@ -30,7 +30,7 @@ def planned(source: Any, columns: dict[str, list[float]], stop: float, step: flo
 
 def made(plan: Plan, values: Any) -> tuple[np.ndarray, list[_core.RunReport]]:
     rows = np.full((len(values[0]), len(plan.signals), len(plan.times)), np.nan)
-    return rows, list(plan.runner.run(*values, rows, 0.0))  # type: ignore[arg-type]
+    return rows, list(plan.runner.run(*values, rows, 0.0))  # type: ignore[arg-type, call-arg]
 
 
 def check_runs(
