@@ -2,10 +2,9 @@
 // The state within a step, by a polynomial of order 4 in time.
 //
 // Each component is the cubic through its values and rates at both ends (Hermite), plus a multiple of s^2 (1 - s)^2, of
-// the fraction s of the step. Where the state consists of coordinates and their rates, that of a rate follows from the
-// change of its coordinate, which is the integral; otherwise, and in steps so short that rounding of the coordinates
-// hides it, from the rates at a quarter of the step. Where it is small, what is still missing is smaller than the error
-// of any method.
+// the fraction s of the step, that the rates at a quarter of the step determine. Where it is small, what is still
+// missing is smaller than the error of any method. Where the state consists of coordinates and their rates, the
+// coordinates are the integrals of these.
 #pragma once
 
 #include <cstddef>
@@ -28,12 +27,11 @@ class StepPolynomial {
 
  private:
   bool consists_of_coordinates_and_rates() const;
-  bool find_bumps_by_integrals();
-  bool find_bumps_by_rates(EventSource& source);
+  bool find_bumps(EventSource& source);
   double integral(std::size_t k, double s) const;
 
   double t0_ = 0, h_ = 0;  // s
-  bool integrates_ = false;
+  bool integrates_ = false;  // whether the second half of the components are the rates of the first
   std::vector<double> y0_, y1_, rate0_, rate1_;
   std::vector<double> bump_;  // by component: the multiple of s^2 (1 - s)^2
   std::vector<double> work_;
