@@ -59,6 +59,8 @@ class EventSource {
   // Moves the state y from t by a time dt [s] of which the square does not matter, in the held mode. Returns false, and
   // does nothing, where states do not follow smoothly from the length of a step.
   virtual bool drift(double /*t*/, double* /*y*/, double /*dt*/) { return false; }
+  // Whether velocities may jump where this indicator changes its sign: something strikes a limit or a body.
+  virtual bool is_of_impact(int /*indicator*/) const { return false; }
   // ydot <- the rates at (t, y) in the held mode. Returns false, and does nothing, if they are not known.
   virtual bool rates(double /*t*/, const double* /*y*/, double* /*ydot*/) { return false; }
   // Normalizes the quaternions in y.

@@ -191,7 +191,7 @@ double Locator::touch_within(double end, const double* y) const {
 Step Locator::search_all(Stepping& method) {
   save_high(method);
   std::ranges::fill(searched_, 0);
-  is_polynomial_accurate_ = method.is_one_step() && is_resolved(high_t_) &&
+  is_polynomial_accurate_ = method.is_one_step() && is_resolved(high_t_) && any_impact() &&
                             polynomial_.set(source_, course_.start(), start_y_.data(), high_t_, high_y_.data());
   // Of those that are smooth, the one that seems to be the first: a step may cross many points of a table.
   const auto smooth = static_cast<std::size_t>(source_.smooth_indicators());
@@ -216,11 +216,19 @@ Step Locator::search_all(Stepping& method) {
   // Before an event, others may be beyond a zero from which they had returned at the end of the step.
   for (std::size_t i = next(); i < course_.size(); i = next()) {
     searched_[i] = 1;
-    if (is_polynomial_accurate_ && search_within_step(i)) continue;
+    if (is_polynomial_accurate_ && source_.is_of_impact(static_cast<int>(i)) && search_within_step(i)) continue;
     const Step step = search(i, method);
     if (step != Step::made || !course_.any_changed()) return step;
   }
   return Step::made;
+}
+
+// Whether something strikes at one of the zeros.
+bool Locator::any_impact() const {
+  for (std::size_t i = 0; i < course_.size(); ++i) {
+    if (course_.changed(i) && source_.is_of_impact(static_cast<int>(i))) return true;
+  }
+  return false;
 }
 
 void Locator::stop_at(double end, Stepping& method) {
