@@ -76,12 +76,23 @@ std::span<const Formula> formulas_of(const Field& field, const void* element) {
   return formulas_of(field, const_cast<void*>(element));  // NOLINT(*-const-cast): only read
 }
 
+namespace {
+
+// Whether the variable is the coordinate itself or its speed: "phi" is that of a revolute joint, and becomes "phi_a" of
+// a universal one.
+bool is_own(const FormulaVariable& variable, const Coordinate& coordinate) {
+  const std::string_view q = coordinate.is_angle ? "rad" : "m";
+  return variable.unit == q || (variable.unit.starts_with(q) && variable.unit.ends_with("/s"));
+}
+
+}  // namespace
+
 std::vector<FormulaVariable> variables_of(const Field& field, const Coordinate& coordinate) {
   std::vector<FormulaVariable> out(field.variables.begin(), field.variables.end());
   for (FormulaVariable& variable : out) {
-    const bool fits = coordinate.name.empty() || variable.everywhere || variable.unit == "s" ||
-                      variable.name == coordinate.name || variable.name == coordinate.speed;
-    if (!fits) variable.name = {};
+    if (coordinate.name.empty() || variable.everywhere || variable.unit == "s") continue;
+    const bool is_speed = variable.unit.ends_with("/s");
+    variable.name = !is_own(variable, coordinate) ? std::string_view() : is_speed ? coordinate.speed : coordinate.name;
   }
   return out;
 }
