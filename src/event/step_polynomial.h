@@ -30,7 +30,7 @@ class StepPolynomial {
   bool find_bumps(EventSource& source);
   double integral(std::size_t k, double s) const;
 
-  double t0_ = 0, h_ = 0;  // s
+  double t0_ = 0, h_ = 0;    // s
   bool integrates_ = false;  // whether the second half of the components are the rates of the first
   std::vector<double> y0_, y1_, rate0_, rate1_;
   std::vector<double> bump_;  // by component: the multiple of s^2 (1 - s)^2
