@@ -31,6 +31,7 @@
 # make fuzz     fuzz the readers of scenes and saved states with libFuzzer, SECONDS_EACH=600; needs clang
 # make states   regenerate the fuzzers' seeds of FMU states, after the contents of a state have changed
 # make runtimes  build the FMU runtimes for other platforms with Zig, and install them as gelenk-runtimes; needs cargo; QUICK=1: not optimized; COMPARE=1: only linux64, to compare compilers
+# make page-core  build the core as WebAssembly with Zig, for pages of `gelenk view` that compute, and install it; needs cargo
 # make wheels   build the wheels of gelenk: build/wheels; those for other platforms after make runtimes
 # make platforms  run FMUs on Windows (Wine) and ARM (QEMU), as far as these are installed, and inspect the libraries; after make runtimes
 # make lock     resolve the newest versions of all requirements: requirements.lock
@@ -63,14 +64,15 @@ PACKAGE := $(shell find python/gelenk scenes -type f -not -path '*/__pycache__/*
 BUILD   := pyproject.toml CMakeLists.txt $(wildcard cmake/*) LICENSE $(wildcard licenses/*.txt licenses/*/*.txt)
 
 # What a target needs beyond a compiler and Python is checked before anything is built.
-NEEDS := needs-costs needs-masters needs-sanitize needs-fuzz needs-runtimes
+NEEDS := needs-costs needs-masters needs-sanitize needs-fuzz needs-runtimes needs-page-core
 needs-costs: ; @sh cmake/needs.sh costs valgrind
 needs-masters: ; @sh cmake/needs.sh masters mvn java cargo libclang
 needs-sanitize: ; @sh cmake/needs.sh sanitize libasan libubsan libtsan valgrind
 needs-fuzz: ; @CLANGXX="$(CLANGXX)" sh cmake/needs.sh fuzz clang++
 needs-runtimes: ; @sh cmake/needs.sh runtimes cargo
+needs-page-core: ; @sh cmake/needs.sh page-core cargo
 
-.PHONY: $(NEEDS) help demo extras test lint style tidy format pytest thorough reductions charts accuracy nonsmooth gallery tutorial coupling batches real-time growth bench costs clocks studies special thrown agreement masters sanitize units fuzz mutants states runtimes wheels platforms lock lowest clean
+.PHONY: $(NEEDS) help demo extras test lint style tidy format pytest thorough reductions charts accuracy nonsmooth gallery tutorial coupling batches real-time growth bench costs clocks studies special thrown agreement masters sanitize units fuzz mutants states runtimes page-core wheels platforms lock lowest clean
 help:
 	@sed -n '2,40s/^# //p' Makefile
 
@@ -261,6 +263,12 @@ runtimes: needs-runtimes $(VENV)/runtimes.stamp $(VENV)/gelenk.stamp
 	SOURCE_DATE_EPOCH=315532800 $(PIP) wheel --no-build-isolation --no-deps -w $(RUNTIMES_BUILD)/dist $(RUNTIMES_BUILD)/package
 	$(PIP) install --force-reinstall --no-deps $(RUNTIMES_BUILD)/dist/gelenk_runtimes-*.whl
 endif
+
+# Ten minutes of one processor. Builds of the package that follow contain it: cmake/GelenkPython.cmake.
+PAGE_CORE := build/page-core
+page-core: needs-page-core $(VENV)/runtimes.stamp $(VENV)/gelenk.stamp
+	PATH="$(abspath $(BIN)):$$PATH" $(BIN)/python cmake/page_core.py $(PAGE_CORE) $(PAGE_CORE)/package
+	cp -r $(PAGE_CORE)/package/. "$$($(BIN)/python -P -c 'import gelenk; print(gelenk.__path__[0])')"
 
 # Built with what .venv has, and named after the oldest glibc that it needs.
 wheels: $(VENV)/runtimes.stamp $(VENV)/gelenk.stamp

@@ -10,7 +10,9 @@ set(CMAKE_CXX_STANDARD_REQUIRED ON)
 set(CMAKE_CXX_EXTENSIONS OFF)
 set(CMAKE_CXX_VISIBILITY_PRESET hidden)
 set(CMAKE_VISIBILITY_INLINES_HIDDEN ON)
-set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+if(NOT GELENK_WASM)
+  set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+endif()
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 
 # Flags of all targets of Gelenk; third-party headers are SYSTEM, without warnings.
@@ -47,13 +49,14 @@ if(GELENK_SANITIZE)
   target_link_options(gelenk_flags INTERFACE ${sanitizers})
 endif()
 # Stack protector and checked copies for sources that read external data; docs/performance.md states the cost. Not in
-# combination with sanitizers, which detect more. The C library of Windows has no checked copies.
+# combination with sanitizers, which detect more, or for pages, whose WebAssembly is confined by the browser. The C library
+# of Windows has no checked copies.
 set(GELENK_HARDENING -fstack-protector-strong)
 if(NOT WIN32)
   list(APPEND GELENK_HARDENING -U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=2)
 endif()
 function(gelenk_harden target)
-  if(NOT GELENK_SANITIZE)
+  if(NOT GELENK_SANITIZE AND NOT GELENK_WASM)
     target_compile_options(${target} PRIVATE
       "$<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:GNU,Clang>>:${GELENK_HARDENING}>")
   endif()

@@ -58,4 +58,8 @@ execute_process(
   COMMAND ${Python_EXECUTABLE} ${CMAKE_CURRENT_SOURCE_DIR}/cmake/three_js.py ${three_js}
   COMMAND_ERROR_IS_FATAL ANY)
 install(FILES ${three_js} DESTINATION gelenk/viewer/page COMPONENT python)
+# Their core, if `make page-core` has built it.
+if(EXISTS ${CMAKE_CURRENT_SOURCE_DIR}/build/page-core/package)
+  install(DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/build/page-core/package/ DESTINATION gelenk COMPONENT python)
+endif()
 install(FILES ${GELENK_LICENSES} DESTINATION gelenk/licenses COMPONENT python)

@@ -12,6 +12,9 @@ set(GELENK_WARM src/complementarity src/collision src/contact_geometry src/deriv
   fmu/runtime)
 set(GELENK_COLD src/util src/expression src/field src/shape src/element src/element/components src/element/constraints src/event src/scene src/check src/scene_file src/scene_schema
   src/mechanism src/assembly src/analysis src/preparation src/simulation src/runs src/inspection modelDescription fmu/export)
+if(GELENK_WASM)  # pages make no FMUs; they have no files
+  list(REMOVE_ITEM GELENK_COLD src/scene_schema src/inspection fmu/export)
+endif()
 
 # gelenk_folders(TARGET folder...): puts the sources of folders into a target, those of each folder together.
 function(gelenk_folders target)
@@ -39,8 +42,14 @@ endforeach()
 target_compile_options(gelenk_hot PRIVATE
   "$<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:GNU>>:-fno-tree-loop-vectorize;--param=inline-unit-growth=300>"
   "$<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:Clang>>:-fno-vectorize;-fno-slp-vectorize;-mllvm;-disable-vector-combine>")
-target_compile_options(gelenk_warm PRIVATE "$<$<CONFIG:Release>:-O2>")
-target_compile_options(gelenk_cold PRIVATE "$<$<CONFIG:Release>:-Os>")
+if(GELENK_WASM)
+  target_compile_options(gelenk_hot PRIVATE "$<$<CONFIG:Release>:-O2>")
+  target_compile_options(gelenk_warm PRIVATE "$<$<CONFIG:Release>:-Os>")
+  target_compile_options(gelenk_cold PRIVATE "$<$<CONFIG:Release>:-Oz>")
+else()
+  target_compile_options(gelenk_warm PRIVATE "$<$<CONFIG:Release>:-O2>")
+  target_compile_options(gelenk_cold PRIVATE "$<$<CONFIG:Release>:-Os>")
+endif()
 gelenk_harden(gelenk_warm)
 gelenk_harden(gelenk_cold)
 
@@ -60,7 +69,12 @@ if(GELENK_SUNDIALS_WHEEL)
 endif()
 
 include(GelenkGlibc)
-include(GelenkFmu)
+if(GELENK_WASM)  # for pages, which need no FMU
+  set(GELENK_FMU_PLATFORM wasm32)
+  include(GelenkPageCore)
+else()
+  include(GelenkFmu)
+endif()
 
 set(export_source ${CMAKE_CURRENT_SOURCE_DIR}/fmu/export/tool/export_main.cpp)
 if(EXISTS ${export_source})

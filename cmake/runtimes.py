@@ -90,7 +90,9 @@ def toolchain_of(target: str, folder: Path) -> Path:
     folder.mkdir(parents=True, exist_ok=True)
     file = folder / "toolchain.cmake"
     # Where the linker cannot redirect malloc: see fmu/memory.cpp.
-    flags = "" if "linux" in target else f"-include {SOURCE / 'cmake' / 'sundials_memory.h'}"
+    flags = (
+        "" if "linux" in target or "wasm" in target else f"-include {SOURCE / 'cmake' / 'sundials_memory.h'}"
+    )
     lines = {
         "GELENK_ZIG": ZIG,
         "GELENK_ZIG_TARGET": target,

@@ -11,6 +11,10 @@ if(GELENK_ZIG_TARGET MATCHES "windows")
 elseif(GELENK_ZIG_TARGET MATCHES "macos")
   set(CMAKE_SYSTEM_NAME Darwin)
   set(CMAKE_INSTALL_NAME_TOOL /bin/false)  # looked for, but not used
+elseif(GELENK_ZIG_TARGET MATCHES "wasm")
+  set(CMAKE_SYSTEM_NAME Generic)
+  set(GELENK_WASM ON)
+  set(CMAKE_HAVE_LIBC_PTHREAD ON CACHE INTERNAL "")  # there are no threads, and no library of them
 else()
   set(CMAKE_SYSTEM_NAME Linux)
 endif()
@@ -27,8 +31,18 @@ set(CMAKE_AR ${tools}/ar)
 set(CMAKE_RANLIB ${tools}/ranlib)
 set(CMAKE_RC_COMPILER ${tools}/rc)
 
+# What browsers have since 2022; exceptions are in the encoding that all of them know. Size counts: pages are mailed.
+set(optimization -O2)
+if(GELENK_WASM)
+  set(optimization -Os)
+  set(wasm " -mcpu=generic+exception_handling+bulk_memory+sign_ext+nontrapping_fptoint+mutable_globals")
+  string(APPEND wasm " -fexceptions -fwasm-exceptions -mllvm -wasm-enable-eh")
+  string(APPEND CMAKE_C_FLAGS_INIT "${wasm}")
+  string(APPEND CMAKE_CXX_FLAGS_INIT "${wasm} -include ${CMAKE_CURRENT_LIST_DIR}/one_thread.h")
+endif()
+
 foreach(language IN ITEMS C CXX)
-  set(CMAKE_${language}_FLAGS_RELEASE "-O2 -DNDEBUG" CACHE STRING "")
+  set(CMAKE_${language}_FLAGS_RELEASE "${optimization} -DNDEBUG" CACHE STRING "")
   # Zig adds checks of undefined behavior to some builds, and debugging symbols to all, which the linker removes again.
   # Paths would differ between machines.
   string(APPEND CMAKE_${language}_FLAGS_INIT

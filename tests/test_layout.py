@@ -43,7 +43,7 @@ BELOW["runs"] = BELOW["inspection"] = {"simulation", *BELOW["simulation"]}
 BELOW["modelDescription"] = {"scene_file", "simulation", *BELOW["scene_file"], *BELOW["simulation"]}
 BELOW["fmu/runtime"] = {"modelDescription", *BELOW["modelDescription"]}
 BELOW["fmu/export"] = {"modelDescription", "scene_schema", "inspection", *BELOW["modelDescription"]}
-BELOW["fmu"] = {"fmu/runtime", *BELOW["fmu/runtime"]}
+BELOW["fmu"] = BELOW["fmu/page"] = {"fmu/runtime", *BELOW["fmu/runtime"]}
 BELOW["fmu/fmi2"] = BELOW["fmu/fmi3"] = {"fmu", *BELOW["fmu"]}
 BELOW["equations"] = {"recording", "simulation", *BELOW["simulation"]}
 BELOW["batch"] = {"equations", "lanes", "scene_file", *BELOW["equations"], *BELOW["scene_file"]}

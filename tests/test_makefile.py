@@ -54,6 +54,7 @@ PACKAGES = {
     "costs": {"valgrind"},
     "fuzz": {"clang"},
     "masters": {"maven", "default-jdk", "cargo"},
+    "page-core": {"cargo"},
     "runtimes": {"cargo"},
     "sanitize": {"valgrind", "libgcc-VERSION-dev"},
 }
@@ -79,7 +80,7 @@ def test_what_a_target_lacks_is_named_before_anything_is_built(
 def test_every_target_that_needs_more_than_a_compiler_checks_it(root: Path) -> None:
     """Programs that recipes call, other than those of .venv, of the shell and of the build."""
     makefile = (root / "Makefile").read_text(encoding="utf-8")
-    checked = set(re.findall(r"^needs-(\w+):", makefile, re.MULTILINE))
+    checked = set(re.findall(r"^needs-([\w-]+):", makefile, re.MULTILINE))
     assert checked == set(PACKAGES)
     for target in checked:
         assert re.search(rf"^{target}: needs-{target} ", makefile, re.MULTILINE)

@@ -86,6 +86,11 @@ def page_data(recording: Recording) -> dict[str, Any]:
     }
 
 
+def size_of(recording: Recording) -> float:
+    """Return the size of a mechanism at the start of a run [m]."""
+    return _size(recording.scene, _points(recording)[0])
+
+
 def _points(recording: Recording) -> Array:
     """Return centers of mass, joints, ends of springs and rims in the world [m], (frames, points, 3)."""
     scene, names = recording.scene, list(recording.scene["bodies"])
