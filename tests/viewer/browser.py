@@ -77,6 +77,25 @@ class Browser:
 
         self._driver.find_element(By.TAG_NAME, "body").send_keys(key)
 
+    def drag(self, start: tuple[float, float], end: tuple[float, float], hold: float = 0.0) -> None:
+        """Press the mouse at a pixel, move it to another one, and release it there after some seconds."""
+        from selenium.webdriver.common.action_chains import ActionChains
+        from selenium.webdriver.common.actions.action_builder import ActionBuilder
+
+        actions = ActionBuilder(self._driver)
+        pointer = actions.pointer_action
+        pointer.move_to_location(*map(round, start)).pointer_down()
+        pointer.move_to_location(*map(round, end)).pause(hold).pointer_up()
+        actions.perform()
+        ActionChains(self._driver).reset_actions()
+
+    def resize(self, width: int, height: int) -> None:
+        """Give the page another size [pixels], as of another device."""
+        self._driver.execute_cdp_cmd(
+            "Emulation.setDeviceMetricsOverride",
+            {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < height},
+        )
+
     def picture(self) -> bytes:
         """Return what is seen as PNG."""
         out: bytes = self._driver.get_screenshot_as_png()

@@ -160,11 +160,15 @@ def view(
     time_stamp: Annotated[bool, typer.Option("--time", help="Write the time into pictures.")] = False,
     dark: Annotated[bool, typer.Option("--dark", help="Draw pictures in dark colors.")] = False,
     degrees: Degrees = False,
+    replay: Annotated[
+        bool, typer.Option("--replay", help="Show a run, on a page that does not compute itself.")
+    ] = False,
 ) -> Report:
     """Simulate a scene or an FMU, or take results, and show the motion in the browser.
 
-    The page is one file, which can be mailed and needs no network. With --output, --png or --gif files are
-    written instead.
+    The page is one file, which can be mailed and needs no network. If this installation has the core for
+    pages, the page of a scene simulates it, with sliders for inputs and parameters; otherwise, with --replay
+    and for results, it shows a run. With --output, --png or --gif files are written instead.
     """
     files = _files(output, png, gif)
     choices = {
@@ -197,7 +201,9 @@ def view(
                 "reactions": reactions,
                 "progress": progress,
             }
-            page = gelenk.view(plant, parameters=parameters, **common)
+            shows_run = replay or reactions or stop == 0 or other is not None or bool(other_settings)
+            computes = not shows_run and _computes(files, inputs)
+            page = gelenk.view(plant, parameters=parameters, computes=computes, **common)
             if other is not None or other_settings:
                 more = parse_settings(other_settings or [], "--with-set")
                 page = page.overlay(gelenk.view(other or plant, parameters={**parameters, **more}, **common))
@@ -206,6 +212,14 @@ def view(
             raise
         return _put(_turned(e.view, degrees), files, choices, e)
     return _put(_turned(page, degrees), files, choices)
+
+
+def _computes(files: Sequence[Path], inputs: object) -> bool:
+    """Whether a page can compute, and is wanted."""
+    from gelenk.simulation.computing import has_constant_inputs
+    from gelenk.viewer.computing import has_core
+
+    return has_core() and has_constant_inputs(inputs) and (not files or not all(map(is_picture, files)))
 
 
 def _turned(page: View, degrees: bool) -> View:

@@ -9,6 +9,7 @@ from typing import Any
 
 from gelenk.errors import UsageError
 from gelenk.model.scene import Scene, Source
+from gelenk.simulation.computing import computing_view
 from gelenk.simulation.recording import record, scene_of
 from gelenk.simulation.replay import replayed
 from gelenk.simulation.result import Result
@@ -18,7 +19,12 @@ type Viewed = Scene | str | PathLike[str] | Mapping[str, Any] | Result
 
 
 def view(
-    plant: Viewed | Sequence[Viewed], *, reactions: bool = False, degrees: bool = False, **run: Any
+    plant: Viewed | Sequence[Viewed],
+    *,
+    reactions: bool = False,
+    degrees: bool = False,
+    computes: bool = False,
+    **run: Any,
 ) -> View:
     """Simulate a scene, or the scene of an FMU, and return a page on which it moves.
 
@@ -31,6 +37,9 @@ def view(
         reactions: whether forces and torques of all joints are shown as arrows; those of forces, motors,
             contacts and what acts along joints, and of joints with a sensor of them, always are.
         degrees: whether angles and their derivatives are in degrees in the plots of the page.
+        computes: whether the page simulates the scene itself, with sliders for inputs and parameters, and a
+            pointer that pulls bodies, instead of showing a run. It then contains the core as WebAssembly,
+            which `make page-core` builds.
         run: arguments of `gelenk.simulate`: stop, step, inputs, parameters, ...; stop=0 shows the start.
 
     Returns:
@@ -45,7 +54,11 @@ def view(
     '<!DOCTYPE html>'
     """
     if degrees:
-        return view(plant, reactions=reactions, **run).in_degrees()
+        return view(plant, reactions=reactions, computes=computes, **run).in_degrees()
+    if computes:
+        if isinstance(plant, Result) or (isinstance(plant, Sequence) and not isinstance(plant, str)):
+            raise UsageError("computes: found a result or several runs, expected a scene or an FMU")
+        return computing_view(scene_of(plant), reactions=reactions, **run)
     if isinstance(plant, Sequence) and not isinstance(plant, str):
         if len(plant) != 2:
             raise UsageError(f"view: found {len(plant)} runs, expected one or two")

@@ -72,6 +72,8 @@
       frameAxes: raw.frames || [],
       colors: raw.colors || {},
       live: Boolean(raw.live),
+      reach: raw.reach ? decode(raw.reach, Float32Array) : null,
+      computes: raw.computes || null,
       events: (raw.events || []).slice().sort((a, b) => a.t - b.t)
     };
   };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Receives the frames of a running simulation.
+// Keeps the frames of a running simulation, which a server sends or the page computes.
 (function () {
   "use strict";
   const Gelenk = window.Gelenk = window.Gelenk || {};
@@ -52,15 +52,22 @@
         };
       }
       this.setFollowing(true);
+      if (!recording.computes) this.listen();
+    }
+
+    listen() {
       const source = new EventSource("frames");
-      source.addEventListener("message", (event) => this.receive(JSON.parse(event.data)));
+      source.addEventListener("message", (event) => {
+        const { time, numbers } = JSON.parse(event.data);
+        this.receive(Gelenk.decode(time, Float64Array), Gelenk.decode(numbers, Float32Array));
+      });
       source.addEventListener("end", () => this.end(source));
       source.addEventListener("error", () => this.end(source));
     }
 
     setFollowing(on) {
       this.following = on && !this.ended;
-      if (this.following) this.player.playing = false;
+      if (this.following && !this.recording.computes) this.player.playing = false;
       this.button.setAttribute("aria-pressed", String(this.following));
       this.moveToEnd();
       this.redraw();
@@ -77,10 +84,9 @@
       this.redraw();
     }
 
-    receive(message) {
+    // numbers: poses and signals of each of the times.
+    receive(times, numbers) {
       const { recording } = this;
-      const times = Gelenk.decode(message.time, Float64Array);
-      const numbers = Gelenk.decode(message.numbers, Float32Array);
       const size = 7 * recording.bodies.length;
       const row = size + this.values.length;
       this.time.append(times);
@@ -88,7 +94,12 @@
         this.poses.append(numbers.subarray(k * row, k * row + size));
         this.values.forEach((values, i) => values.append([numbers[k * row + size + i]]));
       }
-      if (this.time.view.length > mostFrames) this.forget();
+      if (this.time.view.length > mostFrames) this.forget(mostFrames / 2);
+      this.publish();
+    }
+
+    publish() {
+      const { recording } = this;
       recording.time = this.time.view;
       recording.frames = this.time.view.length;
       recording.poses = this.poses.view;
@@ -100,8 +111,13 @@
       this.redraw();
     }
 
-    forget() {
-      const count = mostFrames / 2;
+    // Begins a new run.
+    clear() {
+      this.forget(this.time.view.length);
+      this.setFollowing(true);
+    }
+
+    forget(count) {
       this.time.forget(count);
       this.poses.forget(7 * this.recording.bodies.length * count);
       for (const values of this.values) values.forget(count);
@@ -109,8 +125,8 @@
     }
 
     moveToEnd() {
-      if (!this.following) return;
       const { player, recording } = this;
+      if (!this.following || !this.time.view.length) return;
       player.frame = recording.frames - 1;
       player.fraction = 0;
       player.time = recording.time[player.frame];

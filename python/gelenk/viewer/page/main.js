@@ -18,7 +18,7 @@
   function start() {
     const recording = Gelenk.readRecording(element("data").textContent);
     const canvas = element("canvas");
-    const model = new Gelenk.Model(recording);
+    const model = Gelenk.reachingModel(recording);
     const second = recording.second && new Gelenk.Model(recording.second, translucent);
     if (second) model.include(second);
     const orbit = new Gelenk.OrbitCamera(recording, model);
@@ -67,6 +67,8 @@
       model.include({ cloud, box });
       if (orbit.untouched) orbit.fit();
     });
+    const computation = recording.computes && new Gelenk.Computation({ recording, player, live, panel, redraw });
+    const pulling = computation && new Gelenk.Pulling({ canvas, orbit, model, scene, computation, redraw });
     bar.update = () => playerBar.update();
     bar.showEvent = (event) => playerBar.showEvent(event);
     if (!picture.available) labels.setVisible(false);
@@ -83,6 +85,7 @@
       if (second) second.setFrame(player.frame, player.fraction);
       arrows.update(player.frame, player.fraction);
       orbit.follow();
+      if (pulling) pulling.update();
       bar.update();
       legend.update(orbit);
       panel.draw();
@@ -163,7 +166,8 @@
     element("show-trails").hidden = recording.frames < 2;
     element("show-forces").hidden = !arrows.available;
     element("show-axes").hidden = !recording.frameAxes.length;
-    element("follow").hidden = recording.frames < 2;
+    const moves = recording.frames > 1 || recording.live;
+    element("follow").hidden = !moves;
     element("show-labels").hidden = !labels.items.length;
     const toggleHelp = Gelenk.setUpHelp(recording.version);
 
@@ -181,6 +185,8 @@
       ArrowRight: (event) => step(event, 1),
       Home: () => player.show(0),
       End: () => player.show(recording.frames - 1),
+      ".": () => computation && computation.singleStep(),
+      r: () => computation && computation.reset(),
       1: () => setCamera("front"),
       2: () => setCamera("side"),
       3: () => setCamera("top"),
@@ -193,7 +199,7 @@
       t: () => recording.frames > 1 && toggleTrails(),
       v: () => arrows.available && toggleForces(),
       x: () => recording.frameAxes.length && toggleAxes(),
-      c: () => recording.frames > 1 && toggleFollowing(),
+      c: () => moves && toggleFollowing(),
       p: () => panel.available && togglePanel(),
       d: toggleTheme,
       "?": toggleHelp
@@ -203,11 +209,12 @@
     canvas.addEventListener("webglcontextrestored", redraw);
     window.gelenk = Gelenk.makeInterface({ recording, model, second, orbit, player, canvas, setCamera, drawn: () => drawn });
     window.gelenk.live = live;
+    window.gelenk.computation = computation;
     window.gelenk.chooseMode = (number) => modeBar.choose(number);
     applyTheme();
     // A vehicle that travels far would be a dot.
     model.setFrame(0, 0);
-    if (recording.frames > 1 && model.radius > farAway * model.measureBodies().radius) toggleFollowing();
+    if (moves && model.radius > farAway * model.measureBodies().radius) toggleFollowing();
     new ResizeObserver(resize).observe(element("stage"));
     resize();
   }
@@ -257,5 +264,5 @@
   };
 
   if (document.readyState === "loading") document.addEventListener("DOMContentLoaded", start);
-  else start();
+  else queueMicrotask(start);  // when all parts of this script are defined
 })();

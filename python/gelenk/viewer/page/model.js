@@ -27,6 +27,17 @@
     return color;
   };
 
+  // The model of a recording. Of one that is computed, it knows what an earlier run has reached.
+  Gelenk.reachingModel = function (recording) {
+    const { poses, frames, reach, bodies } = recording;
+    if (!reach) return new Gelenk.Model(recording);
+    Object.assign(recording, { poses: reach, frames: reach.length / (7 * bodies.length) || 1 });
+    const model = new Gelenk.Model(recording);
+    Object.assign(recording, { poses, frames });
+    model.setFrame(0, 0);
+    return model;
+  };
+
   Gelenk.Model = class {
     // With an opacity below 1, what is behind shows through.
     constructor(recording, opacity = 1) {
