@@ -264,7 +264,7 @@ runtimes: needs-runtimes $(VENV)/runtimes.stamp $(VENV)/gelenk.stamp
 	$(PIP) install --force-reinstall --no-deps $(RUNTIMES_BUILD)/dist/gelenk_runtimes-*.whl
 endif
 
-# Ten minutes of one processor. Builds of the package that follow contain it: cmake/GelenkPython.cmake.
+# Nine minutes of one processor. Builds of the package that follow contain it: cmake/GelenkPython.cmake.
 PAGE_CORE := build/page-core
 page-core: needs-page-core $(VENV)/runtimes.stamp $(VENV)/gelenk.stamp
 	PATH="$(abspath $(BIN)):$$PATH" $(BIN)/python cmake/page_core.py $(PAGE_CORE) $(PAGE_CORE)/package

@@ -1,8 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Build the core as WebAssembly with Zig, for pages that compute, as a part of the package gelenk.
-
-The same sources give the same bytes.
-"""
+"""Build the core as WebAssembly with Zig, for pages that compute, as a part of the package gelenk."""
 
 from __future__ import annotations
 

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "fmu/runtime/plant.h"
+#include "scene_file/read.h"
 #include "util/archive.h"
 
 #define GELENK_PAGE(name) extern "C" __attribute__((export_name(#name)))
@@ -35,6 +36,7 @@ struct Page {
   gelenk::Archive saved;
   std::vector<EventReport> events;    // of the last step
   std::vector<std::string> warnings;  // of the start
+  std::string scene;                  // as it was last written
 };
 
 std::string last_error;
@@ -83,6 +85,15 @@ GELENK_PAGE(gelenk_warnings) int gelenk_warnings(const Page* page) { return stat
 GELENK_PAGE(gelenk_warning) const char* gelenk_warning(const Page* page, int i) {
   return page->warnings[static_cast<std::size_t>(i)].c_str();
 }
+
+// Writes the scene with the parameters set, as JSON, and returns its size at gelenk_scene().
+GELENK_PAGE(gelenk_write_scene) int gelenk_write_scene(Page* page) {
+  return guarded([&] {
+    page->scene = gelenk::write_scene_json(page->plant.simulation().scene());
+    return static_cast<int>(page->scene.size());
+  });
+}
+GELENK_PAGE(gelenk_scene) const char* gelenk_scene(const Page* page) { return page->scene.c_str(); }
 
 GELENK_PAGE(gelenk_variables) int gelenk_variables(const Page* page) {
   return static_cast<int>(page->plant.catalog().variables().size());

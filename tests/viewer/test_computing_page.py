@@ -61,6 +61,11 @@ def test_a_page_computes_without_requests(four_bar: gelenk.Scene, tmp_path: Path
     time = browser.run("return gelenk.time")
     for k in range(round(time / four_bar.step)):
         plant.step_to((k + 1) * four_bar.step)
+    header, *rows = browser.run("return Gelenk.csvOf(gelenk.live.recording)").splitlines()
+    assert header.startswith("time,A.phi,")
+    assert len(rows) == browser.run("return gelenk.frames")
+    last = [float(number) for number in rows[-1].split(",")]
+    assert last[:2] == pytest.approx([time, plant.output("A.phi")], rel=1e-5)
     _, p = plant.pose("coupler")
     assert browser.run("return gelenk.pose('coupler').p") == pytest.approx(p, abs=1e-5)
     assert browser.errors() == []
@@ -84,6 +89,15 @@ def test_sliders_and_steps(four_bar: gelenk.Scene, tmp_path: Path, browser: Brow
     assert fault.startswith("crank.m: found -2")
     choose(browser, "crank.m", 3.0)
     assert browser.run(f"{row('crank.m')} return row.fault.hidden")
+    browser.press("m")
+    browser.wait("return !document.getElementById('return').disabled")
+    browser.press(".")
+    browser.press(".")
+    browser.wait("return gelenk.frames === 3")
+    browser.press("b")
+    browser.wait("return gelenk.frames === 1 && gelenk.time === 0")
+    browser.run("for (const id of ['save-csv', 'save-scene']) document.getElementById(id).click()")
+    browser.wait("return Boolean(gelenk.computation.sceneText)")
     assert browser.errors() == []
 
 

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Any
 
@@ -172,6 +173,27 @@ def test_a_pointer_pulls_a_body_towards_it(four_bar: gelenk.Scene) -> None:
     phi, w = np.array([message["numbers"][-2:] for message in posted if message["type"] == "frame"]).T
     fastest = np.maximum(np.abs(w[1:]), np.abs(w[:-1]))
     assert (np.abs(np.diff(phi)) < 0.02 * 1.5 * fastest + 1e-3).all()
+
+
+def test_a_run_returns_to_its_mark(four_bar: gelenk.Scene) -> None:
+    """With the inputs and parameters that it had there, also after others have been chosen."""
+    torque = {"type": "set", "name": "drive.tau", "value": 2.0}
+    mass = {"type": "set", "name": "crank.m", "value": 2.0}
+    play, mark, back = {"type": "play"}, {"type": "mark"}, {"type": "returnToMark"}
+    posted = session(four_bar, play, torque, 300, mark, 200, mass, 100, back, 200)
+    (returned,) = [message for message in posted if message["type"] == "returned"]
+    assert returned["settings"] == {"drive.tau": 2.0}
+    assert returned["time"] == pytest.approx(0.3)
+    last = [message["numbers"] for message in posted if message["type"] == "frame"]
+    times = [message["time"] for message in posted if message["type"] == "frame"]
+    assert last[times.index(posted[-1]["time"])] == last[-1]
+
+
+def test_a_scene_is_written_with_its_parameters(four_bar: gelenk.Scene) -> None:
+    mass = {"type": "set", "name": "crank.m", "value": 2.0}
+    posted = session(four_bar, mass, {"type": "writeScene"})
+    (written,) = [message["text"] for message in posted if message["type"] == "written"]
+    assert gelenk.load(json.loads(written)).to_dict() == four_bar.with_parameters({"crank.m": 2.0}).to_dict()
 
 
 def test_another_core_follows_one_that_has_failed(four_bar: gelenk.Scene) -> None:

@@ -6,7 +6,7 @@
 
   const element = (id) => document.getElementById(id);
   const mostEvents = 500;  // that are listed
-  const slow = 0.9;  // part of the chosen speed below which the page says that it is slower
+  const slow = 0.8;  // part of the chosen speed below which the page says that it is slower
   const degree = Math.PI / 180;
 
   // A thread of its own, or where the browser permits none, this one.
@@ -25,6 +25,21 @@
     }
   }
 
+  // What has been computed, as far as it is kept: a row for each frame.
+  Gelenk.csvOf = function ({ time, signals }) {
+    const quoted = (name) => (/[",]/.test(name) ? `"${name.replace(/"/g, '""')}"` : name);
+    const rows = Array.from(time, (t, k) => [t, ...signals.map(({ values }) => values[k])].join(","));
+    return [["time", ...signals.map(({ name }) => quoted(name))].join(","), ...rows, ""].join("\n");
+  };
+
+  function save(text, file) {
+    const link = document.createElement("a");
+    link.href = URL.createObjectURL(new Blob([text], { type: "text/plain" }));
+    link.download = file;
+    link.click();
+    URL.revokeObjectURL(link.href);
+  }
+
   Gelenk.Computation = class {
     constructor({ recording, player, live, panel, redraw }) {
       Object.assign(this, { recording, player, live, panel, redraw });
@@ -33,9 +48,19 @@
       this.settings = new Gelenk.Settings(recording.computes, (name, value) => this.send({ type: "set", name, value }));
       this.send = startWorker((message) => this[message.type](message));
       this.takePlayer();
-      for (const id of ["single", "reset", "events"]) element(id).hidden = false;
+      for (const id of ["single", "reset", "events", "export"]) element(id).hidden = false;
+      element("save-csv").addEventListener("click", () => {
+        save(Gelenk.csvOf(recording), recording.computes.file.replace(/\.json$/, ".csv"));
+      });
       element("loop").hidden = true;
       document.documentElement.classList.add("computes");
+      const button = element("show-panel");
+      button.textContent = "Panel";
+      button.title = "Inputs, parameters and plots (P)";
+      button.setAttribute("aria-label", "Inputs, parameters and plots");
+      element("mark").addEventListener("click", () => this.mark());
+      element("return").addEventListener("click", () => this.returnToMark());
+      element("save-scene").addEventListener("click", () => this.send({ type: "writeScene" }));
       element("single").addEventListener("click", () => this.singleStep());
       element("reset").addEventListener("click", () => this.reset());
       element("speed").addEventListener("change", () => this.send({ type: "setSpeed", speed: player.speed }));
@@ -85,6 +110,14 @@
     reset() {
       this.hideNotice();
       this.send({ type: "reset" });
+    }
+
+    mark() {
+      this.send({ type: "mark" });
+    }
+
+    returnToMark() {
+      if (!element("return").disabled) this.send({ type: "returnToMark" });
     }
 
     pull(body, point, target) {
@@ -165,6 +198,26 @@
         this.player.passed(events[events.length - 1]);
       }
       if (this.player.playing) this.showRate(rate);
+    }
+
+    marked({ time }) {
+      element("return").disabled = false;
+      element("return").textContent = `Back to ${time.toFixed(3)} s`;
+    }
+
+    returned({ time, settings }) {
+      this.events = this.events.filter(({ t }) => t <= time);
+      this.listed = 0;
+      element("event-list").replaceChildren();
+      this.listEvents();
+      this.hideNotice();
+      this.settings.show(settings);
+      this.live.rewind(time);
+    }
+
+    written({ text }) {
+      this.sceneText = text;
+      save(text, this.recording.computes.file);
     }
 
     accepted({ name }) {

@@ -25,6 +25,10 @@
       this.view = this.array.subarray(0, used + numbers.length);
     }
 
+    keep(count) {
+      this.view = this.array.subarray(0, count);
+    }
+
     forget(count) {
       this.array = this.view.slice(count);
       this.view = this.array;
@@ -109,6 +113,16 @@
       this.moveToEnd();
       if (!this.timer) this.timer = setTimeout(() => this.chart(), chartPeriod);
       this.redraw();
+    }
+
+    // Drops the frames after a time.
+    rewind(time) {
+      const count = Gelenk.indexBefore(this.time.view, time) + 1;
+      this.time.keep(count);
+      this.poses.keep(7 * this.recording.bodies.length * count);
+      for (const values of this.values) values.keep(count);
+      this.publish();
+      this.setFollowing(true);
     }
 
     // Begins a new run.

@@ -187,6 +187,8 @@
       End: () => player.show(recording.frames - 1),
       ".": () => computation && computation.singleStep(),
       r: () => computation && computation.reset(),
+      m: () => computation && computation.mark(),
+      b: () => computation && computation.returnToMark(),
       1: () => setCamera("front"),
       2: () => setCamera("side"),
       3: () => setCamera("top"),

@@ -4,6 +4,10 @@
   "use strict";
   const Gelenk = window.Gelenk = window.Gelenk || {};
 
+  // Pixels around the pointer at which a body is looked for, since links are thin and move; fingers are wider.
+  const near = [[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1], [0.7, 0.7], [-0.7, 0.7], [0.7, -0.7], [-0.7, -0.7]];
+  const reach = { touch: 18, other: 9 };
+
   Gelenk.Pulling = class {
     constructor({ canvas, orbit, model, scene, computation, redraw }) {
       Object.assign(this, { canvas, orbit, model, computation, redraw });
@@ -11,34 +15,37 @@
       this.plane = new THREE.Plane();
       this.target = new THREE.Vector3();
       this.pointer = null;
-      this.line = new THREE.Line(
-        new THREE.BufferGeometry().setFromPoints([this.target, this.target]),
-        new THREE.LineBasicMaterial({ color: 0xe8590c, depthTest: false })
-      );
-      this.line.renderOrder = 2;
-      this.line.frustumCulled = false;
-      this.line.visible = false;
-      scene.add(this.line);
+      const material = new THREE.MeshBasicMaterial({ color: 0xe8590c, depthTest: false, transparent: true });
+      this.line = new THREE.Mesh(new THREE.CylinderGeometry(1, 1, 1, 8).translate(0, 0.5, 0), material);
+      this.end = new THREE.Mesh(new THREE.SphereGeometry(1, 16, 12), material);
+      for (const part of [this.line, this.end]) {
+        part.renderOrder = 2;
+        part.visible = false;
+        scene.add(part);
+      }
       canvas.addEventListener("pointerdown", (event) => this.press(event));
       canvas.addEventListener("pointermove", (event) => this.move(event));
       for (const name of ["pointerup", "pointercancel"]) canvas.addEventListener(name, (event) => this.release(event));
     }
 
-    // Directs the ray through a pixel.
-    aim(event) {
+    // Directs the ray through a pixel, or one beside it.
+    aim(event, dx = 0, dy = 0) {
       const box = this.canvas.getBoundingClientRect();
-      const x = 2 * (event.clientX - box.left) / box.width - 1;
-      const y = 1 - 2 * (event.clientY - box.top) / box.height;
+      const x = 2 * (event.clientX + dx - box.left) / box.width - 1;
+      const y = 1 - 2 * (event.clientY + dy - box.top) / box.height;
       this.caster.setFromCamera({ x, y }, this.orbit.camera);
     }
 
-    // The body at a pixel, and the point of it that is seen there.
+    // The body at a pixel or near it, and the point of it that is seen there.
     find(event) {
-      this.aim(event);
-      const [hit] = this.caster.intersectObjects(this.model.bodies, true);
-      if (!hit) return null;
-      const body = this.model.bodies.find((group) => group === hit.object || group === hit.object.parent);
-      return body && { body, point: hit.point };
+      const pixels = reach[event.pointerType] || reach.other;
+      for (const [x, y] of near) {
+        this.aim(event, pixels * x, pixels * y);
+        const [hit] = this.caster.intersectObjects(this.model.bodies, true);
+        const body = hit && this.model.bodies.find((group) => group === hit.object || group === hit.object.parent);
+        if (body) return { body, point: hit.point };
+      }
+      return null;
     }
 
     press(event) {
@@ -80,12 +87,20 @@
 
     // Draws the spring, from the point of the body to the pointer.
     update() {
-      this.line.visible = this.pointer !== null;
-      if (!this.line.visible) return;
-      const positions = this.line.geometry.attributes.position;
+      const pulls = this.pointer !== null;
+      this.line.visible = this.end.visible = pulls;
+      if (!pulls) return;
+      const pixel = this.orbit.lengthOfPixel();
       const from = this.body.localToWorld(this.own.clone());
-      [from, this.target].forEach((point, i) => positions.setXYZ(i, point.x, point.y, point.z));
-      positions.needsUpdate = true;
+      const along = this.target.clone().sub(from);
+      const length = along.length();
+      this.line.position.copy(from);
+      if (length > 0) this.line.quaternion.setFromUnitVectors(axis, along.divideScalar(length));
+      this.line.scale.set(1.5 * pixel, Math.max(length, pixel), 1.5 * pixel);
+      this.end.position.copy(this.target);
+      this.end.scale.setScalar(5 * pixel);
     }
   };
+
+  const axis = new THREE.Vector3(0, 1, 0);  // of the cylinder
 })();

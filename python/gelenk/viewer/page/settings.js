@@ -117,6 +117,13 @@
       this.element.append(group);
     }
 
+    // Shows the values of a run that has been returned to; others are as in the scene.
+    show(settings) {
+      for (const [name, row] of this.rows) {
+        row.show(Object.prototype.hasOwnProperty.call(settings, name) ? settings[name] : row.value);
+      }
+    }
+
     accept(name) {
       this.rows.get(name).answer("");
     }

@@ -182,6 +182,12 @@
       }));
     }
 
+    // The scene with the parameters that are set, as JSON.
+    scene() {
+      this.call("gelenk_write_scene");
+      return this.module.text(this.call("gelenk_scene"));
+    }
+
     // All that determines how the run continues.
     save() {
       const count = this.call("gelenk_save");

@@ -157,6 +157,31 @@
       }
     }
 
+    // Keeps the present state, to which the run may return.
+    mark() {
+      this.release();
+      this.marked = { saved: this.plant.save(), time: this.plant.time, settings: this.settings };
+      this.post({ type: "marked", time: this.marked.time });
+    }
+
+    returnToMark() {
+      this.release();
+      this.plant.restore(this.marked.saved);
+      this.settings = this.marked.settings;
+      this.setGrid();
+      this.post({ type: "returned", time: this.plant.time, settings: this.settings });
+    }
+
+    writeScene() {
+      const plant = this.core.plant(this.scene, this.file);
+      try {
+        for (const [name, value] of Object.entries(this.settings)) plant.set(name, value);
+        this.post({ type: "written", text: plant.scene() });
+      } finally {
+        plant.free();
+      }
+    }
+
     refuse(name, error) {
       if (error instanceof globalThis.GelenkCore.CoreFailure) throw error;
       this.post({ type: "refused", name, text: error.message });
