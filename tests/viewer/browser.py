@@ -79,15 +79,13 @@ class Browser:
 
     def drag(self, start: tuple[float, float], end: tuple[float, float], hold: float = 0.0) -> None:
         """Press the mouse at a pixel, move it to another one, and release it there after some seconds."""
-        from selenium.webdriver.common.action_chains import ActionChains
         from selenium.webdriver.common.actions.action_builder import ActionBuilder
 
         actions = ActionBuilder(self._driver)
-        pointer = actions.pointer_action
+        pointer: Any = actions.pointer_action
         pointer.move_to_location(*map(round, start)).pointer_down()
         pointer.move_to_location(*map(round, end)).pause(hold).pointer_up()
         actions.perform()
-        ActionChains(self._driver).reset_actions()
 
     def resize(self, width: int, height: int) -> None:
         """Give the page another size [pixels], as of another device."""

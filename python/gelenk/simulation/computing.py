@@ -50,4 +50,5 @@ def computing_view(scene: Scene, **run: Any) -> View:
     step = run.get("step")
     text = _core.write_scene_json(scene.with_parameters(parameters)._core)
     settings = {name: float(value) for name, value in {**constants, **(inputs or {})}.items()}
-    return View(computing(data, recording, text, scene.step if step is None else step, settings))
+    page = computing(data, recording, text, scene.step if step is None else step, settings)
+    return View(page, data)

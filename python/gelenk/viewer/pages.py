@@ -25,9 +25,15 @@ if TYPE_CHECKING:
 class View:
     """A page that shows a mechanism in motion; notebooks display it."""
 
-    def __init__(self, data: Mapping[str, Any]) -> None:
-        """Make a view of `gelenk.viewer.data.page_data`."""
+    def __init__(self, data: Mapping[str, Any], run: Mapping[str, Any] | None = None) -> None:
+        """Make a view of `gelenk.viewer.data.page_data`.
+
+        Args:
+            data: of the page.
+            run: of a run, for pictures and other pages, if the page computes its own.
+        """
         self._data = data
+        self._run = run or data
         self._name = str(data["name"])
 
     @cached_property
@@ -79,7 +85,7 @@ class View:
         if is_picture(out):
             from gelenk.viewer.drawing.files import write_picture
 
-            return write_picture(self._data, out, **choices)
+            return write_picture(self._run, out, **choices)
         given = [name for name, value in choices.items() if value is not None]
         if given:
             raise UsageError(
@@ -98,11 +104,11 @@ class View:
         Raises:
             UsageError: one of them shows two runs already, or there are not two names.
         """
-        return View(overlaid(self._data, other._data, names))
+        return View(overlaid(self._run, other._run, names))
 
     def in_degrees(self) -> View:
         """Return the same page with angles, angular velocities and accelerations in degrees in its plots."""
-        return View(with_degrees(self._data))
+        return View(with_degrees(self._data), self._run)
 
     def show(self) -> Path:
         """Open the page in the browser, from a temporary file of which the path is returned."""
