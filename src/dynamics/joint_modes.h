@@ -155,16 +155,18 @@ class JointModes final : public SwitchingForces {
     if (locks_any()) locks_.clear(v);
   }
 
-  void stop(double* v) override {
-    if (!locks_any()) return;
+  bool stop(double* v) override {
+    bool stops_all = true;
+    if (!locks_any()) return stops_all;
     std::vector<double>& w = work_;
     for (int i = 0; i < 2; ++i) {  // the second time removes the rounding of the first
       M_.multiply(v, w.data());
-      locks_.stop(w.data());
+      stops_all = locks_.stop_rounding(w.data()) && stops_all;
       M_.solve(w.data());
       std::ranges::copy(w, v);
-      locks_.clear(v);
+      if (stops_all) locks_.clear(v);
     }
+    return stops_all;
   }
 
  private:

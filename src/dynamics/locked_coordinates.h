@@ -130,19 +130,7 @@ class LockedCoordinates {
   void factorize() {
     if (is_current_) return;
     is_current_ = true;
-    held_.clear();
-    for (int i = 0; i < count(); ++i) {
-      if (locked_[i] == 0) continue;
-      double* z = factor_.column(static_cast<int>(held_.size()));
-      held_.push_back(i);
-      whiten(i, y_[i].data());
-      const double size = norm(y_[i].data());
-      inverse_size_[i] = 1 / size;
-      const double permitted = permitted_part(y_[i].data(), z);
-      inverse_mobility_[i] = permitted > 0 ? size / (permitted * permitted) : INFINITY;
-      for (int k = 0; k < n_; ++k) z[k] *= inverse_size_[i];
-    }
-    factor_.set_rows(locked_count_);
+    fill_rows();
     factor_.factorize(locked_count_);
   }
 
@@ -150,9 +138,21 @@ class LockedCoordinates {
   void stop(double* w) {
     factorize();
     find_gaps(w);
-    std::fill(w_.begin(), w_.end(), 0.0);
-    factor_.solve_constrained(w_.data(), gap_.data(), nullptr);
+    find_stop();
     for (int k = 0; k < n_; ++k) w[k] += w_[k];
+  }
+  // The same of coordinates that are at rest within rounding. At a dead center their rows have hardly any part along
+  // the motion, and what stops a speed of 1e-12 there would stop the mechanism: along such directions the motion is
+  // kept, unless rounding explains its change, or it is so slow that friction with so small a lever may hold it.
+  // Returns whether all are stopped.
+  bool stop_rounding(double* w) {
+    factorize();
+    find_gaps(w);
+    find_stop();
+    const int strong = factor_.pivots_above(weak_part);
+    const bool stops_all = strong == factor_.rank() || may_stop_all(strong, w);
+    for (int k = 0; k < n_; ++k) w[k] += w_[k];
+    return stops_all;
   }
   // The same for each column of w (n x columns), stored row by row.
   void stop(double* w, int columns) {
@@ -166,8 +166,7 @@ class LockedCoordinates {
   void forces(const double* w, double* x) {
     factorize();
     find_gaps(w);
-    std::fill(w_.begin(), w_.end(), 0.0);
-    factor_.solve_constrained(w_.data(), gap_.data(), nullptr);
+    find_stop();
     factor_.multipliers(gap_.data());
     std::fill_n(x, count(), 0.0);
     for (std::size_t k = 0; k < held_.size(); ++k) x[held_[k]] = -gap_[k] * inverse_size_[held_[k]];
@@ -225,6 +224,49 @@ class LockedCoordinates {
   }
 
  private:
+  // Part of a row, below which it hardly determines the motion. The change that rounding explains, relative to the
+  // motion or to one with a speed of 1, and what is as good as at rest, relative to the latter.
+  static constexpr double weak_part = 1e-3;
+  static constexpr double explained_fraction = 1e-10;
+  static constexpr double slow_fraction = 1e-6;
+
+  void fill_rows() {
+    held_.clear();
+    for (int i = 0; i < count(); ++i) {
+      if (locked_[i] == 0) continue;
+      double* z = factor_.column(static_cast<int>(held_.size()));
+      held_.push_back(i);
+      whiten(i, y_[i].data());
+      const double size = norm(y_[i].data());
+      inverse_size_[i] = 1 / size;
+      const double permitted = permitted_part(y_[i].data(), z);
+      inverse_mobility_[i] = permitted > 0 ? size / (permitted * permitted) : INFINITY;
+      for (int k = 0; k < n_; ++k) z[k] *= inverse_size_[i];
+    }
+    factor_.set_rows(locked_count_);
+  }
+  // w_ <- the least change by which the gaps vanish.
+  void find_stop() {
+    std::fill(w_.begin(), w_.end(), 0.0);
+    factor_.solve_constrained(w_.data(), gap_.data(), nullptr);
+  }
+  // Whether the change w_ of w may go beyond that in the first `rank` directions; if not, w_ becomes the latter.
+  bool may_stop_all(int rank, const double* w) {
+    double unit = 0;
+    for (const int i : held_) unit = std::max(unit, inverse_size_[i]);
+    const double size = norm(w);
+    if (size <= slow_fraction * unit) return true;
+    column_ = w_;
+    fill_rows();
+    factor_.factorize(rank);
+    is_current_ = false;
+    find_stop();
+    double beyond = 0;
+    for (int k = 0; k < n_; ++k) beyond = std::hypot(beyond, column_[k] - w_[k]);
+    const bool is_explained = beyond <= explained_fraction * std::max(size, unit);
+    if (is_explained) w_ = column_;
+    return is_explained;
+  }
   void locks_changed() { is_current_ = tree_is_current_ = false; }
   // Whether two locks hold the same coordinate of the tree.
   bool any_twice() const {

@@ -103,8 +103,9 @@ class SwitchingForces {
   virtual void strike(const std::vector<int>& locks, const Eigen::VectorXd& impulses, double* v) = 0;
   // Sets the velocities of locked tree coordinates to 0.
   virtual void clear(double* v) = 0;
-  // Changes v by the least amount in the mass metric that stops the locked coordinates.
-  virtual void stop(double* v) = 0;
+  // Changes v by the least amount in the mass metric that stops the locked coordinates, which are at rest within
+  // rounding. Returns false if some are not stopped, since rounding does not explain how the motion would change.
+  virtual bool stop(double* v) = 0;
 };
 
 // Whether something that slips may come to rest with the present inputs, so that the rate of its speed matters. Open

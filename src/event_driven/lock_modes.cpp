@@ -261,7 +261,8 @@ bool LockModes::any_wrong_speed(const double* v) const {
   return false;
 }
 
-// Stops what rests and what has a wrong speed, and removes what impacts have left in the constraint equations.
+// Stops what rests and what has a wrong speed, and removes what impacts have left in the constraint equations. A wrong
+// speed remains where its coordinate hardly determines the motion, as at a dead center.
 void LockModes::stop(double* v) {
   const State modes = state();
   State stopped = modes;
@@ -271,7 +272,11 @@ void LockModes::stop(double* v) {
     if (forces_.lock(i).one_way) stopped.contacts[i] = touched_side(i);
   }
   set_state(stopped);
-  forces_.stop(v);
+  if (!forces_.stop(v)) {
+    set_state(modes);
+    forces_.stop(v);
+    forces_.clear(v);
+  }
   dynamics_.set_velocity(v);
   dynamics_.min_norm_displacement(dynamics_.row_rates().data(), vdot_.data());
   for (int k = 0; k < nv_; ++k) v[k] += vdot_[k];

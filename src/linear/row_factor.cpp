@@ -100,6 +100,12 @@ void RowFactor::factorize_constraints(int max_rank) {
   }
 }
 
+int RowFactor::pivots_above(double least) const {
+  const auto end = diagonal_.begin() + rank_;
+  return static_cast<int>(
+      std::count_if(diagonal_.begin(), end, [&](double pivot) { return std::abs(pivot) >= least; }));
+}
+
 void RowFactor::reflect_column(int k, int j) {
   const double* u = column(k) + k;
   double* y = column(j) + k;

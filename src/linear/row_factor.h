@@ -39,6 +39,8 @@ class RowFactor {
   // violates the constraints.
   void factorize(int max_rank);
   int rank() const { return rank_; }
+  // The number of pivots of at least this size.
+  int pivots_above(double least) const;
   // Ratio of the smallest pivot used to the largest, a measure of the distance to rank loss; 1 without constraints.
   double pivot_ratio() const { return pivot_ratio_; }
 

@@ -44,7 +44,7 @@ class OneCoordinate final : public SwitchingForces {
   void compliance(const std::vector<int>&, Eigen::MatrixXd&, Eigen::VectorXd&) override { never(); }
   void strike(const std::vector<int>&, const Eigen::VectorXd&, double*) override { never(); }
   void clear(double*) override { never(); }
-  void stop(double*) override { never(); }
+  bool stop(double*) override { never(); }
 
  private:
   [[noreturn]] static void never() { throw std::logic_error("not asked for"); }
