@@ -136,6 +136,19 @@ bool JointChanges::uses_limit_up(int lock) const {
          std::abs(holding) >= (1 - shared_fraction) * limit;
 }
 
+int JointChanges::first_to_stop(const double* y) const {
+  for (int i = 0; i < modes_.count(); ++i) {
+    if (modes_.has_wrong_speed(i, y + modes_.nq_)) return i;
+  }
+  return -1;
+}
+
+std::string JointChanges::text_of_stop(int lock) const {
+  const SwitchingForces::Lock& of = forces_.lock(lock);
+  const bool is_friction = of.friction >= 0;
+  return modes_.log_.report({0, 2 * (is_friction ? of.friction : of.limit), !is_friction}).text;
+}
+
 void JointChanges::finish(double* y) {
   if (empty()) return;
   forget_events();

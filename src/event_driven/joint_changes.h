@@ -4,6 +4,7 @@
 #pragma once
 
 #include <algorithm>
+#include <string>
 #include <vector>
 
 #include "event_driven/lock_modes.h"
@@ -52,6 +53,9 @@ class JointChanges {
   void begin_change() { modes_.modes_.unstoppable = -1; }
   // Lets go what is no longer held where rounding hides it, and what is at its limit, too: one alone could not move.
   void force_away();
+  // The first coordinate that finish() stops, by lock; -1: it stops none. What it says in a message.
+  int first_to_stop(const double* y) const;
+  std::string text_of_stop(int lock) const;
   // Stops what rests, and what begins to move from there.
   void finish(double* y);
   void stop(double* y) { modes_.stop(y + modes_.nq_); }

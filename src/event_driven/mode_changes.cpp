@@ -31,6 +31,7 @@ ModeChanges::ModeChanges(const Context& context)
       triggered_(contact_equations_.modes().size()),
       vdot_(static_cast<std::size_t>(context.mechanism.nv)),
       before_(vdot_.size()),
+      unstopped_(vdot_.size()),
       checked_(static_cast<std::size_t>(context.contacts.indicators())),
       checked_rates_(checked_.size()),
       expected_(std::make_unique<bool[]>(checked_.size())) {}

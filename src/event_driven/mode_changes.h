@@ -88,6 +88,7 @@ class ModeChanges {
   bool enter_contacts(std::vector<CandidateMode> next, Recording records);
   void record_contact_changes(double t, const std::vector<CandidateMode>& before);
   void finish(double* y);
+  void stop_joints(double* y);
   bool exceed_laws();
 
   const Mechanism& mechanism_;
@@ -108,7 +109,7 @@ class ModeChanges {
   bool redistributed_ = false;
   ModeCounts counts_;
   std::string refusal_;
-  std::vector<double> vdot_, before_;
+  std::vector<double> vdot_, before_, unstopped_;
   std::vector<double> load_indicators_;          // of the loads of meshes
   std::vector<int> load_signs_;                  // where a step began last
   std::vector<double> checked_, checked_rates_;  // indicators where inputs have jumped

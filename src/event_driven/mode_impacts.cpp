@@ -5,6 +5,7 @@
 #include "event_driven/mode_changes.h"
 #include "mechanism/mechanism.h"
 #include "nonsmooth/rounding.h"
+#include "nonsmooth/stop_audit.h"
 
 namespace gelenk {
 namespace {
@@ -129,10 +130,22 @@ bool ModeChanges::end_series(const BeforeImpact& before, ImpactEquations& impact
   return found;
 }
 
+// Stops joints that are at rest within rounding; refuses to if that would change the motion.
+void ModeChanges::stop_joints(double* y) {
+  const double* const v = y + mechanism_.nq;
+  std::copy_n(v, unstopped_.size(), unstopped_.begin());
+  const int stopped = joints_.first_to_stop(y);
+  joints_.finish(y);
+  if (stopped < 0 || excess_of_stop(unstopped_, {v, unstopped_.size()}) <= 1) return;
+  refusal_ = joints_.text_of_stop(stopped) +
+             ", and velocities would change by far more than rounding explains: try a smaller tolerance or another "
+             "integrator";
+}
+
 // What is closed does not approach, and what is at rest, or begins to move from there, does not move.
 void ModeChanges::finish(double* y) {
   std::ranges::fill(triggered_, Trigger{});
-  joints_.finish(y);
+  stop_joints(y);
   if (contact_equations_.closed().empty()) return;
   double* const v = y + mechanism_.nq;
   const double rest = contacts_.slow(v);

@@ -2,6 +2,7 @@
 #include <stdexcept>
 
 #include "nonsmooth/law_audit.h"
+#include "nonsmooth/stop_audit.h"
 #include "units.h"
 
 namespace nb = nanobind;
@@ -93,6 +94,11 @@ void bind_laws(nb::module_& m) {
       },
       nb::arg("forces"), nb::arg("speed"), nb::arg("sticking"), nb::arg("sliding"), nb::arg("upper"), nb::arg("lower"),
       nb::arg("one_way"), nb::arg("rounding"));
+  // Of velocities before and after what events do to them without impulses.
+  m.def(
+      "excess_of_stop",
+      [](const Numbers& before, const Numbers& after) { return gelenk::excess_of_stop(before, after); },
+      nb::arg("before"), nb::arg("after"));
 }
 
 }  // namespace native

@@ -12,6 +12,7 @@ STICKING = 2.0  # N
 FRACTION = 1e-6  # of a limit
 FAR = -0.1  # m: depth of what is away from a limit
 SLACKS = 1e4  # of the rounding of the forces
+STOP = 1e-4  # of velocities
 
 
 def audited(units: Any, **of: Any) -> tuple[str, float]:
@@ -88,3 +89,13 @@ def test_excess_is_relative_to_what_is_permitted(units: Any) -> None:
         found = audited(units, forces=[STICKING * (1 + part * FRACTION), 0.0])[1]
         assert found == pytest.approx(part, rel=1e-3)  # a force of 1e-9 is rounding, too
         assert audited(units, upper=part * 1e-6)[1] == pytest.approx(part)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize("size", [1e-3, 1.0, 50.0])
+def test_what_stops_changes_no_other_velocity(units: Any, sign: int, size: float) -> None:
+    largest = STOP * max(size, 1.0)
+    before = [size, 1e-12]
+    assert units.excess_of_stop(before, [size + sign * 0.99 * largest, 0.0]) < 1
+    assert units.excess_of_stop(before, [size + sign * 1.01 * largest, 0.0]) > 1
+    assert units.excess_of_stop(before, before) == 0
