@@ -64,18 +64,15 @@ std::optional<Rod::End> end_of(const AnyJoint& any, bool reversed, bool planar, 
 
 std::optional<Rod> make_rod(const AnyJoint& first, bool first_reversed, const AnyJoint& second, bool second_reversed,
                             const Pose3& X_12, bool planar) {
-  Rod rod;
-  rod.X_12 = X_12;
-  if (planar) rod.X_12.p.z() = 0;
-  rod.length = rod.X_12.p.norm();
-  if (rod.length < min_length) return {};
-  const Vector3d e = rod.X_12.p / rod.length;
+  Pose3 X = X_12;
+  if (planar) X.p.z() = 0;
+  const double length = X.p.norm();
+  if (length < min_length) return {};
+  const Vector3d e = X.p / length;
   const auto at_first = end_of(first, first_reversed, planar, e, false);
   const auto at_second = end_of(second, second_reversed, planar, e, true);
   if (!at_first || !at_second) return {};
-  rod.first = *at_first;
-  rod.second = *at_second;
-  return rod;
+  return Rod{.first = *at_first, .second = *at_second, .X_12 = X, .length = length};
 }
 
 }  // namespace gelenk
