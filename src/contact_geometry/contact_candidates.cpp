@@ -30,9 +30,11 @@ double radius_of(const AnyShape& shape) {
   return out + margin;
 }
 
+// NOLINTBEGIN(bugprone-suspicious-memory-comparison): the bits decide
 bool is_bitwise_equal(const Pose3& a, const Pose3& b) {
   return std::memcmp(a.R.data(), b.R.data(), sizeof a.R) == 0 && std::memcmp(a.p.data(), b.p.data(), sizeof a.p) == 0;
 }
+// NOLINTEND(bugprone-suspicious-memory-comparison)
 
 // Of a ball about the origin of a shape's frame that contains it [m].
 double arm_of(const AnyShape& shape) {
@@ -47,8 +49,24 @@ ContactCandidates::ContactCandidates(const Mechanism& mechanism, bool located)
       core_poses_(mechanism.shapes.size()),
       V_(mechanism.links.size()),
       A_(mechanism.links.size()) {
+  if (located) {
+    add_shapes(mechanism);
+    for (const Swing& swing : mechanism.swings) add_swing(swing);
+  }
+  std::ranges::sort(links_);
+  links_.erase(std::unique(links_.begin(), links_.end()), links_.end());
+  std::vector<bool> is_core(core_poses_.size());
+  for (int i = 0; i < count(); ++i) {
+    if ((*this)[i].turns()) continue;
+    const auto core = static_cast<std::size_t>((*this)[i].core);
+    if (!is_core[core]) cores_.push_back(i);
+    is_core[core] = true;
+  }
+}
+
+void ContactCandidates::add_shapes(const Mechanism& mechanism) {
   const auto& shapes = mechanism.shapes;
-  const int n = located ? static_cast<int>(shapes.size()) : 0;
+  const int n = static_cast<int>(shapes.size());
   for (int i = 0; i < n; ++i) {
     for (int j = i + 1; j < n; ++j) {
       const LinkShape& first = shapes[static_cast<std::size_t>(i)];
@@ -72,18 +90,6 @@ ContactCandidates::ContactCandidates(const Mechanism& mechanism, bool located)
         add_rims(mechanism, contact, j, i);
       }
     }
-  }
-  if (located) {
-    for (const Swing& swing : mechanism.swings) add_swing(swing);
-  }
-  std::ranges::sort(links_);
-  links_.erase(std::unique(links_.begin(), links_.end()), links_.end());
-  std::vector<bool> is_core(core_poses_.size());
-  for (int i = 0; i < count(); ++i) {
-    if ((*this)[i].turns()) continue;
-    const auto core = static_cast<std::size_t>((*this)[i].core);
-    if (!is_core[core]) cores_.push_back(i);
-    is_core[core] = true;
   }
 }
 

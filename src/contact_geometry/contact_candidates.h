@@ -98,6 +98,7 @@ class ContactCandidates {
   void begin_pair(const Mechanism& mechanism, int tip, int core);
   using Line = features::Line<double>;
   // ContactCandidates of the tips of one shape on the core of another; both: numbers of shapes.
+  void add_shapes(const Mechanism& mechanism);
   void add_pair(const Mechanism& mechanism, int contact, int tip, int core);
   void add_edges(const Mechanism& mechanism, int contact, int tip, int core);
   void add_rims(const Mechanism& mechanism, int contact, int tip, int core);

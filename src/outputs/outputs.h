@@ -125,6 +125,8 @@ class Outputs {
   template <class T>
   [[gnu::noinline]] T sensor_value(const Source& source, const Readings<T>* dynamics) const;
   template <class T>
+  [[gnu::noinline]] T contact_value(const Source& source, const ReadingOf<T>& reading) const;
+  template <class T>
   [[gnu::noinline]] T constraint_value(const Source& source, const Readings<T>& dynamics) const;
   template <class T>
   [[gnu::noinline]] T force_value(const Source& source, const Readings<T>* dynamics) const;

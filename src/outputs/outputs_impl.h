@@ -59,31 +59,35 @@ inline T Outputs::value_of(const Source& s, const ReadingOf<T>& reading) const {
     case Kind::constraint:
       return constraint_value<T>(s, reading.dynamics);
     case Kind::contact:
-      if constexpr (!std::is_same_v<T, double>) {
-        const bool is_swing = static_cast<std::size_t>(s.index) >= scene_.contacts.size();
-        if (!is_swing && s.group == 1 && reading.contact_gaps != nullptr) return reading.contact_gaps[s.index];
-        if (reading.contact_forces == nullptr || s.group != 0) break;
-        const Vector3<T> force = reduced_.islands[static_cast<std::size_t>(s.island)].X_W0.R.template cast<T>() *
-                                 reading.contact_forces[s.index];
-        if (!is_swing) return force[s.component];
-        const T square = force.squaredNorm();
-        using std::sqrt;
-        return square > T(0) ? T(sqrt(square)) : T(0);
-      }
-      if (reading.contacts == nullptr) break;
-      if (static_cast<std::size_t>(s.index) >= scene_.contacts.size())
-        return s.group == 0 ? T(reading.contacts->force(s.index).norm())
-                            : T(reading.contacts->mode(s.index) == 0 ? 0 : 1);
-      return T(std::visit(
-          [&](const auto& contact) {
-            return contact.output(SeenContact{*reading.contacts, s.index}, s.group, s.component);
-          },
-          *scene_.contacts[static_cast<std::size_t>(s.index)].is));
+      return contact_value<T>(s, reading);
     case Kind::constant:
     case Kind::whole:
       break;
   }
   return T(0);
+}
+
+template <class T>
+T Outputs::contact_value(const Source& s, const ReadingOf<T>& reading) const {
+  if constexpr (!std::is_same_v<T, double>) {
+    const bool is_swing = static_cast<std::size_t>(s.index) >= scene_.contacts.size();
+    if (!is_swing && s.group == 1 && reading.contact_gaps != nullptr) return reading.contact_gaps[s.index];
+    if (reading.contact_forces == nullptr || s.group != 0) return T(0);
+    const Vector3<T> force = reduced_.islands[static_cast<std::size_t>(s.island)].X_W0.R.template cast<T>() *
+                             reading.contact_forces[s.index];
+    if (!is_swing) return force[s.component];
+    const T square = force.squaredNorm();
+    using std::sqrt;
+    return square > T(0) ? T(sqrt(square)) : T(0);
+  }
+  if (reading.contacts == nullptr) return T(0);
+  if (static_cast<std::size_t>(s.index) >= scene_.contacts.size())
+    return s.group == 0 ? T(reading.contacts->force(s.index).norm()) : T(reading.contacts->mode(s.index) == 0 ? 0 : 1);
+  return T(std::visit(
+      [&](const auto& contact) {
+        return contact.output(SeenContact{*reading.contacts, s.index}, s.group, s.component);
+      },
+      *scene_.contacts[static_cast<std::size_t>(s.index)].is));
 }
 
 template <class T>

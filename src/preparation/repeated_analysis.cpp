@@ -14,10 +14,12 @@
 namespace gelenk {
 namespace {
 
+// NOLINTBEGIN(bugprone-suspicious-memory-comparison): the bits decide
 bool is_bitwise_equal(const Spatial::Inertia& a, const Spatial::Inertia& b) {
   return std::memcmp(&a.m, &b.m, sizeof a.m) == 0 && std::memcmp(a.h.data(), b.h.data(), sizeof a.h) == 0 &&
          std::memcmp(a.I.data(), b.I.data(), sizeof a.I) == 0;
 }
+// NOLINTEND(bugprone-suspicious-memory-comparison)
 
 // Whether the positions of an island are those of joints and loops alone, and its mass matrix is regular by itself.
 bool is_plain(const Mechanism& mechanism) {
