@@ -53,6 +53,12 @@ void append(const std::vector<Recorded>& from, std::vector<expression::Term>& to
   for (const Recorded& x : from) to.push_back(x.term());
 }
 
+void note_swings(const Scene& scene, const Mechanism& mechanism, std::vector<std::string>& notes) {
+  for (const Swing& swing : mechanism.swings)
+    notes.push_back(name_of_touching_law(scene, swing.contact) +
+                    " is left out; the equations hold where it is not reached.");
+}
+
 }  // namespace
 
 TracedScene::TracedScene(const Scene& scene)
@@ -67,6 +73,7 @@ TracedScene::TracedScene(const Scene& scene)
     name_targets(i, arguments_[i]);
     note_size(i);
     note_modes(i, arguments_[i], refused);
+    note_swings(scene_, prepared_.islands[i].mechanism, equations_.notes);
   }
   if (!refused.empty()) throw SceneError(refused);
   if (equations_.v.empty()) throw SceneError({prefix_of(scene_) + "joints: found none that moves, expected one"});
@@ -195,9 +202,6 @@ void TracedScene::note_modes(std::size_t island, IslandArguments& of, std::vecto
            ": found contacts between shapes; equations are handed out for mechanisms without");
     break;
   }
-  for (const Swing& swing : mechanism.swings)
-    equations_.notes.push_back(name_of_touching_law(scene_, swing.contact) +
-                               " is left out; the equations hold where it is not reached.");
   const std::string rest = ", which equations do not contain; expected names of inputs, states and coordinates";
   if (std::ranges::any_of(loads.named, [](const NamedQuantity& of) { return of.reading != nullptr; })) {
     for (const FormulaReader& reader : formula_readers(scene_)) {
