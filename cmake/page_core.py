@@ -6,15 +6,12 @@ from __future__ import annotations
 import argparse
 import os
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import zopfli.gzip
-from runtimes import LICENSES, ZIG, configured, sundials, toolchain_of
+from runtimes import LICENSES, ZIG, compiled
 from sundials_source import sundials_source
 
-SOURCE = Path(__file__).resolve().parent.parent
 LIBC = ZIG.parent / "lib" / "libc" / "wasi"
 LIBC_LICENSES = (
     "LICENSE",
@@ -28,18 +25,8 @@ LIBRARY = "gelenk.wasm"
 
 def built(folder: Path, source: Path) -> Path:
     """Build the core and return it."""
-    toolchain = toolchain_of(TARGET, folder)
-    options = {
-        "SUNDIALS_DIR": str(sundials(folder, toolchain, source)),
-        "Python_EXECUTABLE": sys.executable,
-        "GELENK_SCENES": "OFF",
-        "GELENK_WITH_YAML": "OFF",
-        "CMAKE_TRY_COMPILE_TARGET_TYPE": "STATIC_LIBRARY",
-        "CMAKE_BUILD_TYPE": "Release",
-    }
-    configured(SOURCE, folder / "gelenk", toolchain, options)
-    subprocess.run(["cmake", "--build", str(folder / "gelenk"), "--target", "gelenk_page"], check=True)
-    return folder / "gelenk" / "runtime" / "wasm32" / LIBRARY
+    runtime = compiled("gelenk_page", TARGET, folder, source, {"CMAKE_BUILD_TYPE": "Release"})
+    return runtime / "wasm32" / LIBRARY
 
 
 def put(core: Path, package: Path) -> Path:

@@ -112,8 +112,8 @@ def sundials(folder: Path, toolchain: Path, source: Path) -> Path:
     return folder / "install" / "lib" / "cmake" / "sundials"
 
 
-def library(target: str, folder: Path, source: Path, options: dict[str, str]) -> Path:
-    """Build the runtime for a target of Zig and return the library."""
+def compiled(name: str, target: str, folder: Path, source: Path, options: dict[str, str]) -> Path:
+    """Build a CMake target for a target of Zig and return the folder with what is built."""
     toolchain = toolchain_of(target, folder)
     all_options = {
         "SUNDIALS_DIR": str(sundials(folder, toolchain, source)),
@@ -123,8 +123,13 @@ def library(target: str, folder: Path, source: Path, options: dict[str, str]) ->
         "CMAKE_TRY_COMPILE_TARGET_TYPE": "STATIC_LIBRARY",  # linking would compile the C++ library once more
     } | options
     configured(SOURCE, folder / "gelenk", toolchain, all_options)
-    run("cmake", "--build", folder / "gelenk", "--target", "gelenk_fmu")
-    built = (folder / "gelenk" / "runtime").glob("*/gelenk_fmu.*")
+    run("cmake", "--build", folder / "gelenk", "--target", name)
+    return folder / "gelenk" / "runtime"
+
+
+def library(target: str, folder: Path, source: Path, options: dict[str, str]) -> Path:
+    """Build the runtime for a target of Zig and return the library."""
+    built = compiled("gelenk_fmu", target, folder, source, options).glob("*/gelenk_fmu.*")
     (found,) = (file for file in built if file.suffix in (".so", ".dll", ".dylib"))
     return found
 

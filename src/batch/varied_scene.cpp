@@ -99,19 +99,20 @@ LaneStart expected(const TracedScene& scene) {
 
 VariedScene::VariedScene(const Scene& scene, const std::vector<std::string>& parameters)
     : scene_(scene), parameters_(named(scene, parameters)) {
-  refuse_unsuited(scene, TracedScene(scene).equations());
+  const NumberedScene first = numbered(scene);
+  refuse_unsuited(scene, first.scene->equations());
   if (parameters.empty()) {
-    record(scene, numbered(scene));
+    record(scene, first, first);
     return;
   }
   const NumberedScene others = changed();
-  if (record(scene, others) || record(without_special_values(values(), Replaced::all), others)) return;
-  throw other_equations(nullptr);
+  if (record(scene, first, others)) return;
+  const Scene other = without_special_values(values(), Replaced::all);
+  if (!record(other, numbered(other), others)) throw other_equations(nullptr);
 }
 
-// Whether the equations of the scene are those of the changed one, too, but for numbers.
-bool VariedScene::record(const Scene& scene, const NumberedScene& changed) {
-  const NumberedScene first = numbered(scene);
+// Whether the equations of the scene are those of the changed one, too, but for numbers. first: the scene, traced.
+bool VariedScene::record(const Scene& scene, const NumberedScene& first, const NumberedScene& changed) {
   if (first.numbers.size() != changed.numbers.size()) return false;
   varied_ = std::make_unique<VariedNumbers>(first.numbers, changed.numbers);
   const recording::NumberList list(varied_->variables());

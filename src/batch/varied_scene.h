@@ -42,7 +42,7 @@ class VariedScene {
   enum class Replaced { all, numbers_of_elements };
   Scene without_special_values(const std::vector<double>& values, Replaced which) const;
   NumberedScene changed() const;
-  bool record(const Scene& scene, const NumberedScene& changed);
+  bool record(const Scene& scene, const NumberedScene& first, const NumberedScene& changed);
   bool find(const NumberedScene& scene, const TracedScene& wanted, std::vector<double>& out) const;
   SceneError other_equations(const std::vector<double>* values) const;
 

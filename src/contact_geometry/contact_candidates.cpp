@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <utility>
 
+#include "math/bitwise.h"
 #include "mechanism/touching.h"
 #include "shape/kinds.h"
 
@@ -29,12 +29,6 @@ double radius_of(const AnyShape& shape) {
   }
   return out + margin;
 }
-
-// NOLINTBEGIN(bugprone-suspicious-memory-comparison): the bits decide
-bool is_bitwise_equal(const Pose3& a, const Pose3& b) {
-  return std::memcmp(a.R.data(), b.R.data(), sizeof a.R) == 0 && std::memcmp(a.p.data(), b.p.data(), sizeof a.p) == 0;
-}
-// NOLINTEND(bugprone-suspicious-memory-comparison)
 
 // Of a ball about the origin of a shape's frame that contains it [m].
 double arm_of(const AnyShape& shape) {

@@ -3,10 +3,10 @@
 #pragma once
 
 #include <algorithm>
-#include <cstring>
 #include <string>
 
 #include "kinematics/model.h"
+#include "math/bitwise.h"
 
 namespace gelenk {
 
@@ -24,8 +24,7 @@ bool take_inertias(const Mechanism& mechanism, Model<A>& model) {
   bool any = false;
   for (std::size_t i = 0; i < model.links.size(); ++i) {
     const typename A::Inertia G = inertia_in<A>(mechanism.links[i].G);
-    // NOLINTNEXTLINE(bugprone-suspicious-memory-comparison): the bits decide
-    if (std::memcmp(&G, &model.links[i].G, sizeof G) == 0) continue;
+    if (is_bitwise_equal(G, model.links[i].G)) continue;
     model.links[i].G = G;
     any = true;
   }

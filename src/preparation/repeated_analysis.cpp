@@ -2,11 +2,11 @@
 #include "preparation/repeated_analysis.h"
 
 #include <algorithm>
-#include <cstring>
 #include <utility>
 
 #include "analysis/singular_start.h"
 #include "formulation/targets.h"
+#include "math/bitwise.h"
 #include "mechanism/graph.h"
 #include "preparation/inertia.h"
 #include "preparation/initial_direction.h"
@@ -14,16 +14,9 @@
 namespace gelenk {
 namespace {
 
-// NOLINTBEGIN(bugprone-suspicious-memory-comparison): the bits decide
-bool is_bitwise_equal(const Spatial::Inertia& a, const Spatial::Inertia& b) {
-  return std::memcmp(&a.m, &b.m, sizeof a.m) == 0 && std::memcmp(a.h.data(), b.h.data(), sizeof a.h) == 0 &&
-         std::memcmp(a.I.data(), b.I.data(), sizeof a.I) == 0;
-}
-// NOLINTEND(bugprone-suspicious-memory-comparison)
-
 // Whether the positions of an island are those of joints and loops alone, and its mass matrix is regular by itself.
 bool is_plain(const Mechanism& mechanism) {
-  return !mechanism.driven() && !mechanism.mass_needs_rows && mechanism.shapes.empty() &&
+  return !mechanism.driven() && !mechanism.mass_needs_rows && !mechanism.touches() &&
          std::ranges::none_of(mechanism.cuts, [](const Cut& cut) { return cut.is_rod() || cut.opens_beside; });
 }
 

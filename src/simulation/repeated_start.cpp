@@ -7,6 +7,7 @@
 #include "preparation/repeated_analysis.h"
 #include "preparation/report.h"
 #include "scene/settable.h"
+#include "scene/touching_laws.h"
 #include "simulation/simulation_impl.h"
 
 namespace gelenk {
@@ -29,7 +30,7 @@ void RepeatedStart::keep() {
   // What happens at the start itself would be counted again.
   const bool nothing_happened =
       std::ranges::all_of(s.islands, [](const auto& of) { return of->events().count() == 0; });
-  const bool plain = s.moved.empty() && s.scene.solver.start != "equilibrium" && s.scene.contacts.empty() &&
+  const bool plain = s.moved.empty() && s.scene.solver.start != "equilibrium" && !has_touching_laws(s.scene) &&
                      s.scene.solver.integrator != "moreau-jean" && nothing_happened;
   if (!plain) return;
   std::vector<const Loads*> loads;
