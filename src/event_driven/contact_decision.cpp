@@ -41,7 +41,7 @@ ContactDecision::ContactDecision(ContactEquations& equations)
     : equations_(equations), solver_(make_cone_solver(cone_solver_kinds().front().name)) {}
 
 // What has let go has no force, at first.
-void ContactDecision::set_cones(const std::vector<Trigger>& triggered) {
+void ContactDecision::set_cones() {
   cones_.clear();
   for (std::size_t i = 0; i < rows_.entries.size(); ++i) {
     const ContactEquations::Entry& entry = rows_.entries[i];
@@ -49,7 +49,7 @@ void ContactDecision::set_cones(const std::vector<Trigger>& triggered) {
     for (int group = 0; group < contact_groups; ++group) {
       const auto g = static_cast<std::size_t>(group);
       coefficients[g] = equations_.coefficient(entry.candidate, group, slides_[i][g]);
-      if (triggered[static_cast<std::size_t>(entry.candidate)].groups[g]) coefficients[g] *= 1 - break_away_fraction;
+      if (breaks_away_) coefficients[g] *= 1 - break_away_fraction;
     }
     const Cone cone = cone_of(entry, coefficients);
     if (opens_[i] == 0) {
@@ -63,7 +63,7 @@ void ContactDecision::set_cones(const std::vector<Trigger>& triggered) {
 
 void ContactDecision::set_lock_cones() {
   const auto& locks = problem_->locks;
-  const double part = problem_->breaks_away() ? 1 - break_away_fraction : 1;
+  const double part = breaks_away_ ? 1 - break_away_fraction : 1;
   for (std::size_t i = 0; i < locks.size(); ++i) {
     const DirectedLimit& friction = slips_[i] != 0 ? locks[i].slipping : locks[i].sticking;
     cones_.push_back(Cone::within(first_lock_ + static_cast<int>(i), locks[i].lower(friction, part),
@@ -84,8 +84,8 @@ void ContactDecision::answer_locks() {
     if (x_[row] <= cone.lower + slack && (lock.direction == 0 || a[row] > 0)) lock.direction = 1;
     // What exceeds its limit by more than rounding leaves, however fast others are accelerated.
     const double noticed = std::min(lock.noticed, limit_fraction * scale_);
-    const double least = lock.triggered ? std::min(noticed, least_acceleration * scale_)
-                                        : std::max(noticed, least_acceleration * scale_);
+    const double least = breaks_away_ ? std::min(noticed, least_acceleration * scale_)
+                                      : std::max(noticed, least_acceleration * scale_);
     lock.leaves = lock.direction * a[row] > least;
   }
 }
@@ -114,8 +114,7 @@ void ContactDecision::solve_cones(const VectorXd& normal) {
   iterations_ += rest_first_.solve(*solver_, problem, options, limit_fraction * scale_, x_.data()).iterations;
 }
 
-std::vector<CandidateMode> ContactDecision::modes_of_solution(const std::vector<CandidateMode>& tentative,
-                                                              const std::vector<Trigger>& triggered) const {
+std::vector<CandidateMode> ContactDecision::modes_of_solution(const std::vector<CandidateMode>& tentative) const {
   std::vector<CandidateMode> next = tentative;
   const VectorXd normal = normal_forces();
   const double largest = std::max(0.0, normal.maxCoeff());
@@ -131,9 +130,8 @@ std::vector<CandidateMode> ContactDecision::modes_of_solution(const std::vector<
       if (entry.rows[g] < 0) continue;
       mode.groups[g].moves = false;
       mode.groups[g].direction.setZero();
-      const bool is_triggered = triggered[static_cast<std::size_t>(entry.candidate)].groups[g];
       if (n > least_force * largest) {
-        find_motion(i, group, a, is_triggered, mode);
+        find_motion(i, group, a, mode);
       } else if (const VectorXd part = a.segment(entry.rows[g], entry.kept(group));
                  part.norm() > limit_fraction * scale_) {
         mode.groups[g] = {true, in_space(entry, group, part / part.norm())};  // without a force, there is no friction
@@ -144,8 +142,7 @@ std::vector<CandidateMode> ContactDecision::modes_of_solution(const std::vector<
 }
 
 // Whether friction of a group is at its limit, and what moves against it.
-void ContactDecision::find_motion(std::size_t i, int group, const VectorXd& a, bool is_triggered,
-                                  CandidateMode& mode) const {
+void ContactDecision::find_motion(std::size_t i, int group, const VectorXd& a, CandidateMode& mode) const {
   const ContactEquations::Entry& entry = rows_.entries[i];
   const auto g = static_cast<std::size_t>(group);
   const auto part = x_.segment(entry.rows[g], entry.kept(group));
@@ -154,8 +151,40 @@ void ContactDecision::find_motion(std::size_t i, int group, const VectorXd& a, b
   if (!(size >= limit * (1 - 2 * break_away_fraction) && size > 0)) return;
   // Redundant forces may be at their limits although nothing moves.
   const double along = -part.dot(a.segment(entry.rows[g], entry.kept(group))) / size;
-  if (!(along > (is_triggered ? least_acceleration : limit_fraction) * scale_)) return;
+  if (!(along > (breaks_away_ ? least_acceleration : limit_fraction) * scale_)) return;
   mode.groups[g] = {true, in_space(entry, group, -part / size)};
+}
+
+// What begins to move does so against its friction at the limits themselves: with friction that is reduced so that it
+// moves, the direction is in error by as much, and nothing else accelerates it at this instant.
+void ContactDecision::find_directions(const std::vector<CandidateMode>& tentative, const VectorXd& normal,
+                                      std::vector<CandidateMode>& next) {
+  const auto begins = [&](int candidate, std::size_t g) {
+    const auto at = static_cast<std::size_t>(candidate);
+    return next[at].closed && next[at].groups[g].moves && !tentative[at].groups[g].moves;
+  };
+  const auto any_begins = [&](int candidate) {
+    return begins(candidate, 0) || begins(candidate, 1) || begins(candidate, 2);
+  };
+  if (std::ranges::none_of(candidates_, any_begins)) return;
+  const VectorXd reduced = x_;
+  breaks_away_ = false;
+  set_cones();
+  solve_cones(normal);
+  for (std::size_t i = 0; i < candidates_.size(); ++i) {
+    const ContactEquations::Entry& entry = rows_.entries[i];
+    for (int group = 0; group < contact_groups; ++group) {
+      const auto g = static_cast<std::size_t>(group);
+      if (entry.rows[g] < 0 || !begins(candidates_[i], g)) continue;
+      const VectorXd part = x_.segment(entry.rows[g], entry.kept(group));
+      const double limit = equations_.coefficient(entry.candidate, group, slides_[i][g]) * x_[entry.first];
+      if (part.norm() < limit * (1 - 2 * break_away_fraction) || part.isZero(0)) continue;
+      next[static_cast<std::size_t>(candidates_[i])].groups[g].direction = in_space(entry, group, -part / part.norm());
+    }
+  }
+  breaks_away_ = true;
+  x_ = reduced;
+  set_cones();
 }
 
 VectorXd ContactDecision::normal_forces() const {
@@ -218,6 +247,10 @@ void ContactDecision::set_up(const std::vector<CandidateMode>& tentative, const 
   const Eigen::Map<const VectorXd> free(vdot, rows_.R.cols());
   b_ = rows_.R * free + rows_.rates;
   scale_ = std::max(b_.cwiseAbs().maxCoeff(), (rows_.R.cwiseAbs() * free.cwiseAbs()).maxCoeff());
+  breaks_away_ = problem_->breaks_away() || std::ranges::any_of(candidates_, [&](int candidate) {
+                   const auto& groups = triggered[static_cast<std::size_t>(candidate)].groups;
+                   return std::ranges::find(groups, true) != groups.end();
+                 });
   slides_.assign(candidates_.size(), {});
   opens_.assign(candidates_.size(), 0);
   for (std::size_t i = 0; i < candidates_.size(); ++i) {
@@ -233,8 +266,7 @@ bool ContactDecision::uses_any_up() const {
 
 // Where friction of what slides makes a joint that friction holds move the other way (as in Painleve's paradox), the
 // forces above do not settle although one motion obeys the laws: each combination of rest and both directions is tried.
-bool ContactDecision::try_locks(const std::vector<Trigger>& triggered, const double* vdot,
-                                std::vector<CandidateMode>& next) {
+bool ContactDecision::try_locks(const double* vdot, std::vector<CandidateMode>& next) {
   const std::size_t count = problem_->locks.size();
   if (count == 0 || count > most_tried_locks) return false;
   const std::vector<CandidateMode> first = next;
@@ -251,7 +283,7 @@ bool ContactDecision::try_locks(const std::vector<Trigger>& triggered, const dou
     next = first;
     const bool possible = std::ranges::none_of(
         problem_->locks, [](const auto& lock) { return lock.contact != 0 && lock.direction == lock.contact; });
-    if (possible && refine(vdot, next) && !exceeds_limits(triggered)) return true;
+    if (possible && refine(vdot, next) && !exceeds_limits()) return true;
   }
   next = first;
   problem_->locks = answers;
@@ -273,17 +305,18 @@ ContactDecision::Outcome ContactDecision::decide(const std::vector<int>& candida
   std::vector<CandidateMode> possible;
   std::vector<LockProblem::Lock> possible_locks;
   for (int k = 0; k < most_repetitions; ++k) {
-    set_cones(triggered);
+    set_cones();
     solve_cones(normal);
-    next = modes_of_solution(tentative, triggered);
+    next = modes_of_solution(tentative);
     answer_locks();
     if (let_slide(tentative, next)) continue;
+    if (breaks_away_) find_directions(tentative, normal, next);
     if (refine(vdot, next)) {
       const VectorXd found = normal_forces_in_modes();
       const double change = (found - normal).cwiseAbs().maxCoeff();
       const bool same = !rows_.any_moves() || change <= limit_fraction * found.cwiseAbs().maxCoeff();
-      if (same && rows_.any_moves() && locks_exceed_limits()) break;
-      const bool obeys_all = same || !exceeds_limits(triggered);
+      if (same && rows_.any_moves() && !slides_with(found) && locks_exceed_limits()) break;
+      const bool obeys_all = same || !exceeds_limits();
       if (same || (obeys_all && !uses_any_up())) return is_indeterminate(next) ? Outcome::ambiguous : Outcome::found;
       if (obeys_all && possible.empty()) {
         possible = next;
@@ -300,7 +333,7 @@ ContactDecision::Outcome ContactDecision::decide(const std::vector<int>& candida
     outcome = Outcome::ambiguous;
     break;
   }
-  if (possible.empty()) return try_locks(triggered, vdot, next) ? Outcome::found : outcome;
+  if (possible.empty()) return try_locks(vdot, next) ? Outcome::found : outcome;
   next = std::move(possible);
   problem.locks = std::move(possible_locks);
   return Outcome::found;

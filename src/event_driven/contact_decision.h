@@ -43,29 +43,31 @@ class ContactDecision {
  private:
   void set_up(const std::vector<CandidateMode>& tentative, const std::vector<Trigger>& triggered, const double* vdot);
   void add_lock_rows();
-  void set_cones(const std::vector<Trigger>& triggered);
+  void set_cones();
   void set_lock_cones();
   void solve_cones(const Eigen::VectorXd& normal);
-  std::vector<CandidateMode> modes_of_solution(const std::vector<CandidateMode>& tentative,
-                                               const std::vector<Trigger>& triggered) const;
+  std::vector<CandidateMode> modes_of_solution(const std::vector<CandidateMode>& tentative) const;
   void answer_locks();
-  void find_motion(std::size_t i, int group, const Eigen::VectorXd& a, bool is_triggered, CandidateMode& mode) const;
+  void find_motion(std::size_t i, int group, const Eigen::VectorXd& a, CandidateMode& mode) const;
+  void find_directions(const std::vector<CandidateMode>& tentative, const Eigen::VectorXd& normal,
+                       std::vector<CandidateMode>& next);
   Eigen::VectorXd normal_forces() const;
   Eigen::VectorXd normal_forces_in_modes();
-  bool exceeds_limits(const std::vector<Trigger>& triggered);
+  bool exceeds_limits();
   int side_beyond_limit(std::size_t i) const;
   bool locks_exceed_limits() const;
   bool resolve_redundancy(std::vector<CandidateMode>& next);
   bool let_go_beyond_limits(int candidate);
   bool is_indeterminate(const std::vector<CandidateMode>& next) const;
   bool uses_any_up() const;
+  bool slides_with(const Eigen::VectorXd& normal) const;
   bool presses(int candidate) const;
   int most_pulling() const;
   bool obeys(std::size_t i, const CandidateMode& mode, const Eigen::VectorXd& relative) const;
   bool locks_obey(const Eigen::VectorXd& relative) const;
   bool refine(const double* vdot, std::vector<CandidateMode>& next);
   bool check(const double* vdot, const std::vector<CandidateMode>& next, int& pulls);
-  bool try_locks(const std::vector<Trigger>& triggered, const double* vdot, std::vector<CandidateMode>& next);
+  bool try_locks(const double* vdot, std::vector<CandidateMode>& next);
   bool let_locks_slip();
   bool let_slide(const std::vector<CandidateMode>& tentative, const std::vector<CandidateMode>& next);
 
@@ -79,6 +81,8 @@ class ContactDecision {
   double scale_ = 0;  // of accelerations
   long iterations_ = 0;
   std::vector<Cone> cones_;
+  // Whether friction of a contact or a joint has reached its limit. What others hold with at their limits moves with it.
+  bool breaks_away_ = false;
   std::vector<std::array<bool, contact_groups>> slides_;  // friction that does not hold any more
   std::vector<char> opens_;
   LockProblem* problem_ = nullptr;  // of the present decision

@@ -91,8 +91,20 @@ bool ContactDecision::let_go_beyond_limits(int candidate) {
   return any;
 }
 
+// Whether what slides has these normal forces, by candidate, in the cone problem: then its solution obeys the laws, and
+// redundant forces on what is at rest may be distributed otherwise in the modes.
+bool ContactDecision::slides_with(const VectorXd& normal) const {
+  const double largest = normal.cwiseAbs().maxCoeff();
+  for (std::size_t i = 0; i < candidates_.size(); ++i) {
+    const ContactEquations::Entry& entry = rows_.entries[i];
+    const double change = std::abs(x_[entry.first] - normal[static_cast<Index>(i)]);
+    if (entry.any_moves() && change > 2 * break_away_fraction * largest) return false;
+  }
+  return true;
+}
+
 // Whether friction that holds in these modes needs more than its limit, or a limit of a joint would have to pull.
-bool ContactDecision::exceeds_limits(const std::vector<Trigger>& triggered) {
+bool ContactDecision::exceeds_limits() {
   if (locks_exceed_limits()) return true;
   const auto& forces = equations_.forces();
   double sum = 0;
@@ -103,8 +115,7 @@ bool ContactDecision::exceeds_limits(const std::vector<Trigger>& triggered) {
       const auto g = static_cast<std::size_t>(group);
       if (entry.rows[g] < 0) continue;
       const double limit = equations_.coefficient(entry.candidate, group, false) * forces[i].normal;
-      const bool breaks_away = triggered[static_cast<std::size_t>(entry.candidate)].groups[g];
-      if (forces[i].held[g] > limit + (breaks_away ? -break_away_fraction * limit : limit_fraction * sum)) return true;
+      if (forces[i].held[g] > limit + (breaks_away_ ? -break_away_fraction * limit : limit_fraction * sum)) return true;
     }
   }
   return false;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <utility>
 #include <vector>
@@ -16,8 +17,10 @@ using Eigen::Index;
 using Eigen::VectorXd;
 
 constexpr int max_iterations = 50;
-// Of the part of b that the forces do not balance: rounding.
+// Of the part of b that the forces do not balance: rounding, of b and, where large forces balance each other, of their
+// effects.
 constexpr double balance_tolerance = 1e-13;
+constexpr double effect_rounding = 32 * std::numeric_limits<double>::epsilon();
 // Forces along coordinates that move at least at this fraction of the fastest are used up.
 constexpr double used_speed = 1e-9;
 
@@ -44,11 +47,13 @@ Level least_level(const Eigen::MatrixXd& W, const VectorXd& b, const VectorXd& l
     if (!found.found) break;
     out.x = found.x;
     const VectorXd& motion = found.r;
-    if (motion.cwiseAbs().maxCoeff() <= balance_tolerance * size) break;
+    const double effects = (W.cwiseAbs() * found.x.cwiseAbs()).maxCoeff();
+    const double rounding = std::max(balance_tolerance * size, effect_rounding * effects);
+    if (motion.cwiseAbs().maxCoeff() <= rounding) break;
     out.motion = motion;
     // The motion W a needs the power b.a, and the forces give at most the sum of bound_i (W a)_i: a lower bound.
     double resistance = 0;
-    const double slow = std::max(used_speed * motion.cwiseAbs().maxCoeff(), balance_tolerance * size);
+    const double slow = std::max(used_speed * motion.cwiseAbs().maxCoeff(), rounding);
     for (Index k = 0; k < motion.size(); ++k) {
       if (std::abs(motion[k]) <= slow) continue;  // rounding, which must not resist where nothing else does
       const double bound = motion[k] > 0 ? upper[k] : lower[k];

@@ -43,6 +43,20 @@ def test_contact_that_would_have_to_pull_is_seen(units: Any, force: float, round
     assert x[3] == pytest.approx(force, abs=1e-10)  # rounding of the others' 80 N
 
 
+@pytest.mark.parametrize("seed", range(40))
+def test_brakes_do_not_help_stops_that_hold_alone(units: Any, seed: int) -> None:
+    """Two stops press against each other, so that the rounding of their effects is larger than that of the load."""
+    rng = np.random.default_rng(seed)
+    rows = np.array([[-0.06, 0.58], [11.57, 0.1], [2.17, -0.4], [-13.08, 0.14]]) + 0.02 * rng.normal(
+        size=(4, 2)
+    )
+    W = rows @ rows.T
+    b = W @ [0.0, 80.0, 0.0, 70.0]
+    x = loads(units, W, b, [-6.1, 0, -0.47, 0], [6.1, INF, 0.47, INF])
+    assert x[[0, 2]].tolist() == [0.0, 0.0]
+    assert x[[1, 3]] == pytest.approx([80.0, 70.0], rel=1e-9)
+
+
 @pytest.mark.parametrize("seed", range(20))
 def test_one_motion_is_resisted_by_the_same_fraction_of_all_limits(units: Any, seed: int) -> None:
     """In closed form where it is the only motion; the general way, beside another one, agrees."""
