@@ -84,8 +84,8 @@ void ContactDecision::answer_locks() {
     if (x_[row] <= cone.lower + slack && (lock.direction == 0 || a[row] > 0)) lock.direction = 1;
     // What exceeds its limit by more than rounding leaves, however fast others are accelerated.
     const double noticed = std::min(lock.noticed, limit_fraction * scale_);
-    const double least = breaks_away_ ? std::min(noticed, least_acceleration * scale_)
-                                      : std::max(noticed, least_acceleration * scale_);
+    const double least =
+        breaks_away_ ? std::min(noticed, least_acceleration * scale_) : std::max(noticed, least_acceleration * scale_);
     lock.leaves = lock.direction * a[row] > least;
   }
 }

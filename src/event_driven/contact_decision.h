@@ -81,7 +81,8 @@ class ContactDecision {
   double scale_ = 0;  // of accelerations
   long iterations_ = 0;
   std::vector<Cone> cones_;
-  // Whether friction of a contact or a joint has reached its limit. What others hold with at their limits moves with it.
+  // Whether friction of a contact or a joint has reached its limit. What holds with it, at limits of its own, moves
+  // with it.
   bool breaks_away_ = false;
   std::vector<std::array<bool, contact_groups>> slides_;  // friction that does not hold any more
   std::vector<char> opens_;

@@ -46,18 +46,19 @@ Level least_level(const Eigen::MatrixXd& W, const VectorXd& b, const VectorXd& l
     const BoxSolution found = solve_in_box(W, b, scaled(lower, fraction), scaled(upper, fraction));
     if (!found.found) break;
     out.x = found.x;
-    const VectorXd& motion = found.r;
+    VectorXd motion = found.r;
     const double effects = (W.cwiseAbs() * found.x.cwiseAbs()).maxCoeff();
     const double rounding = std::max(balance_tolerance * size, effect_rounding * effects);
     if (motion.cwiseAbs().maxCoeff() <= rounding) break;
-    out.motion = motion;
+    out.motion = found.r;
     // The motion W a needs the power b.a, and the forces give at most the sum of bound_i (W a)_i: a lower bound.
     double resistance = 0;
     const double slow = std::max(used_speed * motion.cwiseAbs().maxCoeff(), rounding);
     for (Index k = 0; k < motion.size(); ++k) {
-      if (std::abs(motion[k]) <= slow) continue;  // rounding, which must not resist where nothing else does
+      // Rounding must not resist where nothing else does, nor need a power where forces are large.
+      if (std::abs(motion[k]) <= slow) motion[k] = 0;
       const double bound = motion[k] > 0 ? upper[k] : lower[k];
-      if (std::isfinite(bound)) resistance += bound * motion[k];
+      if (motion[k] != 0 && std::isfinite(bound)) resistance += bound * motion[k];
     }
     const double next = least_squares(W, motion).dot(b) / resistance;
     if (!std::isfinite(next)) return {least_squares(W, b), {}};  // a force would have to pull that cannot

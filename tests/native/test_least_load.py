@@ -45,7 +45,7 @@ def test_contact_that_would_have_to_pull_is_seen(units: Any, force: float, round
 
 @pytest.mark.parametrize("seed", range(40))
 def test_brakes_do_not_help_stops_that_hold_alone(units: Any, seed: int) -> None:
-    """Two stops press against each other, so that the rounding of their effects is larger than that of the load."""
+    """Two stops press against each other: the rounding of their effects is larger than that of the load."""
     rng = np.random.default_rng(seed)
     rows = np.array([[-0.06, 0.58], [11.57, 0.1], [2.17, -0.4], [-13.08, 0.14]]) + 0.02 * rng.normal(
         size=(4, 2)
@@ -55,6 +55,22 @@ def test_brakes_do_not_help_stops_that_hold_alone(units: Any, seed: int) -> None
     x = loads(units, W, b, [-6.1, 0, -0.47, 0], [6.1, INF, 0.47, INF])
     assert x[[0, 2]].tolist() == [0.0, 0.0]
     assert x[[1, 3]] == pytest.approx([80.0, 70.0], rel=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_brakes_are_within_their_limits_beside_large_loads(units: Any, seed: int) -> None:
+    """Two brakes on one shaft; a stop elsewhere holds a million times as much, with its rounding."""
+    rng = np.random.default_rng(seed)
+    shaft = np.outer([1.56, 4.04], [1.56, 4.04])
+    elsewhere = np.array([[2.07, 4.81], [4.81, 398.12]])
+    W = np.zeros((4, 4))
+    W[1:3, 1:3] = shaft
+    W[np.ix_([0, 3], [0, 3])] = elsewhere * rng.uniform(0.5, 2)
+    load = rng.uniform(0.3, 0.9)  # of what the brakes can hold
+    brakes = np.array([2.883, 0.2667])
+    b = W @ np.array([-626.13e3 * rng.uniform(0.5, 2), 0, 0, 0.69e3]) + W @ np.array([0, *(load * brakes), 0])
+    x = loads(units, W, b, [-INF, *-brakes, 0], [1.5, *brakes, INF])
+    assert x[1:3] == pytest.approx(load * brakes, rel=1e-6)
 
 
 @pytest.mark.parametrize("seed", range(20))
