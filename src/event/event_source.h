@@ -59,6 +59,12 @@ class EventSource {
   // Moves the state y from t by a time dt [s] of which the square does not matter, in the held mode. Returns false, and
   // does nothing, where states do not follow smoothly from the length of a step.
   virtual bool drift(double /*t*/, double* /*y*/, double /*dt*/) { return false; }
+  // Whether velocities may jump where this indicator changes its sign: something strikes a limit or a body.
+  virtual bool is_of_impact(int /*indicator*/) const { return false; }
+  // ydot <- the rates at (t, y) in the held mode. Returns false, and does nothing, if they are not known.
+  virtual bool rates(double /*t*/, const double* /*y*/, double* /*ydot*/) { return false; }
+  // Normalizes the quaternions in y.
+  virtual void normalize(double* /*y*/) const {}
   // Relative motions slower than this have no direction of their own: they keep the one in which they began [natural
   // units of speed]. The slower a motion is, the faster friction turns it, so that steps would amplify rounding at the
   // beginning and the end of motions.

@@ -19,6 +19,8 @@ constexpr double newton_progress = 0.1;
 constexpr double negligible_square = 1e-7;
 // Limit on repeated steps; bisection alone needs 44.
 constexpr int max_trials = 60;
+// The same within the polynomial of a step, by Newton's method.
+constexpr int max_trials_within = 10;
 // Limit on steps shortened because loops did not close at their end.
 constexpr int max_shortened_steps = 20;
 // Limit on steps repeated to find a contact that begins and ends within a step. Some trials are false alarms: an
@@ -32,10 +34,10 @@ constexpr double shortest_course = 1e4;
 
 }  // namespace
 
-Locator::Locator(EventSource& source, int size) : source_(source), course_(source) {
+Locator::Locator(EventSource& source, int size) : source_(source), course_(source), polynomial_(size) {
   start_y_.resize(static_cast<std::size_t>(size));
   high_y_.resize(static_cast<std::size_t>(size));
-  drifted_y_.resize(static_cast<std::size_t>(size));
+  trial_y_.resize(static_cast<std::size_t>(size));
   searched_.resize(course_.size());
 }
 
@@ -189,15 +191,22 @@ double Locator::touch_within(double end, const double* y) const {
 Step Locator::search_all(Stepping& method) {
   save_high(method);
   std::ranges::fill(searched_, 0);
+  is_polynomial_accurate_ = method.is_one_step() && is_resolved(high_t_) && any_impact() &&
+                            polynomial_.set(source_, course_.start(), start_y_.data(), high_t_, high_y_.data());
   // Of those that are smooth, the one that seems to be the first: a step may cross many points of a table.
   const auto smooth = static_cast<std::size_t>(source_.smooth_indicators());
   const auto next = [&] {
     std::size_t out = course_.size();
-    double first = INFINITY;
+    double first = NAN;  // s: zero of that indicator, if there are others
     for (std::size_t i = 0; i < course_.size(); ++i) {
       if (searched_[i] != 0 || !course_.changed(i)) continue;
       if (i >= smooth) return std::min(i, out);
-      if (const double zero = course_.zero(i); out == course_.size() || zero < first) {
+      if (out == course_.size()) {
+        out = i;
+        continue;
+      }
+      if (std::isnan(first)) first = course_.zero(out);
+      if (const double zero = course_.zero(i); zero < first) {
         out = i;
         first = zero;
       }
@@ -207,10 +216,19 @@ Step Locator::search_all(Stepping& method) {
   // Before an event, others may be beyond a zero from which they had returned at the end of the step.
   for (std::size_t i = next(); i < course_.size(); i = next()) {
     searched_[i] = 1;
+    if (is_polynomial_accurate_ && source_.is_of_impact(static_cast<int>(i)) && search_within_step(i)) continue;
     const Step step = search(i, method);
     if (step != Step::made || !course_.any_changed()) return step;
   }
   return Step::made;
+}
+
+// Whether something strikes at one of the zeros.
+bool Locator::any_impact() const {
+  for (std::size_t i = 0; i < course_.size(); ++i) {
+    if (course_.changed(i) && source_.is_of_impact(static_cast<int>(i))) return true;
+  }
+  return false;
 }
 
 void Locator::stop_at(double end, Stepping& method) {
@@ -232,6 +250,33 @@ Step Locator::repeat_step(Stepping& method, double end) {
   const Step step = method.step_towards(end);
   if (step == Step::made) course_.end(method.time(), method.state());
   return step;
+}
+
+// search() by the polynomial of the step instead of repeated steps. Returns false, with the course as before, if it
+// does not converge.
+bool Locator::search_within_step(std::size_t i) {
+  const StepCourse::Search searched(course_, i);
+  Bracket bracket(course_.start(), course_.at_start(i), high_t_, course_.at_end(i));
+  const double resolution = resolution_to(high_t_);
+  double next = bracket.clamped(course_.zero(i), resolution);
+  double least = INFINITY;  // of the indicator's values
+  for (int k = 0; k < max_trials_within; ++k) {
+    polynomial_.at(next, trial_y_.data());
+    source_.normalize(trial_y_.data());
+    course_.end(next, trial_y_.data());
+    const double g = course_.at_end(i);
+    if (course_.changed(i) && std::abs(g) <= indicator_rounding) {
+      high_t_ = next;
+      high_y_ = trial_y_;
+      return true;
+    }
+    bracket.update(next, g);
+    if (bracket.width() <= 2 * resolution) break;
+    next = next_trial(i, bracket, std::abs(g) <= newton_progress * least, resolution);
+    least = std::min(least, std::abs(g));
+  }
+  course_.end(high_t_, high_y_.data());
+  return false;
 }
 
 // The end to try next: beyond the zero by rounding, as the rate of the indicator at the end of the last trial says, if
@@ -277,12 +322,12 @@ Step Locator::search(std::size_t i, Stepping& method) {
 bool Locator::drift_to(double end, double resolved, std::size_t i, const Stepping& method) {
   const double t = method.time();
   if (!(std::abs(end - t) <= negligible_square * resolved)) return false;
-  std::copy_n(method.state(), drifted_y_.size(), drifted_y_.begin());
-  if (!source_.drift(t, drifted_y_.data(), end - t)) return false;
-  course_.end(end, drifted_y_.data());
+  std::copy_n(method.state(), trial_y_.size(), trial_y_.begin());
+  if (!source_.drift(t, trial_y_.data(), end - t)) return false;
+  course_.end(end, trial_y_.data());
   if (!course_.changed(i) || std::abs(course_.at_end(i)) > indicator_rounding) return false;
   high_t_ = end;
-  high_y_ = drifted_y_;
+  high_y_ = trial_y_;
   return true;
 }
 

@@ -8,6 +8,7 @@
 
 #include "event/event_source.h"
 #include "event/step_course.h"
+#include "event/step_polynomial.h"
 #include "math/bracket.h"
 #include "util/archive.h"
 
@@ -24,6 +25,8 @@ class Stepping {
   virtual Step step_towards(double end) = 0;
   // Makes the next step begin at (t, y), where the equations may have changed.
   virtual void go_to(double t, const double* y) = 0;
+  // Whether a step depends on nothing but its start: the repeated steps of other methods are more accurate.
+  virtual bool is_one_step() const { return true; }
   // Length of the step that is tried next, if it can be chosen [s]; 0: not known.
   virtual double next_step() const { return 0; }
   // Makes the next step at least this long, as far as errors permit [s].
@@ -69,7 +72,9 @@ class Locator {
   bool is_resolved(double end) const;
   double touch_within(double end, const double* y) const;
   Step search_all(Stepping& method);
+  bool any_impact() const;
   Step search(std::size_t i, Stepping& method);
+  bool search_within_step(std::size_t i);
   double next_trial(std::size_t i, const Bracket& bracket, bool converges, double resolution) const;
   Step repeat_step(Stepping& method, double end);
   bool drift_to(double end, double resolved, std::size_t i, const Stepping& method);
@@ -85,9 +90,11 @@ class Locator {
   double next_step_ = 0;    // s: length of the step that the method would make
   double event_ahead_ = 0;  // s: approximate time of an event that several steps approach
   StepCourse course_;
+  StepPolynomial polynomial_;  // of the step beyond an event
+  bool is_polynomial_accurate_ = false;
   // The earliest known end of a step that lies beyond an event.
   double high_t_ = 0;
-  std::vector<double> start_y_, high_y_, drifted_y_;
+  std::vector<double> start_y_, high_y_, trial_y_;
   std::vector<char> searched_;  // by indicator
 };
 

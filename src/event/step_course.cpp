@@ -69,8 +69,9 @@ double StepCourse::touch(std::size_t count) const {
   for (std::size_t i = 0; i < count; ++i) {
     if (std::abs(start_g_[i]) <= smallest || changed(i)) continue;  // its mode begins here, or ends
     const bool approaches = before_[i] ? start_gdot_[i] < 0 : start_gdot_[i] > 0;
+    if (!approaches) continue;
     const Cubic course = cubic(i);
-    if (!approaches || !course.has_extremum()) continue;
+    if (!course.has_extremum()) continue;
     const double s = course.extremum();
     const double nearest = before_[i] ? course.value(s) : -course.value(s);
     const double approach = std::max(std::abs(start_g_[i]), std::abs(g_[i])) - nearest;

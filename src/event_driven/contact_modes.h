@@ -36,6 +36,7 @@ class ContactModes {
   // Five indicators for each candidate: positive while it is closed; while it slips, spins and rolls against friction;
   // and while it is closed within the ends of its features.
   static constexpr int per_candidate = ContactOutputs::per_candidate;
+  static constexpr int closed_indicator = 0;
   int indicators() const { return per_candidate * contact_equations_.candidates().count(); }
   void indicator_values(double t, const double* y, double* g, double* gdot);
   // Those of closed contacts alone, with the forces of the last accelerations, vdot.

@@ -291,6 +291,17 @@ bool EventModes::drift(double t, double* y, double dt) {
   return true;
 }
 
+bool EventModes::is_of_impact(int indicator) const {
+  if (indicator < switching_indicators()) return locks_.is_of_limit(indicator);
+  return indicator >= smooth_indicators() &&
+         (indicator - smooth_indicators()) % ContactModes::per_candidate == ContactModes::closed_indicator;
+}
+
+bool EventModes::rates(double t, const double* y, double* ydot) {
+  equations_.rates_at(t, y, ydot);
+  return true;
+}
+
 void EventModes::serialize(Archive& archive) {
   resets_.serialize(archive);
   locks_.serialize(archive);

@@ -106,6 +106,9 @@ class EventModes final : public EventSource {
   double next_break(double t) override;
   void begin_stretch(double from, double to) override { equations_.begin_stretch(from, to); }
   void pass_break() override;
+  bool is_of_impact(int indicator) const override;
+  bool rates(double t, const double* y, double* ydot) override;
+  void normalize(double* y) const override { dynamics_.normalize(y); }
   double touch_within(double t0, const double* y0, double t1, const double* y1) override;
   void keep_directions_below(double speed) override;
   void check(double t, const double* v);

@@ -242,7 +242,7 @@ void LockModes::return_to_state() {
 bool LockModes::found_event(int indicator) {
   if (!owns(indicator / 2)) return false;
   const int lock = lock_of_[static_cast<std::size_t>(indicator / 2)];
-  triggered_[lock] = forces_.lock(lock).limit == indicator / 2 ? by_limit : by_friction;
+  triggered_[lock] = is_of_limit(indicator) ? by_limit : by_friction;
   return true;
 }
 

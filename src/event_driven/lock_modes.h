@@ -61,6 +61,10 @@ class LockModes {
   // Friction and limits are without effect until ModeChanges::start().
   void release();
 
+  bool is_of_limit(int indicator) const {
+    return owns(indicator / 2) &&
+           forces_.lock(lock_of_[static_cast<std::size_t>(indicator / 2)]).limit == indicator / 2;
+  }
   // Records that an indicator has changed its sign; returns whether it is one of a remembered mode.
   bool found_event(int indicator);
 

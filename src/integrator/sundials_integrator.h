@@ -30,6 +30,7 @@ class SundialsIntegrator : public Integrator, private Stepping {
   double advance(double end, double* y) final;
   double advance_some(double end, double* y, long max_steps) final;
   bool will_have_history() const override { return true; }
+  bool is_one_step() const final { return !will_have_history(); }
   bool has_history() const override { return !fresh_; }
   void serialize(Archive& archive) override;
 

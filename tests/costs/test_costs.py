@@ -86,10 +86,10 @@ counted = pytest.mark.skipif(sys.platform != "linux" or not valgrind(), reason="
 # In units of a step in which the mechanism moves. Under another torque in each step, what is held costs the
 # solution of its equations once; of the ten solutions of a step the others are the same (1.25, 1.22).
 COST_OF_HELD = 1.3
-# An impact takes two steps to its time, and some four more solutions. Measured: 4.2 and 3.9.
+# An impact takes two steps to its time, and some solutions more. Measured: 4.6 and 4.3.
 COST_OF_AN_IMPACT = 8
-# Ten impacts in one step that end in contact, each as much. Measured: 34 and 43.
-COST_OF_A_SERIES = {"rk4": 38, "auto": 48}
+# Ten impacts in one step that end in contact. Measured: 27 and 28.
+COST_OF_A_SERIES = {"rk4": 30, "auto": 30}
 
 
 @pytest.mark.thorough

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Inputs as functions of time, the master's clock, archives, brackets of a zero, cubics of a step, realized stages, the
 // monitor of singular configurations.
+#include <algorithm>
 #include <array>
 #include <cstdint>
+#include <utility>
 
 #include "event/cubic.h"
 #include "event/scheme_watch.h"
 #include "event/singularity_monitor.h"
+#include "event/step_polynomial.h"
 #include "fmu/clock.h"
 #include "formulation/inputs.h"
 #include "kinematics/stages.h"
@@ -50,6 +53,31 @@ void bind_words(nb::class_<T>& c) {
   });
 }
 
+// Equations as a function of Python.
+struct GivenRates final : gelenk::EventSource {
+  explicit GivenRates(const nb::callable& rates, std::size_t size) : of(rates), size(size) {}
+  nb::callable of;
+  std::size_t size;
+
+  bool rates(double t, const double* y, double* ydot) override {
+    std::ranges::copy(nb::cast<Numbers>(of(t, Numbers(y, y + size))), ydot);
+    return true;
+  }
+};
+
+// The state at t within a step, each end with (t, y); empty where the polynomial is not accurate.
+using End = std::pair<double, Numbers>;
+Numbers within_step(const nb::callable& rates, const End& start, const End& end, double t) {
+  const auto& [t0, y0] = start;
+  const auto& [t1, y1] = end;
+  GivenRates source(rates, y0.size());
+  gelenk::StepPolynomial polynomial(static_cast<int>(y0.size()));
+  if (!polynomial.set(source, t0, y0.data(), t1, y1.data())) return {};
+  Numbers out(y0.size());
+  polynomial.at(t, out.data());
+  return out;
+}
+
 }  // namespace
 
 void bind_times(nb::module_& m) {
@@ -57,6 +85,8 @@ void bind_times(nb::module_& m) {
   using gelenk::Clock;
   using gelenk::Inputs;
   using gelenk::SingularityMonitor;
+
+  m.def("within_step", &within_step);
 
   auto sample = nb::class_<Sample>(m, "Sample").def(nb::init<>());
   sample.def_rw("x", &Sample::x).def_rw("word", &Sample::word).def_rw("flag", &Sample::flag);
