@@ -86,6 +86,16 @@ void ArkodeIntegrator::use(int stepper, double step) {
   resumed_ = false;
 }
 
+// The step to try first is given in one way, whether ARKODE knows it or it comes from a saved state: of its own, ARKODE
+// would take one that differs by rounding.
+void ArkodeIntegrator::restart(double t, const double* y) {
+  for (std::size_t i = 0; i < steppers_.size(); ++i) {
+    try_first(steppers_[i], step_to_try(i));
+    limit_first_growth(steppers_[i]);
+  }
+  continue_from(t, y);
+}
+
 int ArkodeIntegrator::rhs(sunrealtype t, N_Vector y, N_Vector ydot, void* self) {
   auto& at = static_cast<ArkodeIntegrator&>(*static_cast<SundialsIntegrator*>(self));
   double* const out = sundials::data(ydot);
@@ -122,6 +132,10 @@ void ArkodeIntegrator::try_first(Stepper& stepper, double step) {
   ARKodeSetInitStep(stepper.memory, step);
 }
 
+void ArkodeIntegrator::limit_first_growth(const Stepper& stepper) {
+  ARKodeSetMaxFirstGrowth(stepper.memory, stepper.used ? max_growth : max_first_growth);
+}
+
 double ArkodeIntegrator::current_step(void* memory) {
   double step = 0;
   ARKodeGetCurrentStep(memory, &step);
@@ -153,7 +167,7 @@ void ArkodeIntegrator::serialize(Archive& archive) {
     stepper.used = numbers[2] != 0;
     reinitialize(stepper.memory);
     ARKodeSetInitStep(stepper.memory, numbers[0]);
-    ARKodeSetMaxFirstGrowth(stepper.memory, stepper.used ? max_growth : max_first_growth);
+    limit_first_growth(stepper);
   }
 }
 

@@ -16,6 +16,7 @@ namespace gelenk {
 class ArkodeIntegrator : public SundialsIntegrator {
  public:
   ~ArkodeIntegrator() override;
+  void restart(double t, const double* y) override;
   void inputs_touched() override { touched_ = true; }
   bool will_have_history() const override { return false; }
   bool has_history() const override { return false; }
@@ -70,6 +71,7 @@ class ArkodeIntegrator : public SundialsIntegrator {
   };
   double step_to_try(std::size_t i) const;  // s
   static void try_first(Stepper& stepper, double step);
+  static void limit_first_growth(const Stepper& stepper);
   std::size_t in_use() const { return std::ranges::find(steppers_, memory_, &Stepper::memory) - steppers_.begin(); }
 
   std::vector<Stepper> steppers_;

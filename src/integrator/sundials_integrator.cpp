@@ -28,7 +28,7 @@ SundialsIntegrator::SundialsIntegrator(Equations& system, bool takes_differences
       locator_(system.modes(), system.size()),
       takes_differences_(takes_differences) {}
 
-void SundialsIntegrator::restart(double t, const double* y) {
+void SundialsIntegrator::continue_from(double t, const double* y) {
   t_ = t;
   std::copy(y, y + system_.size(), sundials::data(y_.get()));
   fresh_ = true;

@@ -23,7 +23,7 @@ double inverse_bdf_tolerance(double fraction, double error);
 
 class SundialsIntegrator : public Integrator, private Stepping {
  public:
-  void restart(double t, const double* y) final;
+  void restart(double t, const double* y) override { continue_from(t, y); }
   void begin() final { stalls_.reset(); }
   void inputs_changed() final { jumped_ = true; }
   void pass_events(bool on) final { passes_events_ = on; }
@@ -40,6 +40,8 @@ class SundialsIntegrator : public Integrator, private Stepping {
   // takes_differences: whether the method uses differences of former states.
   explicit SundialsIntegrator(Equations& system, bool takes_differences = true);
 
+  // Also after an event: without the history, but with what is known of the length of steps.
+  void continue_from(double t, const double* y);
   // Called before the steps to `end`: restarts at (t_, y_) if fresh_, and sets the stop time.
   virtual void prepare(double end) = 0;
   // Makes one step; writes t_ and y_.
@@ -86,7 +88,7 @@ class SundialsIntegrator : public Integrator, private Stepping {
   Step make_limited_step(double end);
   void go_to(double t, const double* y) final {
     add_counts();
-    restart(t, y);
+    continue_from(t, y);
   }
   void stop_at(double end) final { begin(stop_time_ = end); }
   [[noreturn]] void fail(Step step, double start);
