@@ -86,6 +86,7 @@ void bind_cones(nb::module_& m) {
       .def_static("planar_contact", &Cone::planar_contact, nb::arg("first"), nb::arg("friction"),
                   nb::arg("rolling") = 0.0)
       .def_static("within", &Cone::within, nb::arg("first"), nb::arg("lower"), nb::arg("upper"))
+      .def_static("ball", &Cone::ball, nb::arg("first"), nb::arg("size"), nb::arg("radius"))
       .def_ro("first", &Cone::first)
       .def_prop_ro("size", &Cone::size)
       // Also those of a group whose coefficient is 0.

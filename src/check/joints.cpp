@@ -6,6 +6,7 @@
 
 #include "check/check.h"
 #include "check/fields.h"
+#include "joint/isotropic_friction.h"
 #include "joint/kinds.h"
 #include "scene/element_numbers.h"
 #include "util/text.h"
@@ -67,6 +68,19 @@ class DisjointSets {
   std::vector<std::size_t> parent_;
 };
 
+// Friction of both translations together leaves none of one of them.
+void check_friction_parts(const Joint& joint, const std::string& path, const JointForceKind& kind, Faults& faults) {
+  const JointKind& of = kind_of(*joint.is);
+  for (const FrictionPart& part : friction_parts_of(*joint.is)) {
+    for (std::size_t i = 0; i < joint.along.size() && kind.group == "friction"; ++i) {
+      const int number = static_cast<int>(i);
+      if (kind.in(*joint.along[i]) == nullptr || coordinate_of(of, number).is_angle != part.turns) continue;
+      faults.add(path + "." + group_along(kind.group, of, number),
+                 "friction along this coordinate beside " + std::string(part.key), "one of them");
+    }
+  }
+}
+
 // path: of the joint.
 void check_forces(const Joint& joint, const std::string& path, const JointForceKind& kind, Faults& faults) {
   for (std::size_t i = 0; i < joint.along.size(); ++i) {
@@ -99,7 +113,10 @@ void check_joints(const Scene& scene, Faults& faults, bool partial) {
       check_numbers(joint, *kind, path, faults);
       check_element(kind->fields, data_of(*joint.is), path, {}, [&] { return fault_of(*joint.is); }, faults);
       for (const JointForceKind& force : joint_force_kinds()) {
-        if (!partial && force.fits(*kind)) check_forces(joint, path, force, faults);
+        if (!partial && force.fits(*kind)) {
+          check_forces(joint, path, force, faults);
+          check_friction_parts(joint, path, force, faults);
+        }
       }
     } else if (!partial || !joint.type.empty()) {
       faults.add(path + ".type", text::quoted(joint.type), "the name of a kind of joint");

@@ -28,7 +28,11 @@ struct BlockIterate {
 class BlockProblem {
  public:
   BlockProblem(const Cone& cone, const double* W, const double* q, bool exact)
-      : cone_(cone), W_(W), q_(q), n_(static_cast<std::size_t>(cone.size())), exact_(exact && !cone.interval) {}
+      : cone_(cone),
+        W_(W),
+        q_(q),
+        n_(static_cast<std::size_t>(cone.size())),
+        exact_(exact && !cone.interval && !cone.is_ball) {}
 
   void evaluate(BlockIterate& at) const {
     for (std::size_t i = 0; i < n_; ++i) {
@@ -210,7 +214,9 @@ class PointProblem {
   Eigen::Vector2d q_t_;
 };
 
-bool is_point(const Cone& cone) { return !cone.interval && cone.tangential == 2 && cone.spin == 0 && cone.roll == 0; }
+bool is_point(const Cone& cone) {
+  return !cone.interval && !cone.is_ball && cone.tangential == 2 && cone.spin == 0 && cone.roll == 0;
+}
 
 }  // namespace
 

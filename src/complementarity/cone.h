@@ -35,16 +35,18 @@ struct ConeGroup {
 //              |s| <= spinning n, |r| <= rolling n. Groups may be absent; the coefficient of a group that is present
 //              may be 0, which makes the group 0.
 //   interval   one number, lower <= x <= upper; either bound may be infinite
+//   ball       `tangential` numbers, up to 3, with |x| <= radius: isotropic friction whose limit is given
 struct Cone {
   static constexpr int groups = 3;            // t, s, r
   static constexpr std::size_t max_size = 6;  // n; t1, t2; s; r1, r2
   static constexpr std::size_t max_block = max_size * max_size;
 
-  bool interval = false;
+  bool interval = false, is_ball = false;
   int first = 0;  // unknown of the problem
   int tangential = 0, spin = 0, roll = 0;
   double friction = 0, spinning = 0, rolling = 0;  // -, m, m
   double lower = 0, upper = 0;                     // of an interval
+  double radius = 0;                               // of a ball
 
   // A contact in space, with the components that have a positive coefficient.
   static Cone contact(int first, double friction, double spinning = 0, double rolling = 0) {
@@ -74,8 +76,21 @@ struct Cone {
     return cone;
   }
 
-  int size() const { return 1 + tangential + spin + roll; }
+  static Cone ball(int first, int size, double radius) {
+    Cone cone;
+    cone.is_ball = true;
+    cone.first = first;
+    cone.tangential = size;
+    cone.radius = radius;
+    return cone;
+  }
+
+  int size() const { return forces() + spin + roll; }
+  // Those that are scaled together: the normal and tangential ones, or all of a ball.
+  int forces() const { return is_ball ? tangential : 1 + tangential; }
+  // By the normal component, which a ball has not.
   std::array<ConeGroup, groups> limited() const {
+    if (is_ball) return {};
     return {{{.offset = 1, .size = tangential, .coefficient = friction},
              {.offset = 1 + tangential, .size = spin, .coefficient = spinning},
              {.offset = 1 + tangential + spin, .size = roll, .coefficient = rolling}}};

@@ -89,7 +89,7 @@ void relax(ConeIteration& at, const Cone& cone, const double* block, Velocities&
   if (cone.interval && cone.lower == cone.upper && at.x()[cone.first] == cone.lower) return;
   const auto n = index(cone.size());
   std::array<double, Cone::max_size> q{}, x{};
-  bool separate = !cone.interval;
+  bool separate = !cone.interval && !cone.is_ball;
   for (std::size_t i = 0; i < n; ++i) {
     const Index row = cone.first + static_cast<Index>(i);
     x[i] = at.x()[row];

@@ -23,6 +23,10 @@ bool all_finite(const double* x, Index n) {
 
 bool valid(const Cone& cone) {
   if (cone.interval) return cone.size() == 1 && cone.lower <= cone.upper;
+  if (cone.is_ball) {
+    const bool has_size = cone.tangential >= 1 && cone.tangential <= 3 && cone.size() == cone.tangential;
+    return has_size && cone.radius >= 0 && std::isfinite(cone.radius);
+  }
   for (const ConeGroup& group : cone.limited()) {
     if (group.size < 0 || !(group.coefficient >= 0) || !std::isfinite(group.coefficient)) return false;
   }
@@ -67,7 +71,7 @@ double lift_of(const Cone& cone, const double* u) {
 
 void add_lift(std::span<const Cone> cones, const double* u, double* out) {
   for (const Cone& cone : cones) {
-    if (!cone.interval) out[cone.first] += lift_of(cone, u);
+    if (!cone.interval && !cone.is_ball) out[cone.first] += lift_of(cone, u);
   }
 }
 
@@ -120,13 +124,15 @@ void ConeIteration::set_up_scales() {
   };
   for (Cone& cone : cones_) {
     double* d = d_ + cone.first;
-    const double mean = scale(d, 1 + cone.tangential, largest);
-    scale(d + 1 + cone.tangential, cone.spin, mean);
-    scale(d + 1 + cone.tangential + cone.spin, cone.roll, mean);
-    if (cone.spin > 0) cone.spinning *= d[0] / d[1 + cone.tangential];
-    if (cone.roll > 0) cone.rolling *= d[0] / d[1 + cone.tangential + cone.spin];
+    const int forces = cone.forces();
+    const double mean = scale(d, forces, largest);
+    scale(d + forces, cone.spin, mean);
+    scale(d + forces + cone.spin, cone.roll, mean);
+    if (cone.spin > 0) cone.spinning *= d[0] / d[forces];
+    if (cone.roll > 0) cone.rolling *= d[0] / d[forces + cone.spin];
     cone.lower /= d[0];
     cone.upper /= d[0];
+    cone.radius /= d[0];
   }
 }
 

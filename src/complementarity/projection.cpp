@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "complementarity/projection.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
@@ -80,6 +81,25 @@ void append_ray(const Face& at, const double* y, ProjectionModes& out) {
   out.lambda[static_cast<std::size_t>(out.count++)] = 1;
 }
 
+// The directions normal to y, in which a ball of less radius than the length of y shrinks.
+void append_rotations(const Cone& ball, double length, const double* y, ProjectionModes& out) {
+  const double lambda = ball.radius / length;
+  if (lambda < least_eigenvalue) return;
+  const auto append = [&](const Eigen::Vector3d& direction) {
+    auto& q = out.q[static_cast<std::size_t>(out.count)];
+    q.fill(0);
+    for (int i = 0; i < ball.tangential; ++i) q[static_cast<std::size_t>(i)] = direction[i];
+    out.lambda[static_cast<std::size_t>(out.count++)] = lambda;
+  };
+  Eigen::Vector3d d = Eigen::Vector3d::Zero();
+  for (int i = 0; i < ball.tangential; ++i) d[i] = y[i] / length;
+  if (ball.tangential == 2) append(Eigen::Vector3d(-d.y(), d.x(), 0));
+  if (ball.tangential != 3) return;
+  const Eigen::Vector3d across = d.unitOrthogonal();
+  append(across);
+  append(d.cross(across));
+}
+
 // The rotation of a group of two components at its limit.
 void append_rotation(const ConeGroup& group, double length, double n, const double* y, ProjectionModes& out) {
   const double lambda = group.coefficient * n / length;
@@ -99,6 +119,12 @@ void project(const Cone& cone, const double* y, double* out) {
     out[0] = std::clamp(y[0], cone.lower, cone.upper);
     return;
   }
+  if (cone.is_ball) {
+    const double length = norm(y, cone.tangential);
+    const double factor = length > cone.radius ? cone.radius / length : 1;
+    for (int i = 0; i < cone.tangential; ++i) out[i] = factor * y[i];
+    return;
+  }
   const Face at = face(cone, y);
   for (std::size_t g = 0; g < at.groups.size(); ++g) {
     const ConeGroup& group = at.groups[g];
@@ -113,6 +139,12 @@ void projection_modes(const Cone& cone, const double* y, ProjectionModes& out) {
   out.count = 0;
   if (cone.interval) {
     if (y[0] >= cone.lower && y[0] <= cone.upper && cone.lower < cone.upper) append_unit(0, out);
+    return;
+  }
+  if (cone.is_ball) {
+    const double length = norm(y, cone.tangential);
+    if (length > cone.radius) return append_rotations(cone, length, y, out);
+    for (int i = 0; i < cone.tangential && cone.radius > 0; ++i) append_unit(i, out);
     return;
   }
   const Face at = face(cone, y);

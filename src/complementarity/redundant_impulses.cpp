@@ -36,7 +36,7 @@ VectorXd yielding_weights(const Eigen::Ref<const MatrixXd>& G, std::span<const C
     if (size > 0) weights.segment(first, size).setConstant(std::max(G.diagonal().segment(first, size).mean(), least));
   };
   for (const Cone& cone : cones) {
-    const Index forces = 1 + cone.tangential;
+    const Index forces = cone.forces();
     set(cone.first, forces);
     set(cone.first + forces, cone.spin);
     set(cone.first + forces + cone.spin, cone.roll);

@@ -8,8 +8,10 @@
 namespace gelenk {
 
 bool RestFirst::all_stick(std::span<const Cone> cones, const double* x, const double* u, double tolerance) {
-  return std::ranges::none_of(
-      cones, [&](const Cone& cone) { return !cone.interval && x[cone.first] > 0 && lift_of(cone, u) > tolerance; });
+  const auto slides = [&](const Cone& cone) {
+    return !cone.interval && !cone.is_ball && x[cone.first] > 0 && lift_of(cone, u) > tolerance;
+  };
+  return std::ranges::none_of(cones, slides);
 }
 
 ConeResult RestFirst::solve(ConeSolver& solver, const ConeProblem& problem, const ConeOptions& options, double rest,

@@ -46,12 +46,13 @@ ContactCandidates::ContactCandidates(const Mechanism& mechanism, bool located)
   if (located) {
     add_shapes(mechanism);
     for (const Swing& swing : mechanism.swings) add_swing(swing);
+    for (const LinkFriction& friction : mechanism.frictions) add_friction(friction);
   }
   std::ranges::sort(links_);
   links_.erase(std::unique(links_.begin(), links_.end()), links_.end());
   std::vector<bool> is_core(core_poses_.size());
   for (int i = 0; i < count(); ++i) {
-    if ((*this)[i].turns()) continue;
+    if (!(*this)[i].has_shapes()) continue;
     const auto core = static_cast<std::size_t>((*this)[i].core);
     if (!is_core[core]) cores_.push_back(i);
     is_core[core] = true;
@@ -99,31 +100,6 @@ void ContactCandidates::begin_pair(const Mechanism& mechanism, int tip, int core
   pair.reach = radius_of(*a.is) + radius_of(*b.is);
   pair.tip_arm = arm_of(*a.is);
   pair.core_arm = arm_of(*b.is);
-}
-
-void ContactCandidates::add_swing(const Swing& swing) {
-  Pair& pair = pairs_.emplace_back();
-  pair.first = count();
-  pair.core_link = swing.link_a;
-  pair.tip_link = swing.link_b;
-  pair.core.setZero();
-  pair.tip.setZero();
-  ContactCandidate& candidate = candidates_.emplace_back();
-  candidate.kind = ContactCandidate::Kind::swing;
-  candidate.core = candidate.tip = -1;
-  candidate.core_link = swing.link_a;
-  candidate.tip_link = swing.link_b;
-  candidate.pair = static_cast<int>(pairs_.size()) - 1;
-  candidate.contact = swing.contact;
-  candidate.size = 1;
-  candidate.core_axis = swing.axis_a;
-  candidate.tip_axis = swing.axis_b;
-  candidate.swing = swing.angle;
-  candidate.center.setZero();
-  candidate.way.setZero();
-  candidate.R_belt.setIdentity();
-  links_.push_back(swing.link_a);
-  links_.push_back(swing.link_b);
 }
 
 ContactCandidates::Range ContactCandidates::range(int pair) const {
@@ -321,7 +297,8 @@ Vector3d ContactCandidates::way_to_tip(const ContactCandidate& candidate) const 
 
 double ContactCandidates::gap(int candidate) const {
   const ContactCandidate& at = (*this)[candidate];
-  if (at.turns())
+  if (at.is_given()) return 0;
+  if (at.kind == ContactCandidate::Kind::swing)
     return features::gap_of_swing<double>(at, pose(at.core_link).R * at.core_axis, pose(at.tip_link).R * at.tip_axis);
   if (at.kind == ContactCandidate::Kind::edges) return crossing(at).gap;
   if (at.kind == ContactCandidate::Kind::rim) return lowest(at).gap;
@@ -333,6 +310,7 @@ double ContactCandidates::margin(int candidate) const {
   switch (at.kind) {
     case ContactCandidate::Kind::tip:
     case ContactCandidate::Kind::swing:
+    case ContactCandidate::Kind::friction:
       return at.size;
     case ContactCandidate::Kind::corner: {
       const Vector3d left = at.box.half - center(at).cwiseAbs();
@@ -349,7 +327,7 @@ double ContactCandidates::margin(int candidate) const {
 
 bool ContactCandidates::is_near(int candidate) const {
   const ContactCandidate& at = (*this)[candidate];
-  if (at.kind == ContactCandidate::Kind::tip || at.kind == ContactCandidate::Kind::rim || at.turns()) return true;
+  if (at.kind == ContactCandidate::Kind::tip || at.kind == ContactCandidate::Kind::rim || !at.has_shapes()) return true;
   if (at.kind == ContactCandidate::Kind::edges) return is_near(at, crossing(at));
   if (margin(candidate) < -features::near_tolerance) return false;
   // A corner that touches a face is ahead of its body, which is on the outer side; on the inner side of a thin plate

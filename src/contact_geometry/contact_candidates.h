@@ -14,6 +14,7 @@
 
 namespace gelenk {
 
+struct LinkFriction;
 struct Swing;
 
 // Motion of the tip's link relative to the core's, about the origin of the root frame; the acceleration is that without
@@ -103,6 +104,8 @@ class ContactCandidates {
   void add_edges(const Mechanism& mechanism, int contact, int tip, int core);
   void add_rims(const Mechanism& mechanism, int contact, int tip, int core);
   void add_swing(const Swing& swing);
+  void add_friction(const LinkFriction& friction);
+  ContactCandidate& add_without_shapes(ContactCandidate::Kind kind, int core_link, int tip_link, int contact);
   ContactCandidate candidate_between(const Mechanism& mechanism, int contact, int tip, int core);
   void add_corner(const ContactCandidate& candidate);
   Line line(const ContactCandidate& candidate) const;
@@ -129,7 +132,7 @@ class ContactCandidates {
   features::Lowest<double> lowest(const ContactCandidate& candidate) const;
   features::PairMotion<double> pair_motion(const ContactCandidate& candidate) const;
   const Pose3& core_pose(const ContactCandidate& candidate) const {
-    return candidate.turns() ? pose(candidate.core_link) : core_poses_[static_cast<std::size_t>(candidate.core)];
+    return candidate.has_shapes() ? core_poses_[static_cast<std::size_t>(candidate.core)] : pose(candidate.core_link);
   }
   const Spatial::Motion& velocity(int link) const { return V_[static_cast<std::size_t>(link)]; }
 

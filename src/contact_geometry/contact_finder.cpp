@@ -90,6 +90,21 @@ NearPoint ContactFinder::swing_point(const Readings<double>& readings, std::size
   return out;
 }
 
+NearPoint ContactFinder::friction_point(const Readings<double>& readings, std::size_t i) const {
+  const LinkFriction& friction = mechanism_.frictions[i];
+  const auto pose = [&](int link) { return link == 0 ? Pose3{} : readings.link_pose(link); };
+  NearPoint out;
+  out.a = out.b = static_cast<int>(mechanism_.shapes.size() + mechanism_.swings.size() + i);
+  out.link_a = friction.link_a;
+  out.link_b = friction.link_b;
+  out.turns = friction.turns;
+  out.given = friction.dimension;
+  out.contact = friction.contact;
+  out.p = pose(friction.link_b).point(friction.p_b);
+  out.normal = pose(friction.link_a).R * friction.R_a.col(2);
+  return out;
+}
+
 const std::vector<NearPoint>& ContactFinder::find(const Readings<double>& readings, double time, double speed,
                                                   double distance) {
   place(readings);
@@ -113,6 +128,7 @@ const std::vector<NearPoint>& ContactFinder::find(const Readings<double>& readin
                          .link_a = mechanism_.shapes[static_cast<std::size_t>(a)].link,
                          .link_b = mechanism_.shapes[static_cast<std::size_t>(b)].link,
                          .turns = false,
+                         .given = 0,
                          .contact = found.contact,
                          .p = at.p,
                          .normal = at.normal,
@@ -126,6 +142,7 @@ const std::vector<NearPoint>& ContactFinder::find(const Readings<double>& readin
     const double turned = time * (turning(point.link_a) + turning(point.link_b));
     if (point.gap <= near_angle + distance + 2 * turned) points_.push_back(point);
   }
+  for (std::size_t i = 0; i < mechanism_.frictions.size(); ++i) points_.push_back(friction_point(readings, i));
   std::ranges::sort(points_, {}, &NearPoint::key);
   return points_;
 }

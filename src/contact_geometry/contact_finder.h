@@ -16,11 +16,12 @@ namespace gelenk {
 
 // A point of contact of two shapes of Mechanism::shapes; a has the first surface of the contact of the scene. Or the
 // limit of a swing (Mechanism::swings), numbered after the shapes, where axes at an angle play the part of shapes at a
-// distance.
+// distance; or friction (Mechanism::frictions), numbered after these.
 struct NearPoint {
   int a = 0, b = 0;
   int link_a = 0, link_b = 0;
-  bool turns = false;                                 // of a swing: its force is a torque about the normal
+  bool turns = false;                                 // its force is a torque, of a swing about the normal
+  int given = 0;                                      // of friction: number of its components; it has no normal row
   int contact = 0;                                    // of the scene
   Eigen::Vector3d p = Eigen::Vector3d::Zero();        // m, in the root frame
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  // unit, from a to b, in the root frame
@@ -36,7 +37,7 @@ class ContactFinder {
   // contacts: number of contacts of the scene.
   ContactFinder(const Mechanism& mechanism, std::size_t contacts);
 
-  // Calls visit(contact) for each pair of shapes that can touch, and for each swing, until it returns false.
+  // Calls visit(contact) for each pair of shapes that can touch, each swing and each friction, until it returns false.
   template <class Visit>
   void each_pair(const Visit& visit) const {
     const int n = static_cast<int>(mechanism_.shapes.size());
@@ -47,6 +48,9 @@ class ContactFinder {
     }
     for (const Swing& swing : mechanism_.swings) {
       if (!visit(swing.contact)) return;
+    }
+    for (const LinkFriction& friction : mechanism_.frictions) {
+      if (!visit(friction.contact)) return;
     }
   }
   // Allocates what find() needs for this number of points.
@@ -75,6 +79,7 @@ class ContactFinder {
   // The contact between two shapes; -1: they cannot touch.
   int contact_of(int a, int b) const;
   NearPoint swing_point(const Readings<double>& readings, std::size_t i) const;
+  NearPoint friction_point(const Readings<double>& readings, std::size_t i) const;
 
   const Mechanism& mechanism_;
   std::vector<Pose3> poses_;   // X_0S

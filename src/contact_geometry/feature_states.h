@@ -307,11 +307,24 @@ CandidateStateOf<T> state_of_swing(const ContactCandidate& candidate, const Pair
   return out;
 }
 
+// At the joint, with a normal that is fixed to the core's link.
+template <class T>
+CandidateStateOf<T> state_of_friction(const ContactCandidate& candidate, const PairMotion<T>& at) {
+  CandidateStateOf<T> out;
+  out.p = at.tip.point(candidate.center.cast<T>());
+  out.p_dot = at.V_tip.v + at.V_tip.w.cross(out.p);
+  out.n = at.core.R * candidate.core_axis.cast<T>();
+  out.n_dot = at.V_core.w.cross(out.n);
+  return out;
+}
+
 template <class T>
 CandidateStateOf<T> state(const ContactCandidate& candidate, const PairMotion<T>& at) {
   switch (candidate.kind) {
     case ContactCandidate::Kind::swing:
       return state_of_swing(candidate, at);
+    case ContactCandidate::Kind::friction:
+      return state_of_friction(candidate, at);
     case ContactCandidate::Kind::edges:
       return state_of_edges(candidate, crossing(candidate, PlacedEdges<T>::of(candidate, at)), at);
     case ContactCandidate::Kind::rim:

@@ -196,6 +196,10 @@ void TracedScene::note_modes(std::size_t island, IslandArguments& of, std::vecto
     refuse(names[static_cast<std::size_t>(force)] +
            ": found friction that depends on the forces in bearings, guides or gears, which the equations determine; "
            "expected friction by numbers or by expressions of the speed");
+  for (const LinkFriction& friction : mechanism.frictions)
+    refuse(name_of_touching_law(scene_, friction.contact) +
+           ": found friction along several velocities together; equations can be handed out for friction along single "
+           "coordinates only");
   for (const int contact : mechanism.contact_table.contacts) {
     if (contact < 0) continue;
     refuse(scene_.contacts[static_cast<std::size_t>(contact)].name +

@@ -29,7 +29,7 @@ constexpr std::size_t most_tried_locks = 4;
 // A vector with these components along the axes of a group.
 Eigen::Vector3d in_space(const ContactEquations::Entry& entry, int group, const VectorXd& part) {
   Eigen::Vector3d out = Eigen::Vector3d::Zero();
-  for (Index k = 0; k < part.size(); ++k) out += part[k] * entry.axes.col((group == 1 ? 0 : 1) + k);
+  for (Index k = 0; k < part.size(); ++k) out += part[k] * entry.axis(group, k);
   return out;
 }
 
@@ -51,6 +51,10 @@ void ContactDecision::set_cones() {
       coefficients[g] = equations_.coefficient(entry.candidate, group, slides_[i][g]);
       if (breaks_away_) coefficients[g] *= 1 - break_away_fraction;
     }
+    if (entry.is_given) {
+      add_given_cones(entry, coefficients[0]);
+      continue;
+    }
     const Cone cone = cone_of(entry, coefficients);
     if (opens_[i] == 0) {
       cones_.push_back(cone);
@@ -59,6 +63,13 @@ void ContactDecision::set_cones() {
     }
   }
   set_lock_cones();
+}
+
+// Of a normal force that is given, and of the friction by it.
+void ContactDecision::add_given_cones(const ContactEquations::Entry& entry, double coefficient) {
+  const double normal = equations_.law(entry.candidate).given_normal;
+  cones_.push_back(Cone::within(entry.first, normal, normal));
+  if (entry.rows[0] >= 0) cones_.push_back(Cone::ball(entry.rows[0], entry.kept(0), coefficient * normal));
 }
 
 void ContactDecision::set_lock_cones() {
@@ -117,20 +128,24 @@ void ContactDecision::solve_cones(const VectorXd& normal) {
 std::vector<CandidateMode> ContactDecision::modes_of_solution(const std::vector<CandidateMode>& tentative) const {
   std::vector<CandidateMode> next = tentative;
   const VectorXd normal = normal_forces();
-  const double largest = std::max(0.0, normal.maxCoeff());
+  double largest = 0;
+  for (std::size_t i = 0; i < candidates_.size(); ++i) {
+    if (!rows_.entries[i].is_given) largest = std::max(largest, normal[static_cast<Index>(i)]);
+  }
   const VectorXd a = G_ * x_ + C_ * normal + b_;
   for (std::size_t i = 0; i < candidates_.size(); ++i) {
     const ContactEquations::Entry& entry = rows_.entries[i];
     CandidateMode& mode = next[static_cast<std::size_t>(candidates_[i])];
     const double n = x_[entry.first];
-    mode.closed = n > least_force * largest || (opens_[i] == 0 && a[entry.first] <= limit_fraction * scale_);
+    const bool pushes = entry.is_given || n > least_force * largest;
+    mode.closed = pushes || (opens_[i] == 0 && a[entry.first] <= limit_fraction * scale_);
     if (!mode.closed) continue;
     for (int group = 0; group < contact_groups; ++group) {
       const auto g = static_cast<std::size_t>(group);
       if (entry.rows[g] < 0) continue;
       mode.groups[g].moves = false;
       mode.groups[g].direction.setZero();
-      if (n > least_force * largest) {
+      if (pushes) {
         find_motion(i, group, a, mode);
       } else if (const VectorXd part = a.segment(entry.rows[g], entry.kept(group));
                  part.norm() > limit_fraction * scale_) {
@@ -189,7 +204,11 @@ void ContactDecision::find_directions(const std::vector<CandidateMode>& tentativ
 
 VectorXd ContactDecision::normal_forces() const {
   VectorXd out(static_cast<Index>(candidates_.size()));
-  for (std::size_t i = 0; i < candidates_.size(); ++i) out[static_cast<Index>(i)] = x_[rows_.entries[i].first];
+  for (std::size_t i = 0; i < candidates_.size(); ++i) {
+    const ContactEquations::Entry& entry = rows_.entries[i];
+    out[static_cast<Index>(i)] =
+        entry.is_given ? equations_.law(entry.candidate).given_normal : x_[rows_.entries[i].first];
+  }
   return out;
 }
 
@@ -299,7 +318,7 @@ ContactDecision::Outcome ContactDecision::decide(const std::vector<int>& candida
   problem_ = &problem;
   iterations_ = 0;
   set_up(tentative, triggered, vdot);
-  VectorXd normal = VectorXd::Zero(static_cast<Index>(candidates.size()));
+  VectorXd normal = normal_forces();  // those that are given
   Outcome outcome = Outcome::none;
   // Modes that obey the laws although something might hold with the normal forces in them.
   std::vector<CandidateMode> possible;

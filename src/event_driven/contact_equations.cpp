@@ -24,8 +24,6 @@ constexpr double gap_rounding = 1e-15;
 constexpr int most_corrections = 8;
 // Cosine between a row and its response below which it is rounding.
 constexpr double blocked_cosine = 1e-12;
-// Of the sum of normal forces: what an evaluation may miss of a limit in its mode.
-constexpr double overload_rounding = 1e-9;
 
 // Drops the rows along which what is held, or constraint equations, permit no motion: their response is rounding,
 // which must not become a divisor.
@@ -94,6 +92,7 @@ Vector3d ContactEquations::moving_direction(const Entry& entry, int group,
   if (along >= 0) return slip / speed;
   if (group == 1) return -slip / speed;  // about the normal
   const Vector3d mirrored = slip - 2 * along * before;
+  if (entry.kept(group) == 3) return mirrored / speed;
   return (mirrored - mirrored.dot(entry.at.n) * entry.at.n).normalized();
 }
 
@@ -130,7 +129,7 @@ void ContactEquations::set_group(const std::vector<CandidateMode>& modes, int gr
   entry.slip[g].setZero();
   entry.along[g].setZero();
   if (entry.rows[g] < 0 && entry.moving[g] < 0) return;
-  const bool turns = group > 0;
+  const bool turns = candidates_[entry.candidate].group_turns(group);
   const bool about_normal = group == 1;
   Vector3d velocity = turns ? motion.V.w : motion.velocity(at.p);
   Vector3d acceleration = turns ? motion.A.w : motion.acceleration(at.p, at.p_dot);
@@ -142,7 +141,10 @@ void ContactEquations::set_group(const std::vector<CandidateMode>& modes, int gr
     acceleration += rate - belt.dot(at.n) * at.n_dot;
   }
   const double along_normal = at.n.dot(velocity);
-  entry.slip[g] = about_normal ? Vector3d(along_normal * at.n) : Vector3d(velocity - along_normal * at.n);
+  const bool in_all_directions = entry.kept(group) == 3;
+  entry.slip[g] = about_normal        ? Vector3d(along_normal * at.n)
+                  : in_all_directions ? velocity
+                                      : Vector3d(velocity - along_normal * at.n);
   const auto rate_along = [&](const Vector3d& d) {
     return d.dot(acceleration) + (about_normal ? d.dot(at.n) * at.n_dot.dot(velocity) : 0);
   };
@@ -155,7 +157,7 @@ void ContactEquations::set_group(const std::vector<CandidateMode>& modes, int gr
   }
   for (Index k = 0; k < entry.kept(group); ++k) {
     const Index row = entry.rows[g] + k;
-    const Vector3d d = entry.axes.col((about_normal ? 0 : 1) + k);
+    const Vector3d d = entry.axis(group, k);
     add_row(entry, d, turns, out.R.row(row).data());
     out.rates[row] = rate_along(d);
     out.demanded[row] = d.dot(belt);
@@ -165,7 +167,12 @@ void ContactEquations::set_group(const std::vector<CandidateMode>& modes, int gr
 void ContactEquations::build(std::span<const int> candidates, const std::vector<CandidateMode>& modes, bool by_modes,
                              Rows& out) {
   out.entries.resize(candidates.size());
-  for (std::size_t i = 0; i < candidates.size(); ++i) out.entries[i].candidate = candidates[i];
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    Entry& entry = out.entries[i];
+    entry.candidate = candidates[i];
+    entry.tangential = candidates_[candidates[i]].tangential;
+    entry.is_given = candidates_[candidates[i]].is_given();
+  }
   number_rows(modes, by_modes, out);
   candidates_.read_motion(dynamics_);
   for (Entry& entry : out.entries) {
@@ -173,8 +180,13 @@ void ContactEquations::build(std::span<const int> candidates, const std::vector<
     entry.axes = contact_axes(entry.at.n);
     const RelativeMotion motion = candidates_.motion(entry.candidate);
     const bool turns = candidates_[entry.candidate].turns();
-    add_row(entry, entry.at.n, turns, out.R.row(entry.first).data());
-    out.rates[entry.first] = motion.normal_acceleration(entry.at, turns);
+    if (entry.is_given) {
+      out.R.row(entry.first).setZero();
+      out.rates[entry.first] = 0;
+    } else {
+      add_row(entry, entry.at.n, turns, out.R.row(entry.first).data());
+      out.rates[entry.first] = motion.normal_acceleration(entry.at, turns);
+    }
     for (int group = 0; group < contact_groups; ++group) set_group(modes, group, motion, entry, out);
   }
 }
@@ -205,7 +217,7 @@ double ContactEquations::accelerate(double* vdot, bool again) {
     return 1;
   }
   const VectorXd before = again ? x_ : VectorXd();
-  solve_for_forces(vdot);
+  solve_for_forces(vdot, again);
   if (dynamics_.switching_forces().locks() > 0) add_holding_forces(again ? x_ : shared());
   solved_at_ = again ? -1 : dynamics_.solution();
   std::copy_n(vdot, vdot_.size(), vdot_.begin());
@@ -226,8 +238,26 @@ bool ContactEquations::is_in_solved_modes() const {
          });
 }
 
-// x_ <- the forces that are missing in vdot, which are added to it.
-void ContactEquations::solve_for_forces(double* vdot) {
+// Normal forces that are given move to the right side; again: they act already.
+void ContactEquations::take_given_forces(bool again) {
+  for (const Entry& entry : rows_.entries) {
+    if (!entry.is_given || again || entry.moving[0] < 0) continue;
+    right_ -= given_normal(entry) * G_.col(entry.first);
+  }
+}
+
+// Each has a row of its own, like any other, of which the solution is known.
+void ContactEquations::set_given_forces(bool again) {
+  for (const Entry& entry : rows_.entries) {
+    if (!entry.is_given) continue;
+    const double pivot = G_.diagonal().maxCoeff();
+    G_(entry.first, entry.first) = pivot > 0 ? pivot : 1;
+    right_[entry.first] = again ? 0 : G_(entry.first, entry.first) * given_normal(entry);
+  }
+}
+
+// x_ <- the forces that are missing in vdot, which are added to it; again: without those that are given.
+void ContactEquations::solve_for_forces(double* vdot, bool again) {
   build(closed_, modes_, true, rows_);
   B_ = rows_.R;
   if (rows_.any_moves()) {
@@ -240,7 +270,9 @@ void ContactEquations::solve_for_forces(double* vdot) {
   Eigen::Map<VectorXd> a(vdot, mechanism_.nv);
   right_ = -rows_.rates;
   right_ -= rows_.R.lazyProduct(a);
+  take_given_forces(again);
   drop_blocked(rows_.R, Z_, G_, right_);
+  set_given_forces(again);
   scale_.setOnes(right_.size());
   for (const Entry& entry : rows_.entries) {
     for (int group = 1; group < contact_groups; ++group) {
@@ -250,16 +282,20 @@ void ContactEquations::solve_for_forces(double* vdot) {
   }
   least_norm_.solve_weighted(G_, right_, scale_, x_);
   shared_is_current_ = false;
+  for (const Entry& entry : rows_.entries) {
+    if (entry.is_given) x_[entry.first] = again ? 0 : given_normal(entry);
+  }
   a += Z_.lazyProduct(x_);
   const bool is_at_rest = rows_.demanded.isZero(0) && std::ranges::all_of(rows_.entries, &Entry::is_at_rest);
-  if (is_at_rest && stops_all(least_norm_)) a.setZero();
+  const auto given = std::ranges::count_if(rows_.entries, &Entry::is_given);
+  if (is_at_rest && stops_all(least_norm_.rank() - given)) a.setZero();
 }
 
-// Whether rows of which `solver` has solved the problem leave nothing free to move: then what they keep at rest is at
-// rest exactly, where rounding would remain.
-bool ContactEquations::stops_all(const LeastNormSolver& solver) const {
+// Whether rows of this rank leave nothing free to move: then what they keep at rest is at rest exactly, where rounding
+// would remain.
+bool ContactEquations::stops_all(Index rank) const {
   if (mechanism_.driven() || dynamics_.switching_forces().locks() > 0) return false;
-  return solver.rank() == mechanism_.nv - dynamics_.rank();
+  return rank == mechanism_.nv - dynamics_.rank();
 }
 
 // What contact forces do to those that keep coordinates of joints at rest, which depend on how redundant ones are
@@ -272,70 +308,6 @@ void ContactEquations::add_holding_forces(const VectorXd& x) {
   std::ranges::fill(holding_, 0.0);
   dynamics_.solve_linear(force_.data(), zero_.data(), nullptr, holding_.data());
   switching_forces.holding_forces().add(holding_);
-}
-
-// Where friction is redundant, as at the corners of a box, it is shared in proportion to the normal forces.
-const VectorXd& ContactEquations::shared() {
-  if (closed_.empty() || rows_.entries.size() <= 1 || x_.size() <= static_cast<Index>(rows_.entries.size())) return x_;
-  if (shared_is_current_) return shared_;
-  shared_is_current_ = true;
-  double largest = 0;
-  for (const Entry& entry : rows_.entries) largest = std::max(largest, x_[entry.first]);
-  weights_ = scale_;
-  for (const Entry& entry : rows_.entries) {
-    const double share = largest > 0 ? std::sqrt(std::max(1e-6, x_[entry.first] / largest)) : 1;
-    for (int group = 0; group < contact_groups; ++group) {
-      const int row = entry.rows[static_cast<std::size_t>(group)];
-      if (row >= 0) weights_.segment(row, entry.kept(group)) *= share;
-    }
-  }
-  weighted_ = G_;  // by columns alone
-  for (Index j = 0; j < weighted_.cols(); ++j) weighted_.col(j) *= weights_[j];
-  sharing_.solve_singular(weighted_, right_, shared_);
-  shared_.array() *= weights_.array();
-  return shared_;
-}
-
-const std::vector<ContactEquations::CandidateForce>& ContactEquations::forces_of(const VectorXd& x) {
-  forces_.clear();
-  if (closed_.empty()) return forces_;
-  for (const Entry& entry : rows_.entries) {
-    CandidateForce& out = forces_.emplace_back();
-    out.normal = x[entry.first];
-    out.force.setZero();
-    out.moment.setZero();
-    (candidates_[entry.candidate].turns() ? out.moment : out.force) = out.normal * entry.at.n;
-    for (int group = 0; group < contact_groups; ++group) {
-      const auto g = static_cast<std::size_t>(group);
-      Vector3d& on = group == 0 ? out.force : out.moment;
-      const int row = entry.rows[g];
-      if (row >= 0) {
-        const auto part = x.segment(row, entry.kept(group));
-        out.held[g] = part.norm();
-        for (Index k = 0; k < part.size(); ++k) on += part[k] * entry.axes.col((group == 1 ? 0 : 1) + k);
-      } else {
-        on -= coefficient(entry.candidate, group, true) * out.normal * entry.along[g];
-      }
-    }
-  }
-  return forces_;
-}
-
-bool ContactEquations::are_overloaded() const {
-  if (closed_.empty() || !least_norm_.was_unique()) return false;
-  double slack = 0;
-  for (const Entry& entry : rows_.entries) slack += overload_rounding * std::abs(x_[entry.first]);
-  for (const Entry& entry : rows_.entries) {
-    const double normal = x_[entry.first];
-    if (normal < -slack) return true;
-    for (int group = 0; group < contact_groups; ++group) {
-      const int row = entry.rows[static_cast<std::size_t>(group)];
-      if (row < 0) continue;
-      if (x_.segment(row, entry.kept(group)).norm() > coefficient(entry.candidate, group, false) * normal + slack)
-        return true;
-    }
-  }
-  return false;
 }
 
 // x <- the least multipliers, in the metric of the mass, that change N v by `left`; Z <- the response to N.
@@ -382,18 +354,7 @@ void ContactEquations::close_velocity(double* v) {
   if (closing_speeds_.left.isZero(0)) return;
   close(kept_.R, closing_speeds_);
   speeds -= closing_speeds_.Z.lazyProduct(closing_speeds_.x);
-  if (stops_all(closing_speeds_.solver) && kept_.demanded.isZero(0)) speeds.setZero();
-}
-
-void add_wrenches(const ContactEquations& contact_equations,
-                  const std::vector<ContactEquations::CandidateForce>& forces, std::vector<Spatial::Force>& out) {
-  for (std::size_t i = 0; i < forces.size(); ++i) {
-    const ContactEquations::Entry& entry = contact_equations.rows().entries[i];
-    const ContactCandidate& candidate = contact_equations.candidates()[entry.candidate];
-    const Spatial::Force on_tip{forces[i].moment + entry.at.p.cross(forces[i].force), forces[i].force};
-    out[static_cast<std::size_t>(candidate.tip_link)] += on_tip;
-    out[static_cast<std::size_t>(candidate.core_link)] -= on_tip;
-  }
+  if (stops_all(closing_speeds_.solver.rank()) && kept_.demanded.isZero(0)) speeds.setZero();
 }
 
 }  // namespace gelenk

@@ -7,7 +7,8 @@
 //   M vdot + J^T lambda = f + B x,    J vdot = gamma,    R vdot = -(rates of R) v
 //
 // is solved for x by the small matrix R K^-1 B, K^-1 the response of the mechanism with its constraint equations.
-// Redundant forces are those of least norm.
+// Redundant forces are those of least norm. Friction of joints is that of a contact whose normal force is given: there
+// is no normal row in R, and its multiplier is known.
 #pragma once
 
 #include <Eigen/Core>
@@ -72,7 +73,14 @@ class ContactEquations {
     std::array<Eigen::Vector3d, contact_groups> slip;   // relative motions
     std::array<Eigen::Vector3d, contact_groups> along;  // directions of those that move
 
-    int kept(int group) const { return group == 1 ? 1 : 2; }
+    int tangential = 2;     // components of the first group; 3: in all directions
+    bool is_given = false;  // the normal force: its row is empty, and its multiplier known
+
+    int kept(int group) const { return group == 1 ? 1 : group == 0 ? tangential : 2; }
+    // Direction of a component of a group.
+    Eigen::Vector3d axis(int group, Eigen::Index k) const {
+      return axes.col((group == 1 || kept(group) == 3 ? 0 : 1) + k);
+    }
     bool is_at_rest() const {
       return at.rate == 0 && std::ranges::all_of(slip, [](const Eigen::Vector3d& of) { return of.isZero(0); });
     }
@@ -144,15 +152,19 @@ class ContactEquations {
   void close_velocity(double* v);
 
  private:
+  // The force of candidates of which it is given [N, N m].
+  double given_normal(const Entry& entry) const { return entry.is_given ? law(entry.candidate).given_normal : 0; }
+  void take_given_forces(bool again);
+  void set_given_forces(bool again);
   Eigen::Vector3d moving_direction(const Entry& entry, int group, const std::vector<CandidateMode>& modes) const;
   void number_rows(const std::vector<CandidateMode>& modes, bool by_modes, Rows& out) const;
   void set_group(const std::vector<CandidateMode>& modes, int group, const RelativeMotion& motion, Entry& entry,
                  Rows& out);
   void add_row(const Entry& entry, const Eigen::Vector3d& d, bool turns, double* out) const;
   double weight(const Entry& entry, int group) const;
-  void solve_for_forces(double* vdot);
+  void solve_for_forces(double* vdot, bool again);
   bool is_in_solved_modes() const;
-  bool stops_all(const LeastNormSolver& solver) const;
+  bool stops_all(Eigen::Index rank) const;
   void add_holding_forces(const Eigen::VectorXd& x);
   const Eigen::VectorXd& shared();
   Eigen::VectorXd constrained_response(const Eigen::VectorXd& force);
@@ -206,6 +218,7 @@ class ContactEquations {
 // At the last accelerate(), by closed(): whether what is held permits no motion along the normal, so that the contact
 // has no force.
 inline bool is_blocked(const ContactEquations& equations, std::size_t i) {
+  if (equations.rows().entries[i].is_given) return false;
   const int normal = equations.rows().entries[i].first;
   return equations.last_solution().G(normal, normal) == 0;
 }

@@ -68,7 +68,7 @@ void ContactModes::indicator_values(double t, const double* y, double* g, double
   }
   go_to(y);
   for (int i = 0; i < n; ++i) {
-    if (mode_of(i).closed) continue;
+    if (mode_of(i).closed || contact_equations_.candidates()[i].is_given()) continue;
     const auto first = static_cast<std::size_t>(per_candidate) * static_cast<std::size_t>(i);
     g[first] = -contact_equations_.candidates()[i].size;
     if (!contact_equations_.candidates().is_close(i)) {
@@ -118,7 +118,7 @@ void ContactModes::indicators_of_closed(const double* vdot, double* g, double* g
     const ContactEquations::Entry& entry = contact_equations_.rows().entries[i];
     double* const of = g + static_cast<std::ptrdiff_t>(per_candidate) * entry.candidate;
     double* const rate = gdot + static_cast<std::ptrdiff_t>(per_candidate) * entry.candidate;
-    of[0] = forces[i].normal + slack;
+    of[0] = entry.is_given ? 1 : forces[i].normal + slack;
     of[per_candidate - 1] = contact_equations_.candidates().margin(entry.candidate) + touch_tolerance;
     rate[0] = rate[per_candidate - 1] = NAN;
     for (int group = 0; group < contact_groups; ++group) {

@@ -93,6 +93,16 @@ std::vector<std::array<std::string, 2>> ContactOutputs::event_texts(const std::v
   std::vector<std::array<std::string, 2>> out;
   for (int i = 0; i < contact_equations_.candidates().count(); ++i) {
     const ContactCandidate& candidate = contact_equations_.candidates()[i];
+    if (candidate.is_given()) {
+      const std::string& friction = contacts[static_cast<std::size_t>(candidate.contact)];
+      const std::string joint = friction.substr(0, friction.find('.'));
+      const std::string slips = candidate.is_moment ? " slips in its rotation" : " slips in its translation";
+      const std::string sticks = candidate.is_moment ? " sticks in its rotation" : " sticks in its translation";
+      out.emplace_back();
+      out.push_back({joint + sticks, joint + slips});
+      for (int k = 2; k < per_candidate; ++k) out.emplace_back();
+      continue;
+    }
     if (candidate.turns()) {
       const std::string& limit = contacts[static_cast<std::size_t>(candidate.contact)];
       const std::string joint = limit.substr(0, limit.rfind('.'));

@@ -77,8 +77,10 @@ LawEdge ContactModes::edge_of_closed(double rest) {
     if (std::abs(entry.at.rate) > rest) return {contact, LawEdge::Of::impact};
     if (const auto of = obstacle_beside(mechanism_.coordinate_rows, entry.is_at_rest())) return {contact, *of};
     sum += std::abs(solved.x[entry.first]);
-    cones.push_back({.normal = entry.first});
-    contacts.push_back(contact);
+    if (!entry.is_given) {
+      cones.push_back({.normal = entry.first});
+      contacts.push_back(contact);
+    }
     for (int group = 0; group < contact_groups; ++group) {
       const auto g = static_cast<std::size_t>(group);
       if (entry.moving[g] >= 0 && entry.slip[g].norm() <= rest) return {contact, LawEdge::Of::friction};
@@ -92,6 +94,7 @@ LawEdge ContactModes::edge_of_closed(double rest) {
     if (!nothing_moves && !sticks_on_face && contact_equations_.candidates().margin(entry.candidate) <= touch_tolerance)
       return {contact, LawEdge::Of::feature};
   }
+  if (cones.empty()) return {};
   const ForceMargin least = force_margin(solved.x, redundant, cones, edge_fraction * sum);
   if (least.margin >= edge_fraction * sum && sum > 0) return {};
   // Without a normal force there is no friction either.

@@ -153,7 +153,7 @@ bool ContactDecision::obeys(std::size_t i, const CandidateMode& mode, const Vect
     }
     double along = 0;
     for (Index k = 0; k < entry.kept(group); ++k)
-      along += relative[entry.rows[g] + k] * entry.axes.col((group == 1 ? 0 : 1) + k).dot(mode.groups[g].direction);
+      along += relative[entry.rows[g] + k] * entry.axis(group, k).dot(mode.groups[g].direction);
     if (along < -tolerance) return false;
   }
   return true;
@@ -197,12 +197,16 @@ bool ContactDecision::is_indeterminate(const std::vector<CandidateMode>& next) c
   if (!rows_.any_moves() || !problem_->locks.empty()) return false;
   const double tolerance = acceleration_tolerance * scale_;
   const auto rises = [&](const VectorXd& a) {
-    return std::ranges::all_of(rows_.entries, [&](const auto& entry) { return a[entry.first] > tolerance; });
+    return std::ranges::all_of(rows_.entries,
+                               [&](const auto& entry) { return entry.is_given || a[entry.first] > tolerance; });
   };
-  if (!rises(b_)) return false;
-  if (std::ranges::any_of(candidates_, [&](int candidate) { return next[static_cast<std::size_t>(candidate)].closed; }))
-    return true;
+  if (std::ranges::all_of(rows_.entries, &ContactEquations::Entry::is_given) || !rises(b_)) return false;
+  const auto is_closed = [&](const ContactEquations::Entry& entry) {
+    return !entry.is_given && next[static_cast<std::size_t>(entry.candidate)].closed;
+  };
+  if (std::ranges::any_of(rows_.entries, is_closed)) return true;
   for (Index i = 0; i < C_.cols(); ++i) {
+    if (rows_.entries[static_cast<std::size_t>(i)].is_given) continue;
     const Index row = rows_.entries[static_cast<std::size_t>(i)].first;
     const VectorXd per_force = G_.col(row) + C_.col(i);
     if (!(per_force[row] < 0)) continue;

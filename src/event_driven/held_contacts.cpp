@@ -44,6 +44,10 @@ MatrixXd inverse_response(const ContactEquations::RowMatrix& N, const ContactEqu
 
 Vector3<Dual> dual(const Vector3d& x) { return x.cast<Dual>(); }
 
+void put(const Dual& from, Index row, MatrixXd& to) {
+  to.row(row) = from.derivatives().head(to.cols()).matrix().transpose();
+}
+
 }  // namespace
 
 HeldContacts::HeldContacts(const Mechanism& mechanism, Dynamics& dynamics, const Loads& loads)
@@ -118,10 +122,24 @@ struct HeldContacts::Placed {
   Motion V, A;                      // of the tip's link relative to the core's, about the root frame
   std::array<Vector3<T>, 2> along;  // tangential axes
   Vector3<T> belt, belt_rate;
+  const ContactEquations::Entry& entry;
+  const ContactCandidate& candidate;
 
+  // Of component k of a group.
+  Vector3<T> axis(int group, int k) const {
+    if (group == 1) return at.n;
+    if (entry.kept(group) == 3) return Vector3<T>(entry.axis(group, k).template cast<T>());
+    return along[static_cast<std::size_t>(k)];
+  }
   Vector3<T> velocity() const { return V.v + V.w.cross(at.p) + belt; }
+  // The components of `kept` along the rows of a group, if it has any.
+  void put_kept(int group, const Vector3<T>& kept, MatrixXd& out) const {
+    const int first = entry.rows[static_cast<std::size_t>(group)];
+    for (int k = 0; first >= 0 && k < entry.kept(group); ++k) put(axis(group, k).dot(kept), first + k, out);
+  }
   Vector3<T> slip(int group) const {
-    const Vector3<T> of = group == 0 ? velocity() : V.w;
+    const Vector3<T> of = candidate.group_turns(group) ? V.w : velocity();
+    if (entry.kept(group) == 3) return of;
     const Vector3<T> normal = of.dot(at.n) * at.n;
     return group == 1 ? normal : Vector3<T>(of - normal);
   }
@@ -151,7 +169,9 @@ HeldContacts::Placed<T> HeldContacts::placed(const ResidualEvaluator<T>& of, con
                 .A = A_tip - A_core,
                 .along = {},
                 .belt = Vector3<T>::Zero(),
-                .belt_rate = Vector3<T>::Zero()};
+                .belt_rate = Vector3<T>::Zero(),
+                .entry = entry,
+                .candidate = candidate};
   // They remain perpendicular to the normal.
   for (Index k = 0; k < 2; ++k) {
     const Vector3<T> axis = entry.axes.col(1 + k).template cast<T>();
@@ -166,27 +186,17 @@ HeldContacts::Placed<T> HeldContacts::placed(const ResidualEvaluator<T>& of, con
   return out;
 }
 
-namespace {
-
-void put(const Dual& from, Index row, MatrixXd& to) {
-  to.row(row) = from.derivatives().head(to.cols()).matrix().transpose();
-}
-
-}  // namespace
-
 MatrixXd HeldContacts::kept_speeds(const ResidualEvaluator<Dual>& of, Index directions) {
   MatrixXd out(R_.rows(), directions);
   for (const ContactEquations::Entry& entry : equations_.rows().entries) {
     const Placed<Dual> here = placed(of, entry, false);
     const Vector3<Dual> velocity = here.velocity();
-    const bool turns = equations_.candidates()[entry.candidate].turns();
-    put(here.at.n.dot(turns ? here.V.w : Vector3<Dual>(velocity - here.belt)), entry.first, out);
-    for (std::size_t k = 0; k < 2; ++k) {
-      const auto row = static_cast<Index>(k);
-      if (entry.rows[0] >= 0) put(here.along[k].dot(velocity), entry.rows[0] + row, out);
-      if (entry.rows[2] >= 0) put(here.along[k].dot(here.V.w), entry.rows[2] + row, out);
+    const Vector3<Dual> along_normal = here.candidate.turns() ? here.V.w : Vector3<Dual>(velocity - here.belt);
+    put(entry.is_given ? Dual(0) : here.at.n.dot(along_normal), entry.first, out);
+    for (int group = 0; group < contact_groups; ++group) {
+      const Vector3<Dual>& kept = here.candidate.group_turns(group) ? here.V.w : velocity;
+      here.put_kept(group, kept, out);
     }
-    if (entry.rows[1] >= 0) put(here.at.n.dot(here.V.w), entry.rows[1], out);
   }
   return out;
 }
@@ -197,17 +207,15 @@ MatrixXd HeldContacts::kept_accelerations(const ResidualEvaluator<Dual>& of, Ind
     const Placed<Dual> here = placed(of, entry, true);
     const Vector3<Dual>& n = here.at.n;
     const Vector3<Dual> at_point = here.A.v + here.A.w.cross(here.at.p) + here.V.w.cross(here.at.p_dot);
-    const bool turns = equations_.candidates()[entry.candidate].turns();
-    put(turns ? n.dot(here.A.w) + here.at.n_dot.dot(here.V.w)
-              : n.dot(at_point) + here.at.n_dot.dot(Vector3<Dual>(here.velocity() - here.belt)),
-        entry.first, out);
+    const Dual turning = n.dot(here.A.w) + here.at.n_dot.dot(here.V.w);
+    const Dual along_normal = here.candidate.turns()
+                                  ? turning
+                                  : n.dot(at_point) + here.at.n_dot.dot(Vector3<Dual>(here.velocity() - here.belt));
+    put(entry.is_given ? Dual(0) : along_normal, entry.first, out);
     const Vector3<Dual> with_belt = at_point + here.belt_rate - here.belt.dot(n) * here.at.n_dot;
-    for (std::size_t k = 0; k < 2; ++k) {
-      const auto row = static_cast<Index>(k);
-      if (entry.rows[0] >= 0) put(here.along[k].dot(with_belt), entry.rows[0] + row, out);
-      if (entry.rows[2] >= 0) put(here.along[k].dot(here.A.w), entry.rows[2] + row, out);
-    }
-    if (entry.rows[1] >= 0) put(n.dot(here.A.w) + here.at.n_dot.dot(here.V.w), entry.rows[1], out);
+    here.put_kept(0, here.candidate.group_turns(0) ? here.A.w : with_belt, out);
+    here.put_kept(2, here.A.w, out);
+    if (entry.rows[1] >= 0) put(turning, entry.rows[1], out);
   }
   return out;
 }
@@ -221,12 +229,12 @@ HeldContacts::Exerted<Dual> HeldContacts::exerted(const ContactEquations::Entry&
   };
   const Dual normal = multiplier(entry.first);
   Exerted<Dual> out{Vector3<Dual>::Zero(), Vector3<Dual>::Zero()};
-  (equations_.candidates()[entry.candidate].turns() ? out.moment : out.force) = normal * here.at.n;
+  if (!entry.is_given) (here.candidate.turns() ? out.moment : out.force) = normal * here.at.n;
   for (int group = 0; group < contact_groups; ++group) {
     const auto g = static_cast<std::size_t>(group);
-    Vector3<Dual>& on = group == 0 ? out.force : out.moment;
+    Vector3<Dual>& on = here.candidate.group_turns(group) ? out.moment : out.force;
     for (int k = 0; entry.rows[g] >= 0 && k < entry.kept(group); ++k)
-      on += multiplier(entry.rows[g] + k) * (group == 1 ? here.at.n : here.along[static_cast<std::size_t>(k)]);
+      on += multiplier(entry.rows[g] + k) * here.axis(group, k);
     if (entry.moving[g] < 0) continue;
     Vector3<Dual> direction = dual(entry.along[g]);
     if (entry.slip[g].norm() > rest_speed) {
@@ -242,12 +250,12 @@ HeldContacts::Exerted<Dual> HeldContacts::exerted(const ContactEquations::Entry&
 HeldContacts::Exerted<double> HeldContacts::exerted(const ContactEquations::Entry& entry, const VectorXd& x) const {
   const double normal = x[entry.first];
   Exerted<double> out{Vector3d::Zero(), Vector3d::Zero()};
-  (equations_.candidates()[entry.candidate].turns() ? out.moment : out.force) = normal * entry.at.n;
+  const ContactCandidate& candidate = equations_.candidates()[entry.candidate];
+  if (!entry.is_given) (candidate.turns() ? out.moment : out.force) = normal * entry.at.n;
   for (int group = 0; group < contact_groups; ++group) {
     const auto g = static_cast<std::size_t>(group);
-    Vector3d& on = group == 0 ? out.force : out.moment;
-    for (int k = 0; entry.rows[g] >= 0 && k < entry.kept(group); ++k)
-      on += x[entry.rows[g] + k] * entry.axes.col((group == 1 ? 0 : 1) + k);
+    Vector3d& on = candidate.group_turns(group) ? out.moment : out.force;
+    for (int k = 0; entry.rows[g] >= 0 && k < entry.kept(group); ++k) on += x[entry.rows[g] + k] * entry.axis(group, k);
     if (entry.moving[g] >= 0) on -= equations_.coefficient(entry.candidate, group, true) * normal * entry.along[g];
   }
   return out;

@@ -63,6 +63,8 @@ HiddenContacts::HiddenContacts(const Mechanism& mechanism, Dynamics& dynamics, C
         pair.core = corners_of(mechanism.shapes[static_cast<std::size_t>(candidate.core)]);
         pair.tip = corners_of(mechanism.shapes[static_cast<std::size_t>(candidate.tip)]);
       }
+    } else if (candidate.is_given()) {
+      pair.is_apart = true;
     } else if (candidate.turns()) {
       pair.normal = candidate.core_axis / std::sin(candidate.swing);  // its gap is linear in the end of the other axis
     } else if (candidate.box.half_space || candidate.kind == ContactCandidate::Kind::rim) {
@@ -81,7 +83,7 @@ void HiddenContacts::gap(int pair, Gap& out) const {
   const ContactCandidates& candidates = contact_equations_.candidates();
   const ContactCandidates::Range range = candidates.range(pair);
   out.size = unlimited;
-  if (range.first == range.last) return;
+  if (range.first == range.last || pairs_[static_cast<std::size_t>(pair)].is_apart) return;
   const auto mode = [&](int candidate) -> const CandidateMode& {
     return contact_equations_.modes()[static_cast<std::size_t>(candidate)];
   };

@@ -53,7 +53,8 @@ class HiddenContacts {
     int core_link = 0, tip_link = 0;
     Eigen::Vector3d core_center, tip_center;  // origins of the frames of the shapes in their links [m]
     bool tip_is_smaller = true;
-    double curvature = 0;  // 1/m, of the surfaces together; 0: that of planes
+    bool is_apart = false;  // it has no gap: friction of a joint
+    double curvature = 0;   // 1/m, of the surfaces together; 0: that of planes
     // Of a plane, in its link, of a swing times what makes distances angles; zero: otherwise.
     Eigen::Vector3d normal = Eigen::Vector3d::Zero();
     std::vector<Tip> core, tip;                         // with sharp features: the corners, in the links of the shapes

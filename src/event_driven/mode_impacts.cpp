@@ -27,6 +27,7 @@ void ModeChanges::strike(double t, double* y, const std::vector<int>& returning,
   std::vector<int> candidates;
   bool any = false;
   for (int i = 0; i < contact_equations_.candidates().count(); ++i) {
+    if (contact_equations_.candidates()[i].is_given()) continue;  // a force of limited size exerts no impulse
     const bool closed = contacts_.mode_of(i).closed;
     if (!closed && !contacts_.may_touch(i)) continue;
     candidates.push_back(i);

@@ -38,8 +38,7 @@ void ContactEquations::begin_differences(int components, const double* vdot, dou
       const double rise = (rows_.S.row(row).dot(a) + rows_.moving_rates[row]) * elapsed;
       const double becomes = std::max(speed, rise);
       const bool turns = group != 1;  // spinning has an axis
-      if (turns && becomes > 0) {
-        const Vector3d across = entry.at.n.cross(entry.along[group]);
+      const auto add_across = [&](const Vector3d& across) {
         const bool is_mirrored = entry.slip[group].dot(before) < 0;
         slow_.push_back({.entry = i,
                          .group = group,
@@ -47,6 +46,14 @@ void ContactEquations::begin_differences(int components, const double* vdot, dou
                          .across = across,
                          .turns_with = is_mirrored ? Vector3d(across - 2 * across.dot(before) * before) : across,
                          .speed = becomes});
+      };
+      if (turns && becomes > 0) {
+        const Vector3d& along = entry.along[group];
+        const bool in_all_directions = entry.kept(static_cast<int>(group)) == 3;
+        const Vector3d across =
+            in_all_directions ? Vector3d(along.unitOrthogonal()) : Vector3d(entry.at.n.cross(along));
+        add_across(across);
+        if (in_all_directions) add_across(along.cross(across));
       }
       before = entry.along[group];
     }
@@ -85,8 +92,9 @@ void ContactEquations::end_differences(Eigen::Ref<Eigen::MatrixXd> vdot_y) {
   for (std::size_t i = 0; i < slow_.size(); ++i) {
     const SlowMotion& slow = slow_[i];
     const Entry& entry = rows_.entries[slow.entry];
-    add_row(entry, slow.across, slow.group > 0, force.data());
-    force *= -coefficient(entry.candidate, static_cast<int>(slow.group), true) * x_[entry.first] / slow.speed;
+    const auto group = static_cast<int>(slow.group);
+    add_row(entry, slow.across, candidates_[entry.candidate].group_turns(group), force.data());
+    force *= -coefficient(entry.candidate, group, true) * x_[entry.first] / slow.speed;
     vdot_y += constrained_response(force) * turning_.row(static_cast<Index>(i));
   }
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "formulation/contact_motion.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -111,7 +112,10 @@ void ContactMotion::count(RunCounts& counts) const {
   counts.impacts += of_events.impacts;
   counts.closed_series += of_events.closed_series;
   counts.ambiguous += of_events.ambiguous;
-  if (!steps_used_) counts.contact_points = static_cast<long>(located_->equations().closed().size());
+  if (steps_used_) return;
+  const ContactEquations& equations = located_->equations();
+  counts.contact_points =
+      std::ranges::count_if(equations.closed(), [&](int of) { return !equations.candidates()[of].is_given(); });
 }
 
 LawAudit ContactMotion::law_audit() {

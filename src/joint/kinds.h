@@ -41,6 +41,9 @@ const void* data_of(const AnyJoint& joint);
 // The limit of its swing; null: it has none.
 struct SwingLimit;
 const SwingLimit* swing_limit_of(const AnyJoint& joint);
+// Its dry friction along several velocities together.
+struct FrictionPart;
+std::vector<FrictionPart> friction_parts_of(const AnyJoint& joint);
 // Returns the error in its parameters that the ranges of the fields do not cover, if there is one.
 std::optional<ElementFault> fault_of(const AnyJoint& joint);
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "joint/base.h"
+#include "joint/isotropic_friction.h"
 
 namespace gelenk {
 
@@ -25,6 +26,21 @@ struct PlanarJoint : PlainJoint<3>, AlongZ {
   static constexpr bool reverses_by_half_turn = false, constant_S = false;
   static constexpr int shifts_in_F = 2;
   static constexpr double flip[] = {1, -1, -1};  // signs of q and v after half a turn of F and M about x
+
+  std::optional<IsotropicFriction<false>> translation;
+
+  static std::span<const Field> fields() {
+    static constexpr Field all[] = {field<&PlanarJoint::translation>(
+        {.name = "friction.translation", .text = "dry friction in the plane, a force in any direction"})};
+    return all;
+  }
+  std::optional<ElementFault> fault() const {
+    return translation ? translation->fault("friction.translation") : std::nullopt;
+  }
+  std::vector<FrictionPart> friction_parts() const {
+    if (!translation) return {};
+    return {friction_part("friction.translation", 2, *translation)};
+  }
 
   static PlanarJoint make(std::span<const Eigen::Vector3d>) { return {}; }
 

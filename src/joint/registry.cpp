@@ -99,6 +99,15 @@ const SwingLimit* swing_limit_of(const AnyJoint& joint) {
       joint);
 }
 
+std::vector<FrictionPart> friction_parts_of(const AnyJoint& joint) {
+  return std::visit(
+      [](const auto& j) -> std::vector<FrictionPart> {
+        if constexpr (requires { j.friction_parts(); }) return j.friction_parts();
+        return {};
+      },
+      joint);
+}
+
 std::optional<ElementFault> fault_of(const AnyJoint& joint) {
   return std::visit(
       [](const auto& j) -> std::optional<ElementFault> {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "joint/base.h"
+#include "joint/isotropic_friction.h"
 #include "joint/quaternion.h"
 #include "joint/swing_limit.h"
 
@@ -29,13 +30,24 @@ struct Spherical : NoAxis {
   static constexpr double q_zero[] = {0, 0, 0, 1};
 
   std::optional<SwingLimit> limit;
+  std::optional<IsotropicFriction<true>> friction;
 
   static std::span<const Field> fields() {
     static constexpr Field all[] = {
-        field<&Spherical::limit>({.name = "limit", .text = "hard limit of its swing, with impacts"})};
+        field<&Spherical::limit>({.name = "limit", .text = "hard limit of its swing, with impacts"}),
+        field<&Spherical::friction>({.name = "friction", .text = "dry friction, a moment about any axis"})};
     return all;
   }
-  std::optional<ElementFault> fault() const { return limit ? limit->fault() : std::nullopt; }
+  std::optional<ElementFault> fault() const {
+    if (limit) {
+      if (std::optional<ElementFault> found = limit->fault()) return found;
+    }
+    return friction ? friction->fault("friction") : std::nullopt;
+  }
+  std::vector<FrictionPart> friction_parts() const {
+    if (!friction) return {};
+    return {friction_part("friction", 3, *friction)};
+  }
 
   static Spherical make(std::span<const Eigen::Vector3d>) { return {}; }
 

@@ -23,6 +23,7 @@ std::vector<int> links_with_loads(const Mechanism& mechanism, const Loads& loads
   mark_links(*loads.forces, needed);
   for (const LinkShape& shape : mechanism.shapes) needed[shape.link] = true;
   for (const Swing& swing : mechanism.swings) needed[swing.link_a] = needed[swing.link_b] = true;
+  for (const LinkFriction& of : mechanism.frictions) needed[of.link_a] = needed[of.link_b] = true;
   for (const NamedQuantity& named : loads.named) {
     if (named.reading != nullptr) named.reading->mark_links(needed);
   }

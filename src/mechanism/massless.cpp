@@ -7,6 +7,7 @@
 #include <type_traits>
 #include <unordered_set>
 
+#include "joint/isotropic_friction.h"
 #include "joint/swing_limit.h"
 #include "mechanism/disjoint_sets.h"
 #include "mechanism/graph.h"
@@ -38,7 +39,7 @@ class InteractionIndex {
   bool at(const Edge& edge) const {
     const Joint& joint = scene_.joints[edge.scene_joint];
     return joints_.contains(joint.name) || named_.contains(joint.name) || !joint.is_idle() ||
-           swing_limit_of(*joint.is) != nullptr || may_be_tuned(joint.name);
+           swing_limit_of(*joint.is) != nullptr || !friction_parts_of(*joint.is).empty() || may_be_tuned(joint.name);
   }
   // Whether an element acts on one of the bodies.
   bool on(const Group& group) const {

@@ -122,6 +122,18 @@ struct Swing {
   Eigen::Vector3d p_b = Eigen::Vector3d::Zero();                                         // m: the joint, in link b
 };
 
+// Dry friction of a joint along several velocities together: of the rotation of one link relative to another, or of the
+// motion of a point, in a plane or in space.
+struct LinkFriction {
+  int contact = 0;  // its number after those of the contacts of the scene (scene/touching_laws.h)
+  int link_a = 0, link_b = 0;
+  bool turns = false;
+  int dimension = 3;                                                                     // 2: in the x-y plane of F
+  Eigen::Matrix3d R_a = Eigen::Matrix3d::Identity(), R_b = Eigen::Matrix3d::Identity();  // of F and M in their links
+  int body_a = -1, body_b = -1;                                                          // of the scene; -1: the ground
+  Eigen::Vector3d p_b = Eigen::Vector3d::Zero();                                         // m: the joint, in link b
+};
+
 // Rigid links in depth-first order on a spanning tree, and the remaining joints, which close loops. Link 0 is the
 // ground; each other link has one tree joint. In a planar mechanism the z axes of all link frames, including that of
 // the ground, are along the normal of the plane.
@@ -145,9 +157,10 @@ struct Mechanism {
   std::vector<LinkShape> shapes;  // those that can touch others; bodies of the scene in their order, the ground last
   ContactTable contact_table;     // if there are shapes
   std::vector<Swing> swings;      // limits of ball joints
+  std::vector<LinkFriction> frictions;
 
-  // Whether anything can touch: shapes, or axes the cones of their limits.
-  bool touches() const { return !shapes.empty() || !swings.empty(); }
+  // Whether it has laws of contacts: of shapes, of axes that touch the cones of their limits, of friction.
+  bool touches() const { return !shapes.empty() || !swings.empty() || !frictions.empty(); }
 
   int first_coordinate_row() const { return rows - static_cast<int>(coordinate_rows.size()); }
   // Whether any constraint equation depends on time or on an input.

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "element/locking.h"
+#include "joint/isotropic_friction.h"
 #include "mechanism/graph.h"
 
 namespace gelenk {
@@ -65,7 +66,10 @@ MotionPlane find_plane(const Scene& scene, const Graph& graph) {
   const auto name = [&](const Edge& edge) { return scene.joints[edge.scene_joint].name; };
   const auto none = [](std::string why) { return MotionPlane{.normals = {}, .why_not = std::move(why)}; };
   for (const Edge& edge : graph.edges) {
-    if (role(edge) != PlanarRole::never) continue;
+    if (role(edge) != PlanarRole::never) {
+      if (friction_parts_of(*edge.joint).empty()) continue;
+      return none("the friction of joint " + name(edge) + " is solved for as that of a contact, in space");
+    }
     return none("joint " + name(edge) + " (" + std::string(kind_of(*edge.joint).name) +
                 ") permits motion out of any plane");
   }

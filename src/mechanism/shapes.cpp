@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The shapes of an island that can touch each other, and the limits of its ball joints.
+// The shapes of an island that can touch each other, and the laws of its joints that are contacts.
 #include <algorithm>
 
 #include "joint/swing_limit.h"
@@ -78,28 +78,40 @@ void check_pairs(const Scene& scene, const ReducedScene& reduced) {
 namespace {
 
 // Of joints that move.
-void add_swings(const Scene& scene, ReducedScene& reduced) {
+void add_laws_of_joints(const Scene& scene, ReducedScene& reduced) {
   const BodyNumbers number(scene);
   int contact = static_cast<int>(scene.contacts.size());
-  for (const int j : joints_with_swing_limit(scene)) {
-    const Joint& joint = scene.joints[static_cast<std::size_t>(j)];
-    const JointPlace& at = reduced.joints[static_cast<std::size_t>(j)];
-    const SwingLimit& limit = *swing_limit_of(*joint.is);
-    if (at.role == JointPlace::Role::tree || at.role == JointPlace::Role::cut) {
-      const BodyPlace parent = place(scene, reduced, at.island, joint.parent);
-      const BodyPlace child = place(scene, reduced, at.island, joint.child);
-      reduced.islands[static_cast<std::size_t>(at.island)].swings.push_back(
-          {.contact = contact,
-           .link_a = parent.link,
-           .link_b = child.link,
-           .axis_a = parent.X_LB.R * limit.parent_axis.along,
-           .axis_b = child.X_LB.R * limit.child_axis.along,
-           .angle = limit.swing,
-           .body_a = number(joint.parent.body),
-           .body_b = number(joint.child.body),
-           .p_b = child.X_LB.p});
+  for (const TouchingLawOfJoint& of : touching_laws_of_joints(scene)) {
+    const int present = contact++;
+    const Joint& joint = scene.joints[static_cast<std::size_t>(of.joint)];
+    const JointPlace& at = reduced.joints[static_cast<std::size_t>(of.joint)];
+    if (at.role != JointPlace::Role::tree && at.role != JointPlace::Role::cut) continue;
+    const BodyPlace parent = place(scene, reduced, at.island, joint.parent);
+    const BodyPlace child = place(scene, reduced, at.island, joint.child);
+    Mechanism& mechanism = reduced.islands[static_cast<std::size_t>(at.island)];
+    if (of.friction) {
+      const Eigen::Matrix3d R_UC = canonical_rotation(*joint.is, joint.axes);
+      mechanism.frictions.push_back({.contact = present,
+                                     .link_a = parent.link,
+                                     .link_b = child.link,
+                                     .turns = of.friction->turns,
+                                     .dimension = of.friction->dimension,
+                                     .R_a = parent.X_LB.R * R_UC,
+                                     .R_b = child.X_LB.R * R_UC,
+                                     .body_a = number(joint.parent.body),
+                                     .body_b = number(joint.child.body),
+                                     .p_b = child.X_LB.p});
+    } else {
+      mechanism.swings.push_back({.contact = present,
+                                  .link_a = parent.link,
+                                  .link_b = child.link,
+                                  .axis_a = parent.X_LB.R * of.swing->parent_axis.along,
+                                  .axis_b = child.X_LB.R * of.swing->child_axis.along,
+                                  .angle = of.swing->swing,
+                                  .body_a = number(joint.parent.body),
+                                  .body_b = number(joint.child.body),
+                                  .p_b = child.X_LB.p});
     }
-    ++contact;
   }
 }
 
@@ -114,7 +126,7 @@ int contact_between(const ContactTable& table, const LinkShape& a, const LinkSha
 }
 
 void add_shapes(const Scene& scene, ReducedScene& reduced) {
-  add_swings(scene, reduced);
+  add_laws_of_joints(scene, reduced);
   if (scene.contacts.empty()) return;
   const BodyNumbers number(scene);
   const ContactTable table = table_of(scene, number);

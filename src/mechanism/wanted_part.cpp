@@ -132,9 +132,9 @@ class Pruner {
   void keep_part_of(const Signal& output) {
     if (output.joint >= 0) keep(part_of_joint_[static_cast<std::size_t>(output.joint)]);
     const auto element = static_cast<std::size_t>(output.element);
-    if (output.section == sections::contacts && element >= scene_.contacts.size()) {
-      const int joint = joints_with_swing_limit(scene_)[element - scene_.contacts.size()];
-      keep(part_of_joint_[static_cast<std::size_t>(joint)]);
+    if (output.section == sections::contacts) {
+      if (const auto of = touching_law_of_joint(scene_, output.element))
+        keep(part_of_joint_[static_cast<std::size_t>(of->joint)]);
     }
     if (output.section == sections::states) keep(part_of_state_[element]);
     if (output.section == sections::expressions) keep(part_of_expression_[element]);

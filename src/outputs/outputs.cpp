@@ -7,6 +7,7 @@
 #include "outputs/outputs_impl.h"
 #include "scene/formulas.h"
 #include "scene/scene.h"
+#include "scene/touching_laws.h"
 
 namespace gelenk {
 Outputs::Outputs(const Scene& scene, const ReducedScene& reduced, const std::vector<Signal>& signals,
@@ -14,6 +15,13 @@ Outputs::Outputs(const Scene& scene, const ReducedScene& reduced, const std::vec
     : scene_(scene), reduced_(reduced) {
   for (const Sensor& sensor : scene.sensors) {
     ports_.emplace_back(scene, reduced, sensor, kind_of(*sensor.is).reads_reaction);
+    std::vector<LawOfSensor>& laws = laws_of_sensors_.emplace_back();
+    int number = static_cast<int>(scene.contacts.size());
+    for (const TouchingLawOfJoint& law : touching_laws_of_joints(scene)) {
+      const std::string& joint = scene.joints[static_cast<std::size_t>(law.joint)].name;
+      if (kind_of(*sensor.is).reads_reaction && sensor.joints.front() == joint) laws.push_back({number, law.turns()});
+      ++number;
+    }
   }
   for (const Force& force : scene.forces) force_ports_.emplace_back(scene, reduced, force, false);
   for (const Signal& signal : signals) sources_.push_back(source_of(scene, signal, switching_forces));
@@ -56,6 +64,11 @@ std::vector<Outputs::Source> Outputs::sources_of(const Formula& formula, const s
   std::vector<Source> out;
   for (const std::string& name : formula.signal_names()) {
     const auto found = std::ranges::find(forces, name, &Signal::name);
+    if (found != forces.end() && found->section == sections::sensors &&
+        !laws_of_sensors_[static_cast<std::size_t>(found->element)].empty())
+      throw SceneError({(scene.file.empty() ? "" : scene.file + ": ") + "found an expression that names " + name +
+                        ", the reaction of a joint with friction in several directions or a limit of its swing, which "
+                        "expressions do not know; expected names of other outputs"});
     out.push_back(found == forces.end() ? Source() : source_of(scene, *found, switching_forces));
   }
   return out;
@@ -161,10 +174,12 @@ Outputs::Source Outputs::element_source(const Scene& scene, const Signal& signal
     return out;
   }
   if (signal.section == sections::contacts) {
-    const bool is_swing = static_cast<std::size_t>(signal.element) >= scene.contacts.size();
+    const bool is_of_joint = static_cast<std::size_t>(signal.element) >= scene.contacts.size();
     const auto touches = [&](const Mechanism& mechanism) {
-      return is_swing ? std::ranges::find(mechanism.swings, signal.element, &Swing::contact) != mechanism.swings.end()
-                      : !mechanism.shapes.empty();
+      const auto is_this = [&](const auto& law) { return law.contact == signal.element; };
+      return is_of_joint
+                 ? std::ranges::any_of(mechanism.swings, is_this) || std::ranges::any_of(mechanism.frictions, is_this)
+                 : !mechanism.shapes.empty();
     };
     const auto found = std::ranges::find_if(reduced_.islands, touches);
     out.kind = found == reduced_.islands.end() ? Kind::constant : Kind::contact;

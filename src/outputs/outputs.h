@@ -123,7 +123,11 @@ class Outputs {
   // Not inline, so that value(), which is called for each joint state, remains short. dynamics: nullptr if all ports
   // are fixed in the world.
   template <class T>
-  [[gnu::noinline]] T sensor_value(const Source& source, const Readings<T>* dynamics) const;
+  [[gnu::noinline]] T sensor_value(const Source& source, const ReadingOf<T>* reading) const;
+  template <class T>
+  SeenWrench<T> wrench_of_laws(const Source& sensor, const ReadingOf<T>& reading) const;
+  template <class T>
+  T friction_value(const Source& source, const LinkFriction& of, const ReadingOf<T>& reading) const;
   template <class T>
   [[gnu::noinline]] T contact_value(const Source& source, const ReadingOf<T>& reading) const;
   template <class T>
@@ -144,6 +148,13 @@ class Outputs {
   };
   std::vector<std::vector<RateOfForces>> rates_of_forces_;  // by island
   std::vector<PortPlaces> ports_;
+  // Laws of the joint whose reaction a sensor reads that are contacts to the equations (scene/touching_laws.h), whose
+  // forces are loads there.
+  struct LawOfSensor {
+    int contact = 0;
+    bool turns = true;
+  };
+  std::vector<std::vector<LawOfSensor>> laws_of_sensors_;  // by sensor
   std::vector<PortPlaces> force_ports_;
 };
 

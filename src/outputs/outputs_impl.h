@@ -53,7 +53,7 @@ inline T Outputs::value_of(const Source& s, const ReadingOf<T>& reading) const {
     case Kind::joint_mode:
       return T(std::abs(reading.modes[s.index]) == 1 ? reading.modes[s.index] : 0);
     case Kind::sensor:
-      return sensor_value<T>(s, &reading.dynamics);
+      return sensor_value<T>(s, &reading);
     case Kind::force:
       return force_value<T>(s, &reading.dynamics);
     case Kind::constraint:
@@ -67,21 +67,44 @@ inline T Outputs::value_of(const Source& s, const ReadingOf<T>& reading) const {
   return T(0);
 }
 
+// On the child: a moment along the axes of M, a force along those of F.
+template <class T>
+T Outputs::friction_value(const Source& s, const LinkFriction& of, const ReadingOf<T>& reading) const {
+  Vector3<T> on_parent = Vector3<T>::Zero();  // in the root frame
+  if constexpr (std::is_same_v<T, double>) {
+    if (reading.contacts == nullptr) return 0;
+    if (s.group == 1) return reading.contacts->mode(s.index) == 2 ? 1 : 0;
+    on_parent =
+        reduced_.islands[static_cast<std::size_t>(s.island)].X_W0.R.transpose() * reading.contacts->force(s.index);
+  } else {
+    if (reading.contact_forces == nullptr || s.group == 1) return T(0);
+    on_parent = reading.contact_forces[s.index];
+  }
+  const int link = of.turns ? of.link_b : of.link_a;
+  const Vector3<T> axis = (of.turns ? of.R_b : of.R_a).col(s.component).template cast<T>();
+  return -on_parent.dot(link == 0 ? axis : Vector3<T>(reading.dynamics.link_pose(link).R * axis));
+}
+
 template <class T>
 T Outputs::contact_value(const Source& s, const ReadingOf<T>& reading) const {
+  const bool is_of_joint = static_cast<std::size_t>(s.index) >= scene_.contacts.size();
+  if (is_of_joint) {
+    const std::vector<LinkFriction>& frictions = reduced_.islands[static_cast<std::size_t>(s.island)].frictions;
+    const auto friction = std::ranges::find(frictions, s.index, &LinkFriction::contact);
+    if (friction != frictions.end()) return friction_value<T>(s, *friction, reading);
+  }
   if constexpr (!std::is_same_v<T, double>) {
-    const bool is_swing = static_cast<std::size_t>(s.index) >= scene_.contacts.size();
-    if (!is_swing && s.group == 1 && reading.contact_gaps != nullptr) return reading.contact_gaps[s.index];
+    if (!is_of_joint && s.group == 1 && reading.contact_gaps != nullptr) return reading.contact_gaps[s.index];
     if (reading.contact_forces == nullptr || s.group != 0) return T(0);
     const Vector3<T> force = reduced_.islands[static_cast<std::size_t>(s.island)].X_W0.R.template cast<T>() *
                              reading.contact_forces[s.index];
-    if (!is_swing) return force[s.component];
+    if (!is_of_joint) return force[s.component];
     const T square = force.squaredNorm();
     using std::sqrt;
     return square > T(0) ? T(sqrt(square)) : T(0);
   }
   if (reading.contacts == nullptr) return T(0);
-  if (static_cast<std::size_t>(s.index) >= scene_.contacts.size())
+  if (is_of_joint)
     return s.group == 0 ? T(reading.contacts->force(s.index).norm()) : T(reading.contacts->mode(s.index) == 0 ? 0 : 1);
   return T(std::visit(
       [&](const auto& contact) {
@@ -111,10 +134,28 @@ void Outputs::rates_of_forces(int island, const std::vector<Formula>& rates, con
     out[of.state] = value_of_forces<T>(rates[static_cast<std::size_t>(of.state)], of.named, reading);
 }
 
+// Of the laws that are contacts to the equations and belong to the joint whose reaction a sensor reads.
 template <class T>
-T Outputs::sensor_value(const Source& source, const Readings<T>* dynamics) const {
+SeenWrench<T> Outputs::wrench_of_laws(const Source& sensor, const ReadingOf<T>& reading) const {
+  SeenWrench<T> out{Vector3<T>::Zero(), Vector3<T>::Zero()};
+  for (const LawOfSensor& law : laws_of_sensors_[static_cast<std::size_t>(sensor.index)]) {
+    Vector3<T>& on = law.turns ? out.n : out.f;
+    if constexpr (std::is_same_v<T, double>) {
+      if (reading.contacts == nullptr) continue;
+      const Eigen::Matrix3d& R_W0 = reduced_.islands[static_cast<std::size_t>(sensor.island)].X_W0.R;
+      on -= R_W0.transpose() * reading.contacts->force(law.contact);
+    } else {
+      if (reading.contact_forces != nullptr) on -= reading.contact_forces[law.contact];
+    }
+  }
+  return out;
+}
+
+template <class T>
+T Outputs::sensor_value(const Source& source, const ReadingOf<T>* reading) const {
   const auto i = static_cast<std::size_t>(source.index);
-  const SeenPorts<T> seen(ports_[i], reduced_, dynamics);
+  SeenPorts<T> seen(ports_[i], reduced_, reading == nullptr ? nullptr : &reading->dynamics);
+  if (reading != nullptr && !laws_of_sensors_[i].empty()) seen.add_to_reaction(wrench_of_laws<T>(source, *reading));
   return std::visit(
       [&](const auto& sensor) -> T {
         if constexpr (OfWhole<std::decay_t<decltype(sensor)>>)

@@ -63,6 +63,9 @@ class SeenPorts {
       : SeenPorts(places,
                   places.island < 0 ? at_origin() : reduced.islands[static_cast<std::size_t>(places.island)].X_W0,
                   dynamics) {}
+  // Makes reaction() show `wrench`, on the child at the origin of M in the axes of the root frame, too: what the
+  // reactions of the equations leave out.
+  void add_to_reaction(const SeenWrench<T>& wrench) { added_ = wrench; }
   // X_W0: of that island, which must outlive it.
   SeenPorts(const PortPlaces& places, const Pose3& X_W0, const Readings<T>* dynamics)
       : places_(places), X_W0_(X_W0), dynamics_(dynamics) {}
@@ -108,7 +111,7 @@ class SeenPorts {
     const auto F = joint.cut ? dynamics_->cut_reaction(joint.index) : dynamics_->tree_reaction(joint.index);
     const Vector3<T> p_M = pose_of(joint.M).point(pose_in<SpatialAlgebra<T>>(joint.M.X_LB).p);
     const Vector3<T> f = T(joint.side) * (X_0J.R * F.f);
-    return {f, T(joint.side) * (X_0J.R * F.n) + Vector3<T>(X_0J.p - p_M).cross(f)};
+    return {f + added_.f, T(joint.side) * (X_0J.R * F.n) + Vector3<T>(X_0J.p - p_M).cross(f) + added_.n};
   }
 
  private:
@@ -123,6 +126,7 @@ class SeenPorts {
   const PortPlaces& places_;
   const Pose3& X_W0_;
   const Readings<T>* dynamics_;
+  SeenWrench<T> added_{Vector3<T>::Zero(), Vector3<T>::Zero()};
 };
 
 // Energy of the mechanism, or of a part of it.

@@ -186,17 +186,22 @@ void BodyWrenches::add_reactions(int island, const Readings<double>& dynamics) {
   }
 }
 
-// The torque of the limit of a ball joint, at the joint.
-void BodyWrenches::add_swing_limit(const ContactForce& at, const Mechanism& mechanism) {
-  const auto swing = std::ranges::find(mechanism.swings, at.contact, &Swing::contact);
-  if (swing == mechanism.swings.end()) return;
+// The torque of the limit of a ball joint, or the friction of a joint, at the joint.
+void BodyWrenches::add_law_of_joint(const ContactForce& at, const Reading& reading, const Mechanism& mechanism) {
+  const std::optional<TouchingLawOfJoint> law = touching_law_of_joint(scene_, at.contact);
+  const Joint& joint = scene_.joints[static_cast<std::size_t>(law->joint)];
   const std::string name = name_of_touching_law(scene_, at.contact);
-  const auto joint = std::ranges::find(scene_.joints, name.substr(0, name.rfind('.')), &Joint::name);
   const Eigen::Vector3d n = mechanism.X_W0.R * at.moment;
-  for (const auto& [on, number, side] : {std::tuple(&joint->parent, 0, -1.0), std::tuple(&joint->child, 1, 1.0)}) {
+  const Eigen::Vector3d f = mechanism.X_W0.R * at.force;
+  for (const auto& [on, number, side] : {std::tuple(&joint.parent, 0, -1.0), std::tuple(&joint.child, 1, 1.0)}) {
     const int body = body_of(*on);
     if (body < 0) continue;
-    all.push_back({BodyWrench::Kind::load, name, body, number, on->X_BF.p, Eigen::Vector3d::Zero(), side * n});
+    Eigen::Vector3d p = on->X_BF.p;
+    if (!law->turns()) {
+      const Pose3 X = X_WB(body, reading.dynamics);
+      p = X.R.transpose() * (mechanism.X_W0.point(at.p) - X.p);
+    }
+    all.push_back({BodyWrench::Kind::load, name, body, number, p, side * f, side * n});
   }
 }
 
@@ -210,7 +215,7 @@ void BodyWrenches::add_contacts(const Reading& reading, const Mechanism& mechani
   std::map<std::tuple<int, int, int>, Sum> sums;  // by contact and bodies
   for (const ContactForce& at : reading.contacts->forces()) {
     if (static_cast<std::size_t>(at.contact) >= scene_.contacts.size()) {
-      add_swing_limit(at, mechanism);
+      add_law_of_joint(at, reading, mechanism);
       continue;
     }
     const auto body = [&](int shape) { return mechanism.shapes[static_cast<std::size_t>(shape)].scene_body; };

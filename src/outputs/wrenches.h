@@ -55,7 +55,7 @@ class BodyWrenches {
                  const Reading& reading);
   void add_reactions(int island, const Readings<double>& dynamics);
   void add_contacts(const Reading& reading, const Mechanism& mechanism);
-  void add_swing_limit(const ContactForce& at, const Mechanism& mechanism);
+  void add_law_of_joint(const ContactForce& at, const Reading& reading, const Mechanism& mechanism);
 
   const Scene& scene_;
   const ReducedScene& reduced_;

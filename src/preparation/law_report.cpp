@@ -44,14 +44,15 @@ bool is_of_contact(BrokenLaw::Kind kind) {
 
 std::string of_contact(const Scene& scene, const BrokenLaw& broken) {
   const std::string law = path_of_touching_law(scene, broken.index);
-  const bool turns = static_cast<std::size_t>(broken.index) >= scene.contacts.size();
+  const std::optional<TouchingLawOfJoint> of_joint = touching_law_of_joint(scene, broken.index);
+  const bool turns = of_joint && of_joint->turns();
   if (broken.kind == BrokenLaw::Kind::contact_pulls)
     return law + ": the normal force would pull with " + shown(scene, -broken.found, turns ? "N.m" : "N");
   if (broken.kind == BrokenLaw::Kind::contact_approaches)
     return law + ": surfaces that touch would approach each other with " +
            shown(scene, broken.found, turns ? "rad/s" : "m/s") +
            ", since no impulses were found that prevent it (as where a heavy body rests on one of far less mass)";
-  const bool is_moment = broken.kind == BrokenLaw::Kind::contact_moment;
+  const bool is_moment = turns || broken.kind == BrokenLaw::Kind::contact_moment;
   const std::string unit = is_moment ? "N.m" : "N";
   return law + (is_moment ? ": the moment of friction would be " : ": the friction would be ") +
          shown(scene, broken.found, unit) + ", but can be at most " + shown(scene, broken.bound, unit);

@@ -22,10 +22,14 @@ std::string name_of_body(const Scene& scene, int body) {
 
 // Those with the core and with the tip.
 std::pair<int, int> bodies_of(const Mechanism& mechanism, const ContactCandidate& candidate) {
-  if (!candidate.turns()) {
+  if (candidate.has_shapes()) {
     const auto& shapes = mechanism.shapes;
     return {shapes[static_cast<std::size_t>(candidate.core)].scene_body,
             shapes[static_cast<std::size_t>(candidate.tip)].scene_body};
+  }
+  if (candidate.is_given()) {
+    const auto friction = std::ranges::find(mechanism.frictions, candidate.contact, &LinkFriction::contact);
+    return {friction->body_a, friction->body_b};
   }
   const auto swing = std::ranges::find(mechanism.swings, candidate.contact, &Swing::contact);
   return {swing->body_a, swing->body_b};
@@ -34,7 +38,7 @@ std::pair<int, int> bodies_of(const Mechanism& mechanism, const ContactCandidate
 // A torque is shown at its joint. p: the point of contact.
 Eigen::Vector3d position_of(const Mechanism& mechanism, Dynamics& dynamics, const ContactCandidate& candidate,
                             const Eigen::Vector3d& p) {
-  if (!candidate.turns()) return p;
+  if (candidate.kind != ContactCandidate::Kind::swing) return p;
   const auto swing = std::ranges::find(mechanism.swings, candidate.contact, &Swing::contact);
   return swing->link_b == 0 ? swing->p_b : dynamics.readings().link_pose(swing->link_b).point(swing->p_b);
 }
@@ -54,7 +58,7 @@ std::vector<CandidateMode> closed_where_it_touches(ContactEquations& equations, 
 std::vector<ForceCone> cones_of(const ContactEquations& equations) {
   std::vector<ForceCone> out;
   for (const ContactEquations::Entry& entry : equations.rows().entries) {
-    out.push_back({.normal = entry.first});
+    if (!entry.is_given) out.push_back({.normal = entry.first});
     for (int group = 0; group < contact_groups; ++group) {
       const int row = entry.rows[static_cast<std::size_t>(group)];
       if (row >= 0)
@@ -118,9 +122,10 @@ RestContacts rest_contacts(const Scene& scene, const EquilibriumProblem& of, Dyn
     point.second = name_of_body(scene, core_is_first ? bodies.second : bodies.first);
     point.position = length * of.mechanism.X_W0.point(position_of(of.mechanism, dynamics, candidate, entry.at.p));
     point.force = -candidate.sign * force * (of.mechanism.X_W0.R * of_point.force);
-    point.normal = (candidate.turns() ? force * length : force) * of_point.normal;
-    point.friction = force * of_point.held[0];
-    point.limit = std::max(0.0, equations.coefficient(entry.candidate, 0, false) * point.normal);
+    const double normal = (candidate.turns() ? force * length : force) * of_point.normal;
+    point.normal = candidate.is_given() ? 0 : normal;
+    point.friction = (candidate.group_turns(0) ? force * length : force) * of_point.held[0];
+    point.limit = std::max(0.0, equations.coefficient(entry.candidate, 0, false) * normal);
   }
   return out;
 }

@@ -181,8 +181,9 @@ double SettableNumber::min() const {
 
 bool SettableNumber::keeps_positions() const {
   if (of_ == Of::body || of_ == Of::inertia) return true;
-  const bool of_force = of_ == Of::along || (of_ == Of::element && (section_ == static_cast<int>(sections::motors) ||
-                                                                    section_ == static_cast<int>(sections::forces)));
+  const bool of_force = of_ == Of::along || of_ == Of::joint ||
+                        (of_ == Of::element && (section_ == static_cast<int>(sections::motors) ||
+                                                section_ == static_cast<int>(sections::forces)));
   return of_force && tunable();
 }
 
@@ -281,6 +282,8 @@ void take(std::vector<Element<Any>>& to, const std::vector<Element<Any>>& from) 
 void take_tunables(Scene& scene, const Scene& from) {
   scene.gravity = from.gravity;
   for (std::size_t j = 0; j < scene.joints.size(); ++j) {
+    const std::span<const Field> own = kind_of(*scene.joints[j].is).fields;
+    take(own, data_of(*scene.joints[j].is), data_of(*from.joints[j].is));
     for (std::size_t i = 0; i < scene.joints[j].along.size(); ++i) {
       for (const JointForceKind& force : joint_force_kinds()) {
         take(force.fields, force.find(*scene.joints[j].along[i]), force.in(*from.joints[j].along[i]));

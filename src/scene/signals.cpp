@@ -124,10 +124,12 @@ void add_section(std::vector<Signal>& signals, const Scene& scene, int section,
 }
 
 // After those of the contacts, as they are numbered.
-void add_swing_limits(std::vector<Signal>& signals, const Scene& scene) {
-  for (int i = static_cast<int>(scene.contacts.size()); i < static_cast<int>(touching_law_count(scene)); ++i) {
+void add_touching_laws_of_joints(std::vector<Signal>& signals, const Scene& scene) {
+  int i = static_cast<int>(scene.contacts.size()) - 1;
+  for (const TouchingLawOfJoint& law : touching_laws_of_joints(scene)) {
+    ++i;
     const ElementPlace place{.name = name_of_touching_law(scene, i), .frames = {}, .joints = {}, .coordinate = {}};
-    const std::span<const SignalGroup> groups = swing_limit_outputs();
+    const std::span<const SignalGroup> groups = outputs_of(law);
     for (std::size_t g = 0; g < groups.size(); ++g) {
       Signal of;
       of.section = sections::contacts;
@@ -200,7 +202,7 @@ std::vector<Signal> output_signals(const Scene& scene) {
   add_section(signals, scene, sections::forces, scene.forces, groups);
   add_section(signals, scene, sections::constraints, scene.constraints, groups);
   add_section(signals, scene, sections::contacts, scene.contacts, groups);
-  add_swing_limits(signals, scene);
+  add_touching_laws_of_joints(signals, scene);
   for (std::size_t i = 0; i < scene.states.size(); ++i) {
     const ElementState& state = scene.states[i];
     Signal& signal = add_named(signals, state, "state of expressions");

@@ -111,11 +111,38 @@ void refuse(const Json& value, const std::string& path, std::string_view name, c
       "no " + std::string(name) + ": " + a_kind(of) + " " + (of.nv == 0 ? "cannot move" : std::string(kind.misfit)));
 }
 
+// Fields of the joint itself that are in a group of the file: "friction.translation" in "friction".
+std::vector<Field> fields_in_group(const JointKind& kind, std::string_view group) {
+  std::vector<Field> out;
+  for (const Field& field : kind.fields) {
+    const std::size_t dot = field.name.find('.');
+    if (dot == std::string_view::npos || field.name.substr(0, dot) != group) continue;
+    out.push_back(field);
+    out.back().name.remove_prefix(dot + 1);
+  }
+  return out;
+}
+
+// A name of the only coordinate, where its group would have names.
+bool names_only_coordinate(const Json& value, const std::string& path, const JointForceKind& kind, const JointKind& of,
+                           Faults& faults) {
+  const std::string name(of.q[0].name);
+  if (of.nv != 1 || !value.is_object() || !value.contains(name)) return false;
+  faults.add(path, text::quoted(name),
+             "a mapping with fields of " + std::string(kind.group) + ": " + a_kind(of) +
+                 " has one coordinate, whose name is not written");
+  return true;
+}
+
 // Reads a group of fields along a coordinate; after an error the whole group is removed, since its numbers belong
 // together.
 void read_group(const Json& value, const std::string& path, const JointForceKind& kind, std::size_t i, Reader& reader,
                 Joint& joint) {
   const std::size_t before = reader.faults.count();
+  if (names_only_coordinate(value, path, kind, kind_of(*joint.is), reader.faults)) {
+    reader.suspect_names.insert(joint.name);
+    return;
+  }
   JointForces& at = *joint.along[i];
   std::vector<std::string> names;
   for (const Field& field : kind.fields) names.emplace_back(field.name);
@@ -135,18 +162,23 @@ void read_groups(const Json& value, const std::string& path, const JointForceKin
   const JointKind& of = kind_of(*joint.is);
   std::vector<std::string> names;
   for (const Quantity& q : of.q) names.emplace_back(q.name);
-  const std::string expected = "a mapping with coordinates of " + a_kind(of) + ": " + text::list(names);
+  const std::vector<Field> own = fields_in_group(of, kind.group);
+  std::vector<std::string> all = names;
+  for (const Field& field : own) all.emplace_back(field.name);
+  const std::string expected = "a mapping with coordinates of " + a_kind(of) + ": " + text::list(all);
   const auto is_of_one = [&](const Field& field) { return value.is_object() && value.contains(field.name); };
   if (const auto found = std::ranges::find_if(kind.fields, is_of_one); found != kind.fields.end()) {
     const std::string key(found->name);
     reader.suspect_names.insert(joint.name);
     return reader.faults.add(path, text::quoted(key), expected + ", as {" + names[0] + ": {" + key + ": ...}}");
   }
+  if (value.is_object() && value.empty()) return reader.faults.add(path, "nothing", expected);
   Fields fields(value, path, reader.faults, expected);
   for (std::size_t i = 0; i < names.size(); ++i) {
     const Json* group = fields.find(names[i]);
     if (group != nullptr) read_group(*group, fields.path(names[i]), kind, i, reader, joint);
   }
+  read_fields(fields, own, data_of(*joint.is), {});
   fields.done();
 }
 
@@ -199,7 +231,7 @@ void accept_fields_of_every_kind(Fields& fields) {
     }
   }
   for (const JointKind& kind : joint_kinds()) {
-    for (const Field& field : kind.fields) fields.find(std::string(field.name));
+    for (const Field& field : kind.fields) fields.find(std::string(field.name.substr(0, field.name.find('.'))));
   }
 }
 
@@ -219,7 +251,10 @@ void read_joint(const Json& value, const std::string& path, Reader& reader, Join
   joint.start = free_start(*kind);
   if (const Json* start = fields.find("start")) read_start(*start, fields.path("start"), reader.faults, joint);
   joint.is = make_joint(joint.type, joint.axes);
-  read_fields(fields, kind->fields, data_of(*joint.is), {});
+  for (const Field& field : kind->fields) {
+    if (field.name.find('.') == std::string_view::npos)
+      read_fields(fields, std::span(&field, 1), data_of(*joint.is), {});
+  }
   read_forces(fields, reader, joint);
   fields.done();
 }

@@ -154,6 +154,13 @@ Json joint(const Joint& joint) {
   Json values = start(joint.start, *kind);
   if (!values.empty()) out["start"] = std::move(values);
   write_forces(out, joint, *kind);
+  for (const Field& field : kind->fields) {  // "friction.translation" is in the mapping of "friction"
+    const std::size_t dot = field.name.find('.');
+    if (dot == std::string_view::npos || !out.contains(field.name)) continue;
+    out[std::string(field.name.substr(0, dot))][std::string(field.name.substr(dot + 1))] =
+        std::move(out[std::string(field.name)]);
+    out.erase(std::string(field.name));
+  }
   return out;
 }
 

@@ -143,10 +143,18 @@ Json joint_numbers(const JointKind& kind, std::vector<std::string>& required) {
         by_name[std::string(coordinate.name)] = along(force, coordinate);
       }
       group = kind.nv == 1 ? by_name.front() : object(by_name, {});
+      if (kind.nv > 1) group["minProperties"] = 1;
       if (kind.nv > 1) group["description"] = sentence(std::string(force.summary) + ", by the names of coordinates");
       continue;
     }
     for (const Field& field : force.fields) out[std::string(field.name)] = per_coordinate(field, kind);
+  }
+  for (const Field& field : kind.fields) {  // "friction.translation" is in the mapping of "friction"
+    const std::size_t dot = field.name.find('.');
+    if (dot == std::string_view::npos) continue;
+    Json& group = out[std::string(field.name.substr(0, dot))];
+    group["properties"][std::string(field.name.substr(dot + 1))] = std::move(out[std::string(field.name)]);
+    out.erase(std::string(field.name));
   }
   return out;
 }

@@ -29,7 +29,8 @@ class NearestPoints {
     nearest_.assign(contacts, {.gap = std::numeric_limits<double>::infinity()});
     for (const NearPoint& at : finder.find(dynamics.readings(), 0, 0, reach * (1 + 1e-6) + touch_tolerance)) {
       NearPoint& nearest = nearest_[static_cast<std::size_t>(at.contact)];
-      if (!at.turns && at.gap < nearest.gap && !closed[static_cast<std::size_t>(at.contact)]) nearest = at;
+      if (!at.turns && at.given == 0 && at.gap < nearest.gap && !closed[static_cast<std::size_t>(at.contact)])
+        nearest = at;
     }
   }
   void clear() { nearest_.clear(); }

@@ -11,7 +11,7 @@ namespace gelenk {
 void TimeStepper::set_belts() {
   for (std::size_t i = 0; i < points_.size(); ++i) {
     const ContactLaw& law = loads_.contacts[static_cast<std::size_t>(points_[i].contact)];
-    if (law.belt_velocity.isZero(0)) continue;
+    if (law.belt_velocity.isZero(0) || cones_[i].is_ball) continue;
     const Eigen::Vector3d belt = finder_.pose(points_[i].b).R * law.belt_velocity;
     const auto first = static_cast<std::size_t>(cones_[i].first) + 1;
     for (int k = 0; k < cones_[i].tangential; ++k)

@@ -131,7 +131,7 @@ bool TimeStepper::converge(double h, const double* u, bool last) {
     }
     const Forces forces = update_forces(h, u, most_turned);
     if (forces == Forces::too_fast) return false;
-    const bool turns = stop_turning_points();
+    const bool turns = stop_turning_points(h);
     const bool slides = joints_.set_sliding_friction(h, v1_.data(), vm_.data(), x_.data(), joint_cones());
     if (!slides && !turns && forces == Forces::as_before) break;
     solved_.residual = largest;  // of the results that count

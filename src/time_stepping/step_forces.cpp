@@ -48,6 +48,7 @@ void TimeStepper::find_missed(double h) {
   const double permitted =
       std::max(missed_speed, std::max(missed_fraction, missed_tolerances * cone_tolerance_) * fastest);
   for (std::size_t i = 0; i < points_.size(); ++i) {
+    if (cones_[i].is_ball) continue;
     const double until_closed = points_[i].gap > touch_tolerance ? 2 * points_[i].gap / h : 0;
     const double speed = -free_speeds_[static_cast<std::size_t>(cones_[i].first)] - until_closed;
     if (speed / permitted > missed_.excess) missed_ = {points_[i].contact, speed, speed / permitted};
@@ -59,6 +60,11 @@ Spatial::Force TimeStepper::force_at(std::size_t i, double h) const {
   const Cone& cone = cones_[i];
   const double* x = x_.data() + cone.first;
   Spatial::Force out;
+  if (cone.is_ball) {
+    Eigen::Vector3d& on = points_[i].turns ? out.n : out.f;
+    for (int k = 0; k < cone.tangential; ++k) on += frames_[i].col(k) * (x[k] / h);
+    return out;
+  }
   (points_[i].turns ? out.n : out.f) = frames_[i].col(0) * (x[0] / h);
   for (int k = 0; k < cone.tangential; ++k) out.f += frames_[i].col(1 + k) * (x[1 + k] / h);
   const double* moment = x + 1 + cone.tangential;
@@ -87,7 +93,7 @@ void TimeStepper::remember(double h) {
     const NearPoint& point = points_[i];
     const Cone& cone = cones_[i];
     const double* x = x_.data() + cone.first;
-    if (!(x[0] > 0)) continue;
+    if (!cone.is_ball && !(x[0] > 0)) continue;
     RememberedContact& contact = state_.contacts.emplace_back();
     contact.a = point.a;
     contact.b = point.b;
@@ -96,7 +102,7 @@ void TimeStepper::remember(double h) {
     contact.force = on_b.f;
     contact.moment = on_b.n;
     contact.gap = point.gap;
-    contact.gap_rate = free_speeds_[static_cast<std::size_t>(cone.first)];
+    if (!cone.is_ball) contact.gap_rate = free_speeds_[static_cast<std::size_t>(cone.first)];
     contact.slides = cone.tangential == 0 || slip(i, free_speeds_).norm() > slow;
     add_wrench(point, on_b, state_.wrenches);
     ContactSum& sum = state_.sums[static_cast<std::size_t>(point.contact)];
@@ -143,7 +149,8 @@ double TimeStepper::gap(int contact) {
 }
 
 void TimeStepper::serialize(Archive& archive) {
-  const int shapes = static_cast<int>(mechanism_.shapes.size() + mechanism_.swings.size());
+  const int shapes =
+      static_cast<int>(mechanism_.shapes.size() + mechanism_.swings.size() + mechanism_.frictions.size());
   state_.serialize(archive, shapes);
   archive.serialize(has_second_);
   if (has_second_) second_.serialize(archive, shapes);

@@ -14,26 +14,43 @@ constexpr double straight = 0.999;
 
 }  // namespace
 
+// Of a point, or of friction of a joint, whose limit it is a part of.
+void TimeStepper::set_coefficient(std::size_t point, double h, double coefficient) {
+  Cone& cone = cones_[point];
+  if (cone.is_ball) {
+    cone.radius = h * coefficient * loads_.contacts[static_cast<std::size_t>(points_[point].contact)].given_normal;
+  } else {
+    cone.friction = coefficient;
+  }
+}
+
+bool TimeStepper::has_coefficient(std::size_t point, double h, double coefficient) const {
+  const Cone& cone = cones_[point];
+  if (!cone.is_ball) return cone.friction == coefficient;
+  return cone.radius ==
+         h * coefficient * loads_.contacts[static_cast<std::size_t>(points_[point].contact)].given_normal;
+}
+
 // What slid in the last step, or strikes with a tangential speed, has sliding friction.
-void TimeStepper::set_friction() {
+void TimeStepper::set_friction(double h) {
   for (std::size_t i = 0; i < points_.size(); ++i) {
     const ContactLaw& law = loads_.contacts[static_cast<std::size_t>(points_[i].contact)];
     if (law.static_friction == law.sliding_friction) continue;
     const RememberedContact* before = state_.find(points_[i]);
     const bool slides = before != nullptr ? before->slides : slip(i, speeds_).norm() > rest_speed;
-    if (slides) cones_[i].friction = law.sliding_friction;
+    if (slides) set_coefficient(i, h, law.sliding_friction);
   }
 }
 
 // Points that would turn back within the step come to rest before, and have static friction; if it does not hold them,
 // they slide. Returns whether the friction of any has changed.
-bool TimeStepper::stop_turning_points() {
+bool TimeStepper::stop_turning_points(double h) {
   bool changed = false, has_speeds = false;
   for (std::size_t i = 0; i < points_.size(); ++i) {
     const ContactLaw& law = loads_.contacts[static_cast<std::size_t>(points_[i].contact)];
     if (law.static_friction == law.sliding_friction || turning_[i] == Turning::turns || strikes_[i] != 0) continue;
     const bool was_held = turning_[i] == Turning::may_be_held;
-    if (!was_held && cones_[i].friction != law.sliding_friction) continue;
+    if (!was_held && !has_coefficient(i, h, law.sliding_friction)) continue;
     if (!has_speeds) rows_.speeds(v1_.data(), after_.data());
     has_speeds = true;
     const Eigen::Vector3d before = slip(i, speeds_), after = slip(i, after_);
@@ -44,7 +61,7 @@ bool TimeStepper::stop_turning_points() {
       if (!(before.dot(after) < -straight * before.norm() * after.norm()) || after.norm() <= rest_speed) continue;
       turning_[i] = Turning::may_be_held;
     }
-    cones_[i].friction = was_held ? law.sliding_friction : law.static_friction;
+    set_coefficient(i, h, was_held ? law.sliding_friction : law.static_friction);
     changed = true;
   }
   return changed;
@@ -52,6 +69,13 @@ bool TimeStepper::stop_turning_points() {
 
 // The tangential velocity of the second surface relative to the first at a point. speeds: by row.
 Eigen::Vector3d TimeStepper::slip(std::size_t point, const std::vector<double>& speeds) const {
+  const Cone& cone = cones_[point];
+  if (cone.is_ball) {
+    Eigen::Vector3d out = Eigen::Vector3d::Zero();
+    for (int k = 0; k < cone.tangential; ++k)
+      out += frames_[point].col(k) * speeds[static_cast<std::size_t>(cone.first + k)];
+    return out;
+  }
   const ContactLaw& law = loads_.contacts[static_cast<std::size_t>(points_[point].contact)];
   const Eigen::Vector3d belt = finder_.pose(points_[point].b).R * law.belt_velocity;
   Eigen::Vector3d out = belt - belt.dot(points_[point].normal) * points_[point].normal;

@@ -104,7 +104,7 @@ double TimeStepper::gained_energy() {
   rows_.apply(x_.data(), after_.data());
   double gained = 0, exchanged = 0;
   for (std::size_t i = 0; i < cones_.size(); ++i) {
-    if (i >= points_.size() && joints_[i - points_.size()].side == 0) continue;
+    if (i < points_.size() ? cones_[i].is_ball : joints_[i - points_.size()].side == 0) continue;
     for (int k = 0; k < cones_[i].size(); ++k) {
       const std::size_t r = static_cast<std::size_t>(cones_[i].first) + static_cast<std::size_t>(k);
       const double before = speeds_[r] + belts_[r];

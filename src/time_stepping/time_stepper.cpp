@@ -55,6 +55,7 @@ void TimeStepper::reserve() {
   std::size_t rows = 3 * static_cast<std::size_t>(dynamics_.switching_forces().locks());  // friction and two bounds
   finder_.each_pair([&](int contact) {
     const ContactLaw& law = loads_.contacts[static_cast<std::size_t>(contact)];
+    // Friction of joints has three rows at most.
     const int size = Cone::contact(0, law.static_friction, law.spinning, law.rolling).size();
     points += max_contact_points;
     rows += max_contact_points * static_cast<std::size_t>(size);
@@ -106,7 +107,13 @@ void TimeStepper::collect(double h) {
     points_ = finder_.find(dynamics_.readings(), h, h * loads_.gravity.norm(), 2 * touch_tolerance);
   turning_.assign(points_.size(), Turning::no);
   opens_.assign(points_.size(), 0.0);
-  for (const NearPoint& point : points_) add_contact(point);
+  for (const NearPoint& point : points_) {
+    if (point.given > 0) {
+      add_friction(point, h);
+    } else {
+      add_contact(point);
+    }
+  }
   joints_.add({h, v0_.data(), vdot_.data(), state_.locks}, rows_, cones_);
   for (std::vector<double>* of : all_by_row()) of->assign(static_cast<std::size_t>(rows_.count()), 0.0);
   strikes_.clear();
@@ -115,7 +122,7 @@ void TimeStepper::collect(double h) {
   operator_.update();
   rows_.speeds(v0_.data(), speeds_.data());
   set_belts();
-  set_friction();
+  set_friction(h);
   guess(h);
   find_strikes(h);
 }
@@ -146,14 +153,32 @@ void TimeStepper::add_contact(const NearPoint& point) {
   cones_.push_back(cone);
 }
 
+// Of a joint, with a limit that is given.
+void TimeStepper::add_friction(const NearPoint& point, double h) {
+  const ContactLaw& law = loads_.contacts[static_cast<std::size_t>(point.contact)];
+  const Cone cone = Cone::ball(rows_.count(), point.given, h * law.static_friction * law.given_normal);
+  Eigen::Matrix3d axes = contact_axes(point.normal);
+  if (point.given == 2) axes = Eigen::Matrix3d((Eigen::Matrix3d() << axes.rightCols(2), axes.col(0)).finished());
+  rotation_.touch(point.link_a);
+  rotation_.touch(point.link_b);
+  for (int i = 0; i < point.given; ++i) rows_.add(point.link_a, point.link_b, point.p, axes.col(i), point.turns);
+  frames_.push_back(axes);
+  cones_.push_back(cone);
+}
+
 // x_ <- the impulses of the last step.
 void TimeStepper::guess(double h) {
   for (std::size_t i = 0; i < points_.size(); ++i) {
     const RememberedContact* before = state_.find(points_[i]);
     if (before == nullptr) continue;
-    opens_[i] = opening(points_[i].gap, *before, h);
     const Cone& cone = cones_[i];
     double* x = x_.data() + cone.first;
+    if (cone.is_ball) {
+      const Eigen::Vector3d& last = points_[i].turns ? before->moment : before->force;
+      for (int k = 0; k < cone.tangential; ++k) x[k] = h * frames_[i].col(k).dot(last);
+      continue;
+    }
+    opens_[i] = opening(points_[i].gap, *before, h);
     *x++ = h * frames_[i].col(0).dot(points_[i].turns ? before->moment : before->force);
     for (int k = 0; k < cone.tangential; ++k) *x++ = h * frames_[i].col(1 + k).dot(before->force);
     if (cone.spin > 0) *x++ = h * frames_[i].col(0).dot(before->moment);
@@ -225,6 +250,7 @@ bool TimeStepper::may_be_prestressed() const {
     const Cone& cone = cones_[i];
     if (x_[static_cast<std::size_t>(cone.first)] == 0) continue;
     if (i < points_.size()) {
+      if (cone.is_ball) continue;  // its limit does not depend on what presses
       any_point = any_point || cone.size() > 1;
       any_new = any_new || state_.find(points_[i]) == nullptr;
     } else if (const JointRows::Row& row = joints_[i - points_.size()]; row.side != 0) {
@@ -251,7 +277,7 @@ void TimeStepper::relieve() {
 // The gap that the first row of a cone changes: of a point or, with the sign of its rate, of a limit; friction has
 // none.
 TimeStepper::Gap TimeStepper::gap_of(std::size_t cone) const {
-  if (cone < points_.size()) return {points_[cone].gap, 1};
+  if (cone < points_.size()) return {points_[cone].gap, cones_[cone].is_ball ? 0 : 1};
   const JointRows::Row& lock = joints_[cone - points_.size()];
   return {-lock.depth, lock.is_of_speed ? 0 : -lock.side};
 }

@@ -133,6 +133,7 @@ void bind_cones(nb::module_& m) {
       .def_static("planar_contact", &Cone::planar_contact, nb::arg("first"), nb::arg("friction"),
                   nb::arg("rolling") = 0.0)
       .def_static("within", &Cone::within, nb::arg("first"), nb::arg("lower"), nb::arg("upper"))
+      .def_static("ball", &Cone::ball, nb::arg("first"), nb::arg("size"), nb::arg("radius"))
       .def_rw("tangential", &Cone::tangential)
       .def_rw("spin", &Cone::spin)
       .def_rw("roll", &Cone::roll)

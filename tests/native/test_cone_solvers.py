@@ -152,3 +152,32 @@ def test_an_operator_without_a_matrix_gives_the_same(units: Any, name: str) -> N
     assert hidden.x == dense.x
     formed = len(problem.b) if name in ("hybrid", "newton", "admm", "gauss-seidel") else 0
     assert hidden.products == dense.products + formed
+
+
+@pytest.mark.parametrize("name", SOLVERS)
+@pytest.mark.parametrize("exact", [True, False])
+def test_balls(units: Any, name: str, exact: bool) -> None:
+    """Limits that are given, in two and three dimensions beside a contact: held within, or opposed."""
+    rng = np.random.default_rng(7)
+    for trial in range(20):
+        A = rng.normal(size=(8, 10))
+        G = A @ A.T
+        b = 3 * rng.normal(size=8)
+        radius = [0.1 * (1 + trial % 5), 0.6]
+        cones = [
+            units.Cone.ball(0, 3, radius[0]),
+            units.Cone.contact(3, 0.4),
+            units.Cone.ball(6, 2, radius[1]),
+        ]
+        found = units.ConeSolver(name).solve(
+            G.tolist(), list(b), cones, [0.0] * 8, tolerance=1e-10, exact=exact, max_iterations=20000
+        )
+        x = np.array(found.x)
+        u = G @ x + b
+        for first, size, r in ((0, 3, radius[0]), (6, 2, radius[1])):
+            part, speed = x[first : first + size], u[first : first + size]
+            assert np.linalg.norm(part) <= r * (1 + 1e-14)
+            if np.linalg.norm(part) < r * (1 - 1e-9):
+                assert np.abs(speed).max() < 1e-7, (trial, found.residual)
+            else:  # the force opposes the motion
+                assert part @ speed == pytest.approx(-r * np.linalg.norm(speed), abs=1e-7), trial

@@ -8,7 +8,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from gelenk.equilibria.swings import path_of_law, room, swing_limits, unit_of_law
+from gelenk.equilibria.swings import (
+    is_friction_of_joint,
+    isotropic_frictions,
+    path_of_law,
+    room,
+    swing_limits,
+    unit_of_law,
+)
 from gelenk.errors import EquilibriumError, SceneError, UsageError
 from gelenk.linear.model import EQUILIBRIUM_RATE_TOLERANCE
 from gelenk.linear.operating_point import START, OperatingPoint
@@ -69,13 +76,15 @@ class ContactPoint:
     """A point at which two shapes touch at rest, and what they exert there.
 
     Attributes:
-        contact: name of the contact; "J.limit" is the limit of the joint J.
+        contact: name of the contact; "J.limit" is the limit of the joint J, "J.friction" its friction along
+            several velocities together.
         bodies: names of the bodies with its first and its second surface.
         position: of the point in the world [m].
         force: on the first body, in the world [N].
-        normal: normal force [N]; of the limit of a ball joint its torque [N m], while `force` is zero.
-        friction: size of the friction [N].
-        limit: the largest static friction under this normal force [N].
+        normal: normal force [N]; of the limit of a ball joint its torque [N m], while `force` is zero; 0 of
+            the friction of a joint.
+        friction: size of the friction [N], of the rotation of a joint [N m].
+        limit: the largest static friction, under this normal force [N, N m].
     """
 
     contact: str
@@ -95,6 +104,8 @@ class ContactPoint:
 
     def __str__(self) -> str:
         unit = unit_of_law(self.contact)
+        if is_friction_of_joint(self.contact):
+            return f"{' on '.join(self.bodies)}: friction {self.friction:.6g} of {self.limit:.6g} {unit}"
         kind = "torque" if unit == "N m" else "normal force"
         friction = f", friction {self.friction:.6g} of {self.limit:.6g} N" if self.limit > 0 else ""
         at = ", ".join(f"{x:.6g}" for x in self.position)
@@ -130,6 +141,7 @@ class PosedScene:
         self._holds = plant.scene.has_friction_or_limits
         self._contacts = list(plant.scene.to_dict().get("contacts", {}))
         self._swings = swing_limits(self._joints)
+        self._frictions = isotropic_frictions(self._joints)
         settings = point.reach(plant).settings
         known, rates = set(plant.parameters), plant.rates
         starts = [name for name in plant.readings if start_parameter(name) in known]
@@ -145,8 +157,8 @@ class PosedScene:
 
     @property
     def has_contacts(self) -> bool:
-        """Whether shapes can touch, or ball joints meet the limit of their swing."""
-        return bool(self._contacts or self._swings)
+        """Whether shapes can touch, ball joints meet their limits, or joints have isotropic friction."""
+        return bool(self._contacts or self._swings or self._frictions)
 
     def starts(self, steady: bool = False) -> dict[str, Value]:
         """Return the present pose as start values, with its velocities in steady motion, else zero."""
@@ -345,9 +357,9 @@ class PosedScene:
             return
         worst = max(beyond, key=lambda point: point.friction - point.limit)
         raise EquilibriumError(
-            f"contacts do not hold this pose: contacts.{worst.contact} would need a friction of "
-            f"{worst.friction:.6g} N between {' and '.join(worst.bodies)}, and its limit is "
-            f"{worst.limit:.6g} N"
+            f"contacts do not hold this pose: {path_of_law(worst.contact)} would need a friction of "
+            f"{worst.friction:.6g} {unit_of_law(worst.contact)} between {' and '.join(worst.bodies)}, "
+            f"and its limit is {worst.limit:.6g} {unit_of_law(worst.contact)}"
         )
 
     def check_held(self, holding: Mapping[str, Holding]) -> None:

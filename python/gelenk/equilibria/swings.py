@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Limits of the swing of ball joints, which equilibria treat as contacts."""
+"""Limits of ball joints, and isotropic friction of joints, which equilibria treat as contacts."""
 
 from __future__ import annotations
 
@@ -18,6 +18,17 @@ def swing_limits(joints: Mapping[str, Mapping[str, Any]]) -> dict[str, Mapping[s
     return {name: limit for name, limit in limits.items() if "swing" in limit}
 
 
+def isotropic_frictions(joints: Mapping[str, Mapping[str, Any]]) -> list[str]:
+    """Return the names of the frictions of joints that act along several velocities together."""
+    out = []
+    for name, joint in joints.items():
+        friction = joint.get("friction", {})
+        if joint.get("type") == "spherical" and friction:
+            out.append(f"{name}.friction")
+        out += [f"{name}.friction.{part}" for part in ("translation", "rotation") if part in friction]
+    return out
+
+
 def room(limit: Mapping[str, Any], Q: Sequence[float]) -> float:
     """Return how far a ball joint with the quaternion Q is from such a limit [rad]; negative beyond it."""
     v, s = np.array(Q[:3]), Q[3]
@@ -34,5 +45,10 @@ def path_of_law(law: str) -> str:
 
 
 def unit_of_law(law: str) -> str:
-    """Return the unit of its normal force, of a limit a torque."""
-    return "N m" if "." in law else "N"
+    """Return the unit of its force: of a limit, or of the friction of a rotation, that of a torque."""
+    return "N m" if "." in law and not law.endswith(".translation") else "N"
+
+
+def is_friction_of_joint(law: str) -> bool:
+    """Return whether it is the friction of a joint, which has no normal force."""
+    return ".friction" in law

@@ -18,6 +18,7 @@ struct ContactLaw {
   double rolling = 0, spinning = 0;                  // m: largest moments per normal force
   double restitution = 0;
   Eigen::Vector3d belt_velocity = Eigen::Vector3d::Zero();  // m/s: of the second surface, in the axes of its shape
+  double given_normal = 0;  // N, N m: of friction of joints, the force of which the coefficients are parts
 };
 
 // The force at a point at which two shapes of a mechanism (Mechanism::shapes) touch, in the root frame.
