@@ -235,13 +235,12 @@ void put_texts(std::span<Formula> formulas, const ElementNumbers::mapped_type& v
 
 void put_number(std::span<const Field> fields, void* element, const std::string& name,
                 const ElementNumbers::mapped_type& value) {
-  const std::string first = name.substr(0, name.find('.'));
   for (const Field& field : fields) {
-    if (field.name != first) continue;
-    if (field.type == Field::Type::group) {
+    if (field.type == Field::Type::group && name.starts_with(std::string(field.name) + ".")) {
       if (field.in(element) == nullptr) field.emplace(element);
-      return put_number(field.inner(), field.in(element), name.substr(first.size() + 1), value);
+      return put_number(field.inner(), field.in(element), name.substr(field.name.size() + 1), value);
     }
+    if (field.name != name) continue;
     const auto* list = std::get_if<std::vector<double>>(&value);
     const auto number = [&] {
       if (list != nullptr) throw std::invalid_argument(name + " is a number");

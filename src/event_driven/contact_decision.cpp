@@ -33,6 +33,28 @@ Eigen::Vector3d in_space(const ContactEquations::Entry& entry, int group, const 
   return out;
 }
 
+// The cones of a candidate; opens: that it has no force. given: its normal force, if that is given.
+void add_cones(const ContactEquations::Entry& entry, const std::array<double, contact_groups>& coefficients,
+               double given, bool opens, std::vector<Cone>& out) {
+  if (entry.is_given) {
+    out.push_back(Cone::within(entry.first, given, given));
+    if (entry.rows[0] >= 0) out.push_back(Cone::ball(entry.rows[0], entry.kept(0), coefficients[0] * given));
+    return;
+  }
+  const Cone cone = cone_of(entry, coefficients);
+  if (!opens) return out.push_back(cone);
+  for (int k = 0; k < cone.size(); ++k) out.push_back(Cone::within(cone.first + k, 0, 0));
+}
+
+// Of the normal forces, by candidate, that are not given.
+double largest_pressure(const std::vector<ContactEquations::Entry>& entries, const VectorXd& normal) {
+  double out = 0;
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    if (!entries[i].is_given) out = std::max(out, normal[static_cast<Index>(i)]);
+  }
+  return out;
+}
+
 void symmetrize(Eigen::MatrixXd& G) { G = Eigen::MatrixXd((G + G.transpose()) / 2); }
 
 }  // namespace
@@ -51,25 +73,9 @@ void ContactDecision::set_cones() {
       coefficients[g] = equations_.coefficient(entry.candidate, group, slides_[i][g]);
       if (breaks_away_) coefficients[g] *= 1 - break_away_fraction;
     }
-    if (entry.is_given) {
-      add_given_cones(entry, coefficients[0]);
-      continue;
-    }
-    const Cone cone = cone_of(entry, coefficients);
-    if (opens_[i] == 0) {
-      cones_.push_back(cone);
-    } else {
-      for (int k = 0; k < cone.size(); ++k) cones_.push_back(Cone::within(cone.first + k, 0, 0));
-    }
+    add_cones(entry, coefficients, equations_.law(entry.candidate).given_normal, opens_[i] != 0, cones_);
   }
   set_lock_cones();
-}
-
-// Of a normal force that is given, and of the friction by it.
-void ContactDecision::add_given_cones(const ContactEquations::Entry& entry, double coefficient) {
-  const double normal = equations_.law(entry.candidate).given_normal;
-  cones_.push_back(Cone::within(entry.first, normal, normal));
-  if (entry.rows[0] >= 0) cones_.push_back(Cone::ball(entry.rows[0], entry.kept(0), coefficient * normal));
 }
 
 void ContactDecision::set_lock_cones() {
@@ -128,10 +134,7 @@ void ContactDecision::solve_cones(const VectorXd& normal) {
 std::vector<CandidateMode> ContactDecision::modes_of_solution(const std::vector<CandidateMode>& tentative) const {
   std::vector<CandidateMode> next = tentative;
   const VectorXd normal = normal_forces();
-  double largest = 0;
-  for (std::size_t i = 0; i < candidates_.size(); ++i) {
-    if (!rows_.entries[i].is_given) largest = std::max(largest, normal[static_cast<Index>(i)]);
-  }
+  const double largest = largest_pressure(rows_.entries, normal);
   const VectorXd a = G_ * x_ + C_ * normal + b_;
   for (std::size_t i = 0; i < candidates_.size(); ++i) {
     const ContactEquations::Entry& entry = rows_.entries[i];
@@ -206,8 +209,7 @@ VectorXd ContactDecision::normal_forces() const {
   VectorXd out(static_cast<Index>(candidates_.size()));
   for (std::size_t i = 0; i < candidates_.size(); ++i) {
     const ContactEquations::Entry& entry = rows_.entries[i];
-    out[static_cast<Index>(i)] =
-        entry.is_given ? equations_.law(entry.candidate).given_normal : x_[rows_.entries[i].first];
+    out[static_cast<Index>(i)] = entry.is_given ? equations_.law(entry.candidate).given_normal : x_[entry.first];
   }
   return out;
 }

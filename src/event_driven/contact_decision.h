@@ -44,7 +44,6 @@ class ContactDecision {
   void set_up(const std::vector<CandidateMode>& tentative, const std::vector<Trigger>& triggered, const double* vdot);
   void add_lock_rows();
   void set_cones();
-  void add_given_cones(const ContactEquations::Entry& entry, double coefficient);
   void set_lock_cones();
   void solve_cones(const Eigen::VectorXd& normal);
   std::vector<CandidateMode> modes_of_solution(const std::vector<CandidateMode>& tentative) const;

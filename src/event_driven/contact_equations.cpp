@@ -37,6 +37,23 @@ void drop_blocked(const ContactEquations::RowMatrix& R, const ContactEquations::
   }
 }
 
+// Normal forces that are given move to the right side. given: by row; of those that act already 0.
+void take_given_forces(const ContactEquations::Rows& rows, const VectorXd& given, const MatrixXd& G, VectorXd& right) {
+  for (const ContactEquations::Entry& entry : rows.entries) {
+    if (entry.is_given && entry.moving[0] >= 0) right -= given[entry.first] * G.col(entry.first);
+  }
+}
+
+// Each has a row of its own, like any other, of which the solution is known.
+void set_given_rows(const ContactEquations::Rows& rows, const VectorXd& given, MatrixXd& G, VectorXd& right) {
+  for (const ContactEquations::Entry& entry : rows.entries) {
+    if (!entry.is_given) continue;
+    const double pivot = G.diagonal().maxCoeff();
+    G(entry.first, entry.first) = pivot > 0 ? pivot : 1;
+    right[entry.first] = G(entry.first, entry.first) * given[entry.first];
+  }
+}
+
 }  // namespace
 
 ContactEquations::ContactEquations(const Mechanism& mechanism, Dynamics& dynamics, const std::vector<ContactLaw>& laws,
@@ -141,10 +158,8 @@ void ContactEquations::set_group(const std::vector<CandidateMode>& modes, int gr
     acceleration += rate - belt.dot(at.n) * at.n_dot;
   }
   const double along_normal = at.n.dot(velocity);
-  const bool in_all_directions = entry.kept(group) == 3;
-  entry.slip[g] = about_normal        ? Vector3d(along_normal * at.n)
-                  : in_all_directions ? velocity
-                                      : Vector3d(velocity - along_normal * at.n);
+  entry.slip[g] = about_normal ? Vector3d(along_normal * at.n) : Vector3d(velocity - along_normal * at.n);
+  if (entry.kept(group) == 3) entry.slip[g] = velocity;
   const auto rate_along = [&](const Vector3d& d) {
     return d.dot(acceleration) + (about_normal ? d.dot(at.n) * at.n_dot.dot(velocity) : 0);
   };
@@ -238,24 +253,6 @@ bool ContactEquations::is_in_solved_modes() const {
          });
 }
 
-// Normal forces that are given move to the right side; again: they act already.
-void ContactEquations::take_given_forces(bool again) {
-  for (const Entry& entry : rows_.entries) {
-    if (!entry.is_given || again || entry.moving[0] < 0) continue;
-    right_ -= given_normal(entry) * G_.col(entry.first);
-  }
-}
-
-// Each has a row of its own, like any other, of which the solution is known.
-void ContactEquations::set_given_forces(bool again) {
-  for (const Entry& entry : rows_.entries) {
-    if (!entry.is_given) continue;
-    const double pivot = G_.diagonal().maxCoeff();
-    G_(entry.first, entry.first) = pivot > 0 ? pivot : 1;
-    right_[entry.first] = again ? 0 : G_(entry.first, entry.first) * given_normal(entry);
-  }
-}
-
 // x_ <- the forces that are missing in vdot, which are added to it; again: without those that are given.
 void ContactEquations::solve_for_forces(double* vdot, bool again) {
   build(closed_, modes_, true, rows_);
@@ -270,9 +267,11 @@ void ContactEquations::solve_for_forces(double* vdot, bool again) {
   Eigen::Map<VectorXd> a(vdot, mechanism_.nv);
   right_ = -rows_.rates;
   right_ -= rows_.R.lazyProduct(a);
-  take_given_forces(again);
+  given_.setZero(right_.size());
+  for (const Entry& entry : rows_.entries) given_[entry.first] = again ? 0 : given_normal(entry);
+  take_given_forces(rows_, given_, G_, right_);
   drop_blocked(rows_.R, Z_, G_, right_);
-  set_given_forces(again);
+  set_given_rows(rows_, given_, G_, right_);
   scale_.setOnes(right_.size());
   for (const Entry& entry : rows_.entries) {
     for (int group = 1; group < contact_groups; ++group) {
@@ -282,9 +281,7 @@ void ContactEquations::solve_for_forces(double* vdot, bool again) {
   }
   least_norm_.solve_weighted(G_, right_, scale_, x_);
   shared_is_current_ = false;
-  for (const Entry& entry : rows_.entries) {
-    if (entry.is_given) x_[entry.first] = again ? 0 : given_normal(entry);
-  }
+  set_given_forces(rows_, given_, x_);
   a += Z_.lazyProduct(x_);
   const bool is_at_rest = rows_.demanded.isZero(0) && std::ranges::all_of(rows_.entries, &Entry::is_at_rest);
   const auto given = std::ranges::count_if(rows_.entries, &Entry::is_given);

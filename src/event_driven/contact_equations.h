@@ -154,8 +154,6 @@ class ContactEquations {
  private:
   // The force of candidates of which it is given [N, N m].
   double given_normal(const Entry& entry) const { return entry.is_given ? law(entry.candidate).given_normal : 0; }
-  void take_given_forces(bool again);
-  void set_given_forces(bool again);
   Eigen::Vector3d moving_direction(const Entry& entry, int group, const std::vector<CandidateMode>& modes) const;
   void number_rows(const std::vector<CandidateMode>& modes, bool by_modes, Rows& out) const;
   void set_group(const std::vector<CandidateMode>& modes, int group, const RelativeMotion& motion, Entry& entry,
@@ -198,7 +196,7 @@ class ContactEquations {
   RowMatrix B_, Z_;
   std::vector<double> zero_;
   Eigen::MatrixXd G_, weighted_;
-  Eigen::VectorXd x_, right_, scale_, force_, weights_, shared_;
+  Eigen::VectorXd x_, right_, given_, scale_, force_, weights_, shared_;
   bool shared_is_current_ = false;
   LeastNormSolver least_norm_, sharing_;
   // To remove gaps or velocities of what is closed, in matrices that keep their sizes between events.
@@ -222,6 +220,9 @@ inline bool is_blocked(const ContactEquations& equations, std::size_t i) {
   const int normal = equations.rows().entries[i].first;
   return equations.last_solution().G(normal, normal) == 0;
 }
+
+// x <- the multipliers of normal forces that are given. given: by row.
+void set_given_forces(const ContactEquations::Rows& rows, const Eigen::VectorXd& given, Eigen::VectorXd& x);
 
 // Adds forces of closed candidates to `out`, by link (ContactRows::apply_forces).
 void add_wrenches(const ContactEquations& contact_equations,

@@ -38,9 +38,7 @@ const VectorXd& ContactEquations::shared() {
   for (Index j = 0; j < weighted_.cols(); ++j) weighted_.col(j) *= weights_[j];
   sharing_.solve_singular(weighted_, right_, shared_);
   shared_.array() *= weights_.array();
-  for (const Entry& entry : rows_.entries) {
-    if (entry.is_given) shared_[entry.first] = given_normal(entry);
-  }
+  set_given_forces(rows_, x_, shared_);
   return shared_;
 }
 
@@ -85,6 +83,12 @@ bool ContactEquations::are_overloaded() const {
     }
   }
   return false;
+}
+
+void set_given_forces(const ContactEquations::Rows& rows, const VectorXd& given, VectorXd& x) {
+  for (const ContactEquations::Entry& entry : rows.entries) {
+    if (entry.is_given) x[entry.first] = given[entry.first];
+  }
 }
 
 void add_wrenches(const ContactEquations& contact_equations,

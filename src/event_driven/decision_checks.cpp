@@ -197,8 +197,7 @@ bool ContactDecision::is_indeterminate(const std::vector<CandidateMode>& next) c
   if (!rows_.any_moves() || !problem_->locks.empty()) return false;
   const double tolerance = acceleration_tolerance * scale_;
   const auto rises = [&](const VectorXd& a) {
-    return std::ranges::all_of(rows_.entries,
-                               [&](const auto& entry) { return entry.is_given || a[entry.first] > tolerance; });
+    return std::ranges::all_of(rows_.entries, [&](const auto& of) { return of.is_given || a[of.first] > tolerance; });
   };
   if (std::ranges::all_of(rows_.entries, &ContactEquations::Entry::is_given) || !rises(b_)) return false;
   const auto is_closed = [&](const ContactEquations::Entry& entry) {
@@ -206,7 +205,6 @@ bool ContactDecision::is_indeterminate(const std::vector<CandidateMode>& next) c
   };
   if (std::ranges::any_of(rows_.entries, is_closed)) return true;
   for (Index i = 0; i < C_.cols(); ++i) {
-    if (rows_.entries[static_cast<std::size_t>(i)].is_given) continue;
     const Index row = rows_.entries[static_cast<std::size_t>(i)].first;
     const VectorXd per_force = G_.col(row) + C_.col(i);
     if (!(per_force[row] < 0)) continue;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "time_stepping/given_friction.h"
 #include "time_stepping/step_limits.h"
 #include "time_stepping/time_stepper.h"
 
@@ -26,6 +27,15 @@ constexpr double opening_rounding = touch_tolerance / 1000;
 // Gap up to which the force of the last step is still said to act at a point, relative to the smallest shape.
 constexpr double near_fraction = 0.1;
 
+// Whether two bodies that touch have so unlike masses.
+bool hide_masses(const Mechanism& mechanism, const std::vector<NearPoint>& points) {
+  const auto mass = [&](int link) { return link < 0 ? 0.0 : mechanism.links[static_cast<std::size_t>(link)].G.m; };
+  return std::ranges::any_of(points, [&](const NearPoint& point) {
+    const double a = mass(point.link_a), b = mass(point.link_b);
+    return a > 0 && b > 0 && std::max(a, b) > hiding_ratio * std::min(a, b);
+  });
+}
+
 }  // namespace
 
 // By how much curvature opens the gap of a point in a step, as its gaps in the middles of two steps show.
@@ -39,12 +49,7 @@ double TimeStepper::opening(double gap, const RememberedContact& before, double 
 // missed_ <- the worst one, at the speeds free_speeds_ after the step.
 void TimeStepper::find_missed(double h) {
   const double fastest = velocity_tolerance() / cone_tolerance_;
-  const auto mass = [&](int link) { return link < 0 ? 0.0 : mechanism_.links[static_cast<std::size_t>(link)].G.m; };
-  const bool hides = std::ranges::any_of(points_, [&](const NearPoint& point) {
-    const double a = mass(point.link_a), b = mass(point.link_b);
-    return a > 0 && b > 0 && std::max(a, b) > hiding_ratio * std::min(a, b);
-  });
-  if (!hides) return;
+  if (!hide_masses(mechanism_, points_)) return;
   const double permitted =
       std::max(missed_speed, std::max(missed_fraction, missed_tolerances * cone_tolerance_) * fastest);
   for (std::size_t i = 0; i < points_.size(); ++i) {
@@ -61,8 +66,7 @@ Spatial::Force TimeStepper::force_at(std::size_t i, double h) const {
   const double* x = x_.data() + cone.first;
   Spatial::Force out;
   if (cone.is_ball) {
-    Eigen::Vector3d& on = points_[i].turns ? out.n : out.f;
-    for (int k = 0; k < cone.tangential; ++k) on += frames_[i].col(k) * (x[k] / h);
+    (points_[i].turns ? out.n : out.f) = in_space(cone, frames_[i], x) / h;
     return out;
   }
   (points_[i].turns ? out.n : out.f) = frames_[i].col(0) * (x[0] / h);

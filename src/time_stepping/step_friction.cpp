@@ -3,6 +3,7 @@
 #include <cstddef>
 
 #include "kinematics/loads.h"
+#include "time_stepping/given_friction.h"
 #include "time_stepping/step_limits.h"
 #include "time_stepping/time_stepper.h"
 
@@ -14,23 +15,6 @@ constexpr double straight = 0.999;
 
 }  // namespace
 
-// Of a point, or of friction of a joint, whose limit it is a part of.
-void TimeStepper::set_coefficient(std::size_t point, double h, double coefficient) {
-  Cone& cone = cones_[point];
-  if (cone.is_ball) {
-    cone.radius = h * coefficient * loads_.contacts[static_cast<std::size_t>(points_[point].contact)].given_normal;
-  } else {
-    cone.friction = coefficient;
-  }
-}
-
-bool TimeStepper::has_coefficient(std::size_t point, double h, double coefficient) const {
-  const Cone& cone = cones_[point];
-  if (!cone.is_ball) return cone.friction == coefficient;
-  return cone.radius ==
-         h * coefficient * loads_.contacts[static_cast<std::size_t>(points_[point].contact)].given_normal;
-}
-
 // What slid in the last step, or strikes with a tangential speed, has sliding friction.
 void TimeStepper::set_friction(double h) {
   for (std::size_t i = 0; i < points_.size(); ++i) {
@@ -38,7 +22,7 @@ void TimeStepper::set_friction(double h) {
     if (law.static_friction == law.sliding_friction) continue;
     const RememberedContact* before = state_.find(points_[i]);
     const bool slides = before != nullptr ? before->slides : slip(i, speeds_).norm() > rest_speed;
-    if (slides) set_coefficient(i, h, law.sliding_friction);
+    if (slides) set_coefficient(cones_[i], law, h, law.sliding_friction);
   }
 }
 
@@ -50,7 +34,7 @@ bool TimeStepper::stop_turning_points(double h) {
     const ContactLaw& law = loads_.contacts[static_cast<std::size_t>(points_[i].contact)];
     if (law.static_friction == law.sliding_friction || turning_[i] == Turning::turns || strikes_[i] != 0) continue;
     const bool was_held = turning_[i] == Turning::may_be_held;
-    if (!was_held && !has_coefficient(i, h, law.sliding_friction)) continue;
+    if (!was_held && !has_coefficient(cones_[i], law, h, law.sliding_friction)) continue;
     if (!has_speeds) rows_.speeds(v1_.data(), after_.data());
     has_speeds = true;
     const Eigen::Vector3d before = slip(i, speeds_), after = slip(i, after_);
@@ -61,7 +45,7 @@ bool TimeStepper::stop_turning_points(double h) {
       if (!(before.dot(after) < -straight * before.norm() * after.norm()) || after.norm() <= rest_speed) continue;
       turning_[i] = Turning::may_be_held;
     }
-    set_coefficient(i, h, was_held ? law.sliding_friction : law.static_friction);
+    set_coefficient(cones_[i], law, h, was_held ? law.sliding_friction : law.static_friction);
     changed = true;
   }
   return changed;
@@ -70,12 +54,7 @@ bool TimeStepper::stop_turning_points(double h) {
 // The tangential velocity of the second surface relative to the first at a point. speeds: by row.
 Eigen::Vector3d TimeStepper::slip(std::size_t point, const std::vector<double>& speeds) const {
   const Cone& cone = cones_[point];
-  if (cone.is_ball) {
-    Eigen::Vector3d out = Eigen::Vector3d::Zero();
-    for (int k = 0; k < cone.tangential; ++k)
-      out += frames_[point].col(k) * speeds[static_cast<std::size_t>(cone.first + k)];
-    return out;
-  }
+  if (cone.is_ball) return in_space(cone, frames_[point], speeds.data() + cone.first);
   const ContactLaw& law = loads_.contacts[static_cast<std::size_t>(points_[point].contact)];
   const Eigen::Vector3d belt = finder_.pose(points_[point].b).R * law.belt_velocity;
   Eigen::Vector3d out = belt - belt.dot(points_[point].normal) * points_[point].normal;

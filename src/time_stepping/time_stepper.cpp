@@ -7,6 +7,7 @@
 #include "complementarity/redundant_impulses.h"
 #include "kinematics/loads.h"
 #include "math/bounds.h"
+#include "time_stepping/given_friction.h"
 #include "time_stepping/step_limits.h"
 
 namespace gelenk {
@@ -55,7 +56,6 @@ void TimeStepper::reserve() {
   std::size_t rows = 3 * static_cast<std::size_t>(dynamics_.switching_forces().locks());  // friction and two bounds
   finder_.each_pair([&](int contact) {
     const ContactLaw& law = loads_.contacts[static_cast<std::size_t>(contact)];
-    // Friction of joints has three rows at most.
     const int size = Cone::contact(0, law.static_friction, law.spinning, law.rolling).size();
     points += max_contact_points;
     rows += max_contact_points * static_cast<std::size_t>(size);
@@ -107,13 +107,7 @@ void TimeStepper::collect(double h) {
     points_ = finder_.find(dynamics_.readings(), h, h * loads_.gravity.norm(), 2 * touch_tolerance);
   turning_.assign(points_.size(), Turning::no);
   opens_.assign(points_.size(), 0.0);
-  for (const NearPoint& point : points_) {
-    if (point.given > 0) {
-      add_friction(point, h);
-    } else {
-      add_contact(point);
-    }
-  }
+  for (const NearPoint& point : points_) add_contact(point, h);
   joints_.add({h, v0_.data(), vdot_.data(), state_.locks}, rows_, cones_);
   for (std::vector<double>* of : all_by_row()) of->assign(static_cast<std::size_t>(rows_.count()), 0.0);
   strikes_.clear();
@@ -137,31 +131,18 @@ void TimeStepper::add_passed_limits(double h) {
   operator_.update();
 }
 
-void TimeStepper::add_contact(const NearPoint& point) {
+void TimeStepper::add_contact(const NearPoint& point, double h) {
   const ContactLaw& law = loads_.contacts[static_cast<std::size_t>(point.contact)];
-  const Cone cone = Cone::contact(rows_.count(), law.static_friction, law.spinning, law.rolling);
-  const Eigen::Matrix3d axes = contact_axes(point.normal);
+  const Cone cone = cone_of(point, law, rows_.count(), h);
+  const Eigen::Matrix3d axes = axes_of(point);
   const int a = point.link_a;
   const int b = point.link_b;
-  rotation_.touch(a);
-  rotation_.touch(b);
-  rows_.add(a, b, point.p, axes.col(0), point.turns);
-  for (int i = 0; i < cone.tangential; ++i) rows_.add(a, b, point.p, axes.col(1 + i), false);
+  for (const int link : {a, b}) rotation_.touch(link);
+  if (!cone.is_ball) rows_.add(a, b, point.p, axes.col(0), point.turns);
+  for (int i = 0; i < cone.tangential; ++i)
+    rows_.add(a, b, point.p, axes.col(cone.is_ball ? i : 1 + i), cone.is_ball && point.turns);
   if (cone.spin > 0) rows_.add(a, b, point.p, axes.col(0), true);
   for (int i = 0; i < cone.roll; ++i) rows_.add(a, b, point.p, axes.col(1 + i), true);
-  frames_.push_back(axes);
-  cones_.push_back(cone);
-}
-
-// Of a joint, with a limit that is given.
-void TimeStepper::add_friction(const NearPoint& point, double h) {
-  const ContactLaw& law = loads_.contacts[static_cast<std::size_t>(point.contact)];
-  const Cone cone = Cone::ball(rows_.count(), point.given, h * law.static_friction * law.given_normal);
-  Eigen::Matrix3d axes = contact_axes(point.normal);
-  if (point.given == 2) axes = Eigen::Matrix3d((Eigen::Matrix3d() << axes.rightCols(2), axes.col(0)).finished());
-  rotation_.touch(point.link_a);
-  rotation_.touch(point.link_b);
-  for (int i = 0; i < point.given; ++i) rows_.add(point.link_a, point.link_b, point.p, axes.col(i), point.turns);
   frames_.push_back(axes);
   cones_.push_back(cone);
 }
@@ -174,8 +155,7 @@ void TimeStepper::guess(double h) {
     const Cone& cone = cones_[i];
     double* x = x_.data() + cone.first;
     if (cone.is_ball) {
-      const Eigen::Vector3d& last = points_[i].turns ? before->moment : before->force;
-      for (int k = 0; k < cone.tangential; ++k) x[k] = h * frames_[i].col(k).dot(last);
+      write_components(cone, frames_[i], h * (points_[i].turns ? before->moment : before->force), x);
       continue;
     }
     opens_[i] = opening(points_[i].gap, *before, h);
@@ -248,9 +228,8 @@ bool TimeStepper::may_be_prestressed() const {
   bool any_limit = false, any_point = false, any_new = strikes_any_;
   for (std::size_t i = 0; i < cones_.size(); ++i) {
     const Cone& cone = cones_[i];
-    if (x_[static_cast<std::size_t>(cone.first)] == 0) continue;
+    if (cone.is_ball || x_[static_cast<std::size_t>(cone.first)] == 0) continue;
     if (i < points_.size()) {
-      if (cone.is_ball) continue;  // its limit does not depend on what presses
       any_point = any_point || cone.size() > 1;
       any_new = any_new || state_.find(points_[i]) == nullptr;
     } else if (const JointRows::Row& row = joints_[i - points_.size()]; row.side != 0) {

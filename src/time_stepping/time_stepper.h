@@ -109,8 +109,7 @@ class TimeStepper final : public ContactReadings {
   Spatial::Force force_at(std::size_t i, double h) const;
   void add_wrench(const NearPoint& point, const Spatial::Force& on_b, std::vector<Spatial::Force>& out) const;
   void collect(double h);
-  void add_contact(const NearPoint& point);
-  void add_friction(const NearPoint& point, double h);
+  void add_contact(const NearPoint& point, double h);
   void add_passed_limits(double h);
   std::span<Cone> joint_cones() { return std::span<Cone>(cones_).subspan(points_.size()); }
   std::array<std::vector<double>*, 9> all_by_row() {
@@ -118,8 +117,6 @@ class TimeStepper final : public ContactReadings {
   }
   void set_friction(double h);
   bool stop_turning_points(double h);
-  void set_coefficient(std::size_t point, double h, double coefficient);
-  bool has_coefficient(std::size_t point, double h, double coefficient) const;
   Eigen::Vector3d slip(std::size_t point, const std::vector<double>& speeds) const;
   double approach(std::size_t cone) const;
   void find_strikes(double h);

@@ -354,9 +354,9 @@ def test_errors_of_motors_and_other_joints(tmp_path: Path) -> None:
     path.write_text(json.dumps(source))
     with pytest.warns(gelenk.SceneWarning, match="already driven by 'drive_phi_a'"):
         gelenk.load(path)
-    for kind in ("spherical", "free"):
+    for kind, group in (("spherical", "one_way"), ("free", "friction")):
         source = skeleton(joints={"J": {"type": kind, "parent": "ground", "child": "b"}})
-        source["joints"]["J"]["friction"] = {"phi": {"coulomb": 1}}
+        source["joints"]["J"][group] = {"phi": {"coulomb": 1}}
         with pytest.raises(gelenk.SceneError, match=f"a {kind} joint has no angles or lengths"):
             gelenk.load(source)
 

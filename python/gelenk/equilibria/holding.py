@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from gelenk.equilibria.swings import (
+    has_isotropic_friction,
     is_friction_of_joint,
-    isotropic_frictions,
     path_of_law,
     room,
     swing_limits,
@@ -141,7 +141,7 @@ class PosedScene:
         self._holds = plant.scene.has_friction_or_limits
         self._contacts = list(plant.scene.to_dict().get("contacts", {}))
         self._swings = swing_limits(self._joints)
-        self._frictions = isotropic_frictions(self._joints)
+        self._has_isotropic_friction = has_isotropic_friction(plant.readings)
         settings = point.reach(plant).settings
         known, rates = set(plant.parameters), plant.rates
         starts = [name for name in plant.readings if start_parameter(name) in known]
@@ -158,7 +158,7 @@ class PosedScene:
     @property
     def has_contacts(self) -> bool:
         """Whether shapes can touch, ball joints meet their limits, or joints have isotropic friction."""
-        return bool(self._contacts or self._swings or self._frictions)
+        return bool(self._contacts or self._swings or self._has_isotropic_friction)
 
     def starts(self, steady: bool = False) -> dict[str, Value]:
         """Return the present pose as start values, with its velocities in steady motion, else zero."""

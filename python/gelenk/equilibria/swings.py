@@ -4,7 +4,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+import re
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -18,15 +19,9 @@ def swing_limits(joints: Mapping[str, Mapping[str, Any]]) -> dict[str, Mapping[s
     return {name: limit for name, limit in limits.items() if "swing" in limit}
 
 
-def isotropic_frictions(joints: Mapping[str, Mapping[str, Any]]) -> list[str]:
-    """Return the names of the frictions of joints that act along several velocities together."""
-    out = []
-    for name, joint in joints.items():
-        friction = joint.get("friction", {})
-        if joint.get("type") == "spherical" and friction:
-            out.append(f"{name}.friction")
-        out += [f"{name}.friction.{part}" for part in ("translation", "rotation") if part in friction]
-    return out
+def has_isotropic_friction(outputs: Iterable[str]) -> bool:
+    """Return whether a joint has friction along several velocities together, by the names of outputs."""
+    return any(re.search(r"\.friction(\.\w+)?\.(tau|f)\[1\]$", name) for name in outputs)
 
 
 def room(limit: Mapping[str, Any], Q: Sequence[float]) -> float:

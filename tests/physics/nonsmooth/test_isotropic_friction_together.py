@@ -66,6 +66,24 @@ def test_disc_on_a_turned_plane(axis: list[float]) -> None:
         else:
             expected = (pull - 0.5 * limit) / MASS * found.time
             assert np.abs(speed - expected).max() < 1e-9
+            force = columns(found, "P.friction.translation.f", 2)[1:]
+            power = force[:, 0] * found["P.v_x"][1:] + force[:, 1] * found["P.v_y"][1:]
+            assert np.abs(power + 0.5 * limit * speed[1:]).max() < 1e-9
+
+
+def test_a_planar_joint_that_closes_a_loop() -> None:
+    """Two planar joints between the same bodies, of which the one with friction may close the loop."""
+    v0 = np.array([0.7, -1.1])
+    for with_friction in ("P", "Q"):
+        source = puck({"translation": {"coulomb": FORCE}}, v=list(v0))
+        joint = source["joints"]["P"]
+        source["joints"]["Q"] = {key: joint[key] for key in ("type", "parent", "child", "friction")}
+        del source["joints"]["Q" if with_friction == "P" else "P"]["friction"]
+        found = run(source)
+        stops = MASS * np.linalg.norm(v0) / FORCE
+        left = np.maximum(0, 1 - found.time / stops)
+        assert np.abs(found["P.v_x"] - left * v0[0]).max() < 1e-9
+        assert np.abs(found["Q.v_y"] - left * v0[1]).max() < 1e-9
 
 
 def between_two_ball_joints(first: Source | None, second: Source | None, torque: float, w: float) -> Source:
