@@ -196,7 +196,7 @@ def test_turned_in_the_plane_it_is_the_same() -> None:
         }
         found = run(source, stop=5.0)
         assert found["P.friction.translation.mode"][-1] == 0
-        return np.stack([found["P.s_x"], found["P.s_y"]], axis=1) @ R
+        return np.asarray(np.stack([found["P.s_x"], found["P.s_y"]], axis=1) @ R)
 
     straight = curve(0.0)
     for angle in (0.3, math.pi / 2, -2.0):
