@@ -138,7 +138,7 @@ struct HeldContacts::Placed {
     for (int k = 0; first >= 0 && k < entry.kept(group); ++k) put(axis(group, k).dot(kept), first + k, out);
   }
   Vector3<T> slip(int group) const {
-    const Vector3<T> of = candidate.group_turns(group) ? V.w : velocity();
+    Vector3<T> of = candidate.group_turns(group) ? V.w : velocity();
     if (entry.kept(group) == 3) return of;
     const Vector3<T> normal = of.dot(at.n) * at.n;
     return group == 1 ? normal : Vector3<T>(of - normal);

@@ -10,11 +10,9 @@ namespace gelenk {
 
 // The axes of the rows of a point in columns: of a contact the normal first, of friction those of its components.
 inline Eigen::Matrix3d axes_of(const NearPoint& point) {
-  const Eigen::Matrix3d axes = contact_axes(point.normal);
-  if (point.given != 2) return axes;
-  Eigen::Matrix3d out;
-  out << axes.rightCols(2), axes.col(0);
-  return out;
+  Eigen::Matrix3d axes = contact_axes(point.normal);
+  if (point.given == 2) axes.col(0).swap(axes.col(2));
+  return axes;
 }
 
 // Its cone in a step of length h, with static friction.
