@@ -150,6 +150,7 @@ void ModeChanges::determine(double t, double* y) {
   const std::vector<CandidateMode> before = contact_equations_.modes();
   const LockModes::State joints_before = joints_.state();
   const bool breaks_away = joints_.breaks_away();
+  struck_acceleration_ = 0;
   joints_.begin_change();
   strike(t, y, {}, joints_before);
   if (!decide(t, y, Recording::doubts) && breaks_away) joints_.force_away();
@@ -212,6 +213,7 @@ bool ModeChanges::seize(double t, double* y, bool is_doubtful) {
   const int force = dynamics_.switching_forces().loads().seized();
   if (force < 0) return false;
   const LockModes::State before = joints_.state();
+  struck_acceleration_ = 0;
   strike(t, y, {joints_.stop_friction(force)}, before);
   decide(t, y, Recording::doubts);
   finish(y);

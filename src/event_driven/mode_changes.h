@@ -110,6 +110,7 @@ class ModeChanges {
   ModeCounts counts_;
   std::string refusal_;
   std::vector<double> vdot_, before_, unstopped_;
+  double struck_acceleration_ = 0;               // the largest one where something is struck at this instant
   std::vector<double> load_indicators_;          // of the loads of meshes
   std::vector<int> load_signs_;                  // where a step began last
   std::vector<double> checked_, checked_rates_;  // indicators where inputs have jumped

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Impacts, and what contacts do after them: the part of ModeChanges that changes velocities.
 #include <algorithm>
+#include <cmath>
 
 #include "event_driven/mode_changes.h"
 #include "mechanism/mechanism.h"
@@ -15,6 +16,8 @@ using Eigen::VectorXd;
 
 // Part of the fastest approach with which something may still approach after an impact.
 constexpr double approaching_fraction = 1e-3;
+// Of a rebound that stops, in units of the highest one that is lost: accelerations before and after an impact differ.
+constexpr double stopped_height = 4;
 
 }  // namespace
 
@@ -39,6 +42,7 @@ void ModeChanges::strike(double t, double* y, const std::vector<int>& returning,
   if (!any) return;
   equations_.accelerations_at(t, y, vdot_.data());
   at.vdot = vdot_;
+  for (const double a : vdot_) struck_acceleration_ = std::max(struck_acceleration_, std::abs(a));
   at.holding = joint_impacts_.holding_forces();
   order_.find(y, mechanism_.nq, vdot_);
   const std::vector<CandidateMode> present = contact_equations_.modes();
@@ -137,7 +141,8 @@ void ModeChanges::stop_joints(double* y) {
   std::copy_n(v, unstopped_.size(), unstopped_.begin());
   const int stopped = joints_.first_to_stop(y);
   joints_.finish(y);
-  if (stopped < 0 || excess_of_stop(unstopped_, {v, unstopped_.size()}) <= 1) return;
+  const double rebound = fastest_rebound(stopped_height * lowest_rebound * touch_tolerance, struck_acceleration_);
+  if (stopped < 0 || excess_of_stop(unstopped_, {v, unstopped_.size()}, rebound) <= 1) return;
   refusal_ = joints_.text_of_stop(stopped) +
              ", and velocities would change by far more than rounding explains: try a smaller tolerance or another "
              "integrator";

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 
 namespace gelenk {
 
@@ -27,5 +28,8 @@ inline constexpr double lowest_rebound = 2;
 inline bool rises_no_higher(double height, double speed, double acceleration) {
   return acceleration > 0 && speed * speed <= 2 * acceleration * height;
 }
+
+// The fastest rebound of those.
+inline double fastest_rebound(double height, double acceleration) { return std::sqrt(2 * acceleration * height); }
 
 }  // namespace gelenk

@@ -97,8 +97,10 @@ void bind_laws(nb::module_& m) {
   // Of velocities before and after what events do to them without impulses.
   m.def(
       "excess_of_stop",
-      [](const Numbers& before, const Numbers& after) { return gelenk::excess_of_stop(before, after); },
-      nb::arg("before"), nb::arg("after"));
+      [](const Numbers& before, const Numbers& after, double rebound) {
+        return gelenk::excess_of_stop(before, after, rebound);
+      },
+      nb::arg("before"), nb::arg("after"), nb::arg("rebound") = 0.0);
 }
 
 }  // namespace native

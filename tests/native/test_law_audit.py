@@ -99,3 +99,6 @@ def test_what_stops_changes_no_other_velocity(units: Any, sign: int, size: float
     assert units.excess_of_stop(before, [size + sign * 0.99 * largest, 0.0]) < 1
     assert units.excess_of_stop(before, [size + sign * 1.01 * largest, 0.0]) > 1
     assert units.excess_of_stop(before, before) == 0
+    rebound = 2 * largest  # one that is too low to matter
+    assert units.excess_of_stop(before, [size + sign * 0.99 * rebound, 0.0], rebound) < 1
+    assert units.excess_of_stop(before, [size + sign * 1.01 * rebound, 0.0], rebound) > 1
