@@ -126,6 +126,10 @@ void ContactModes::indicators_of_closed(const double* vdot, double* g, double* g
       const CandidateMode::Group& mode = mode_of(entry.candidate).groups[at];
       if (entry.rows[at] < 0 && !mode.moves) continue;
       rate[1 + group] = NAN;
+      if (entry.rows[at] < 0 && entry.moving[at] < 0) {
+        of[1 + group] = 1;  // its friction has been set to 0 in motion
+        continue;
+      }
       if (!mode.moves) {
         of[1 + group] = forces[i].held[at] -
                         contact_equations_.coefficient(entry.candidate, group, false) * forces[i].normal - slack;

@@ -45,8 +45,10 @@ struct IsotropicFriction {
 
   // path: of this friction in its joint.
   std::optional<ElementFault> fault(std::string_view path) const {
-    if (!(static_limit < coulomb)) return {};
     const auto shown = [](double x) { return text::with_unit(text::number(x), turns ? "N m" : "N"); };
+    if (coulomb == 0 && static_limit > 0)
+      return {{std::string(path) + ".coulomb", shown(0), "more than 0 beside static, which is " + shown(static_limit)}};
+    if (!(static_limit < coulomb)) return {};
     return {{std::string(path) + ".static", shown(static_limit), "at least coulomb, which is " + shown(coulomb)}};
   }
 };

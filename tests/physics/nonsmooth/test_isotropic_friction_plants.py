@@ -147,6 +147,7 @@ def test_equilibria(part: float) -> None:
     [
         ({"coulomb": 0.2, "static": 0.1}, r"joints\.J\.friction\.static: found 0\.1 N m, expected at least"),
         ({"static": 0.1}, r"joints\.J\.friction\.coulomb: found nothing"),
+        ({"coulomb": 0, "static": 0.1}, r"joints\.J\.friction\.coulomb: found 0 N m, expected more than 0"),
         ({"coulomb": -1}, r"joints\.J\.friction\.coulomb: found -1"),
         ({}, r"joints\.J\.friction\.coulomb: found nothing"),
         ({"coulomb": 0.1, "bearing": 1}, r"joints\.J\.friction\.bearing: found an unknown field"),
@@ -255,3 +256,24 @@ def test_none_and_set_in_motion(integrator: str) -> None:
         plant.step_to(0.5 + 0.05 * (k + 1))
     speed = 0.5 - MOMENT / INERTIA * 0.5
     assert plant.values(["J.w[1]", "J.w[3]"]) == pytest.approx([0.6 * speed, 0.8 * speed], abs=1e-8)
+
+
+@pytest.mark.parametrize("integrator", ["auto", "erk", "dirk", "ida", "moreau-jean"])
+def test_set_to_none_in_motion(integrator: str) -> None:
+    """A ball that friction slows down turns on at its speed; friction that is set again stops it."""
+    source = ball({"coulomb": MOMENT}, w=[0.6, 0.0, 0.8])
+    source["solver"] = {"integrator": integrator, "step": 1e-3}
+    source["parameters"] = ["J.friction.coulomb"]
+    plant = gelenk.Simulation(source)
+    plant.initialize(0, 1e-9)
+    stop = INERTIA / MOMENT  # s: of the ball from 1 rad/s
+    plant.step_to(0.25 * stop)
+    none = gelenk.load(source).with_parameters({"J.friction.coulomb": 0.0})
+    plant._core.tune(none._core)
+    plant.step_to(0.5 * stop)
+    assert plant.values(["J.w[1]", "J.w[3]"]) == pytest.approx([0.45, 0.6], abs=1e-8)
+    plant._core.tune(gelenk.load(source)._core)
+    plant.step_to(stop)
+    assert plant.values(["J.w[1]", "J.w[3]"]) == pytest.approx([0.15, 0.2], abs=1e-8)
+    plant.step_to(1.3 * stop)
+    assert plant.values(["J.w[1]", "J.w[3]"]) == pytest.approx([0, 0], abs=1e-12)
