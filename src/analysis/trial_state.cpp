@@ -133,6 +133,7 @@ bool TrialStates::rests(int lock, const TrialState& at) {
 }
 
 bool TrialStates::sticks(int lock, const TrialState& at) {
+  if (forces().is_latched(lock)) return forces().lock(lock).latch >= 0;
   return friction_holds_ && forces().lock(lock).friction >= 0 && forces().sticking_limit(lock).largest() > 0 &&
          at.slips[lock] == 0 && rests(lock, at);
 }
@@ -140,8 +141,11 @@ bool TrialStates::sticks(int lock, const TrialState& at) {
 // Enters the modes of the state.
 void TrialStates::hold(const TrialState& at) {
   if (locks() == 0) return;
+  const std::span<double> inputs = forces().inputs();  // on which latches depend
+  std::copy_n(at.u.begin(), std::min(inputs.size(), at.u.size()), inputs.begin());
   for (int i = 0; i < locks(); ++i) {
     const SwitchingForces::Lock& lock = forces().lock(i);
+    if (lock.latch >= 0) sides_[static_cast<std::size_t>(lock.latch)] = forces().engagement(i) > 0 ? 1 : 0;
     int side = friction_holds_ ? at.slips[i] : mode_released;
     if (!rests(i, at)) side = forces().speed(i, at.v.data()) > 0 ? 1 : -1;
     if (!(forces().sticking_limit(i).largest() > 0)) side = mode_released;

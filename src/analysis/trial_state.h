@@ -75,13 +75,16 @@ class TrialStates {
   // fails.
   std::optional<TrialState> closed_neighbor(const TrialState& here, const Eigen::VectorXd& z, const Eigen::VectorXd& dv,
                                             const Eigen::VectorXd& du);
-  // Whether a limit may come into contact: where inputs are unknown, not that of what is held.
-  bool may_touch(int lock) const { return !borne_[static_cast<std::size_t>(lock)]; }
+  // Whether a limit may come into contact: not that of what a latch holds; where inputs are unknown, not that of what is
+  // held.
+  bool may_touch(int lock) const {
+    return !borne_[static_cast<std::size_t>(lock)] && !dynamics_->switching_forces().is_latched(lock);
+  }
   // Brings every coordinate that is at a bound, or beyond it, into contact; returns whether there is a new one.
   bool touch(TrialState& at);
   // The coordinate of a lock by the unknowns.
   Eigen::RowVectorXd limit_row(const TrialState& at, int lock);
-  // Whether friction keeps the coordinate at rest, in steady motion.
+  // Whether friction, in steady motion, or a latch keeps the coordinate at rest.
   bool sticks(int lock, const TrialState& at);
   // Rotations of the joints by a displacement [rad].
   Eigen::VectorXd joint_rotations(const TrialState& here, const Eigen::VectorXd& z);

@@ -35,11 +35,23 @@ class JointLaws {
   explicit JointLaws(const State& state) : state_(state) {
     look_along(state_.loads.tree, -1);
     for (int c = 0; c < static_cast<int>(state_.loads.cuts.size()); ++c) look_along(state_.loads.cuts[c], c);
+    find_latches();
     find_inputs();
   }
 
   int count() const { return static_cast<int>(lock_of_.size()); }
   int locks() const { return static_cast<int>(found_.size()); }
+  // The force with modes that is the latch of its coordinate; -1: it has none.
+  int latch_over(int lock) const { return latches_[static_cast<std::size_t>(lock)]; }
+  // Of a latch, with its inputs: above 0, engaged; 0: the force is none.
+  double engagement(int force) const {
+    double out = 0;
+    visit(force, [&](const auto& at) {
+      if constexpr (HoldsJoint<std::decay_t<decltype(at.element)>>)
+        out = at.element.engagement(all_inputs() + at.input);
+    });
+    return out;
+  }
   int lock_of(int force) const { return lock_of_[force]; }  // -1: it cannot lock
   const SwitchingForces::Lock& lock(int lock) const { return found_[lock]; }
   // Of all locks: of their speeds.
@@ -166,10 +178,14 @@ class JointLaws {
     using Law = std::decay_t<decltype(force.element)>;
     const int index = count();
     lock_of_.push_back(-1);
-    if constexpr (Sticks<Law> || Blocks<Law>) {
+    if constexpr (Sticks<Law> || Blocks<Law> || HoldsJoint<Law>) {
       const int lock = lock_for(force, cut, Blocks<Law>);
       lock_of_.back() = lock;
-      if constexpr (Sticks<Law>) {
+      if constexpr (HoldsJoint<Law>) {
+        found_[lock].latch = index;
+        found_[lock].latched_joint = force.joint;
+        found_[lock].is_first_of_latch = force.component == 0;
+      } else if constexpr (Sticks<Law>) {
         found_[lock].frictions.push_back(index);
         found_[lock].friction = found_[lock].frictions.front();
       } else {
@@ -190,6 +206,13 @@ class JointLaws {
         rows_.push_back(row_of(cut, force.v));
       }
       if (!bounds || found_[at->second].limit < 0) return at->second;
+    }
+  }
+  void find_latches() {
+    latches_.assign(found_.size(), -1);
+    for (const auto& [place, lock] : lock_at_) {
+      const auto [cut, v, nth] = place;  // a latch is of the first lock
+      latches_[static_cast<std::size_t>(lock)] = found_[static_cast<std::size_t>(lock_at_.at({cut, v, 0}))].latch;
     }
   }
   // A cut joint with friction is a revolute joint in the plane (mechanism/tree.cpp cuts no other one).
@@ -250,6 +273,7 @@ class JointLaws {
   std::vector<int> lock_of_;   // by force
   std::vector<SwitchingForces::Lock> found_;
   std::vector<Row> rows_;                             // by lock
+  std::vector<int> latches_;                          // by lock
   std::map<std::tuple<int, int, int>, int> lock_at_;  // by cut (-1: tree), velocity and number of its locks
   std::vector<int> input_numbers_;                    // of the inputs that the laws have
   std::vector<double> inputs_;                        // by number

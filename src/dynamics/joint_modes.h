@@ -94,7 +94,12 @@ class JointModes final : public SwitchingForces {
         const DirectedLimit limit = sticking_limit(lock);
         const std::array<double, 2> limits{limit.positive + slack(lock), limit.negative + slack(lock)};
         force.element.indicators(side, speed, acceleration, holding[lock], limits, g, gdot);
-        if (is_in_contact(lock)) g[0] = g[1] = -1;  // what leaves a contact has overcome friction
+        // What leaves a contact has overcome friction; and a latch leaves friction and limits nothing to hold.
+        if (is_in_contact(lock) || is_latched(lock)) g[0] = g[1] = -1;
+      } else if constexpr (HoldsJoint<Element>) {
+        g[0] = laws_.engagement(index);
+        g[1] = -1;
+        gdot[0] = gdot[1] = NAN;
       } else if constexpr (Blocks<Element>) {
         const double adhesion = sticking_limit(lock).against(-side) + slack(lock);
         if constexpr (BoundsSpeed<Element>) {
@@ -103,6 +108,7 @@ class JointModes final : public SwitchingForces {
         } else {
           force.element.indicators(side, at, speed, holding[lock], adhesion, g, gdot);
         }
+        if (is_latched(lock)) g[0] = g[1] = -1;
       } else {
         const bool is_known = vdot != nullptr && force.element.needs_acceleration(at);
         force.element.indicators(at, speed, is_known ? laws_.acceleration(force, index, vdot) : NAN, g, gdot);
@@ -116,6 +122,11 @@ class JointModes final : public SwitchingForces {
 
   int locks() const override { return laws_.locks(); }
   const Lock& lock(int lock) const override { return laws_.lock(lock); }
+  bool is_latched(int lock) const override {
+    const int latch = held_ == nullptr ? -1 : laws_.latch_over(lock);
+    return latch >= 0 && held_[latch] == 1;
+  }
+  double engagement(int lock) const override { return laws_.engagement(laws_.latch_over(lock)); }
   DirectedLimit sliding_limit(int lock, double speed) const override {
     return sum_of_friction(lock, [&](int i, const auto& law, double q, const double* u) {
       return loaded_.in_motion(i, law, q, speed, u);
@@ -234,7 +245,8 @@ class JointModes final : public SwitchingForces {
 
   void compliance(const std::vector<int>& locks, Eigen::MatrixXd& W, Eigen::VectorXd& scale) override {
     const auto size = static_cast<Eigen::Index>(locks.size());
-    if (compliance_of_ != locks || compliance_generation_ != locks_.generation()) {
+    find_latched_beside(locks);
+    if (compliance_of_ != locks || compliance_generation_ != locks_.generation() || latched_before_ != latched_) {
       whitened_.resize(state_.model.nv);
       permitted_.resize(state_.model.nv, size);
       sizes_.resize(size);
@@ -244,8 +256,16 @@ class JointModes final : public SwitchingForces {
         permitted_.col(i) *= laws_.lock(locks[i]).sign;
         sizes_[i] = whitened_.norm();
       }
+      if (!latched_.empty()) {
+        const Eigen::MatrixXd latched = motion_of_latched();
+        for (Eigen::Index i = 0; i < size; ++i) {
+          leave_at_rest(latched, permitted_.col(i));
+          if (!(permitted_.col(i).norm() > rank_threshold * sizes_[i])) permitted_.col(i).setZero();
+        }
+      }
       compliance_.noalias() = permitted_.transpose() * permitted_;
       compliance_of_ = locks;
+      latched_before_ = latched_;
       compliance_generation_ = locks_.generation();
     }
     W = compliance_;
@@ -261,6 +281,8 @@ class JointModes final : public SwitchingForces {
       locks_.permitted_part(y.data(), z.data());
       w += laws_.lock(locks[i]).sign * impulses[static_cast<Eigen::Index>(i)] * z;
     }
+    find_latched_beside(locks);
+    if (!latched_.empty()) leave_at_rest(motion_of_latched(), w);
     M_.solve(w.data());
     for (Eigen::Index k = 0; k < w.size(); ++k) v[k] += w[k];
   }
@@ -280,7 +302,34 @@ class JointModes final : public SwitchingForces {
   }
   bool is_held(const Lock& lock) const {
     if (held_ == nullptr) return false;
-    return (lock.friction >= 0 && held_[lock.friction] == 0) || (lock.limit >= 0 && held_[lock.limit] != 0);
+    return (lock.friction >= 0 && held_[lock.friction] == 0) || (lock.limit >= 0 && held_[lock.limit] != 0) ||
+           (lock.latch >= 0 && held_[lock.latch] == 1);
+  }
+  // Into latched_: the locks that a latch holds, and that are not among these.
+  void find_latched_beside(const std::vector<int>& locks) {
+    latched_.clear();
+    for (int i = 0; i < laws_.locks(); ++i) {
+      const int latch = laws_.lock(i).latch;
+      if (latch >= 0 && is_latched(i) && std::ranges::find(locks, i) == locks.end()) latched_.push_back(i);
+    }
+  }
+  // Orthonormal columns that span what moves latched_, whitened.
+  Eigen::MatrixXd motion_of_latched() const {
+    Eigen::MatrixXd out(state_.model.nv, 0);
+    Eigen::VectorXd y(state_.model.nv), z(state_.model.nv);
+    for (const int latched : latched_) {
+      locks_.whiten(latched, y.data());
+      if (!(locks_.permitted_part(y.data(), z.data()) > 0)) continue;
+      leave_at_rest(out, z);
+      if (!(z.norm() > rank_threshold * y.norm())) continue;  // others determine it
+      out.conservativeResize(Eigen::NoChange, out.cols() + 1);
+      out.rightCols(1) = z.normalized();
+    }
+    return out;
+  }
+  // z <- its part that moves none of these.
+  static void leave_at_rest(const Eigen::MatrixXd& latched, Eigen::Ref<Eigen::VectorXd> z) {
+    for (int twice = 0; twice < 2; ++twice) z -= latched * (latched.transpose() * z).eval();  // once leaves rounding
   }
 
   State state_;
@@ -295,7 +344,7 @@ class JointModes final : public SwitchingForces {
   ForceSize<A> force_size_;  // of the last solve()
   std::vector<double> work_, difference_, lambda_;
   // Of compliance(), which mechanisms at rest are asked for again and again.
-  std::vector<int> compliance_of_;
+  std::vector<int> compliance_of_, latched_, latched_before_;
   long compliance_generation_ = -1;
   Eigen::VectorXd whitened_, sizes_;
   Eigen::MatrixXd permitted_, compliance_;

@@ -30,10 +30,12 @@ struct DirectedLimit {
   double largest() const { return std::max(positive, negative); }
 };
 
-// What friction and a limit of a coordinate do: forces in the user's sign [N m, N], and modes as outputs show them.
+// What friction, a limit and a latch of a coordinate do: forces in the user's sign [N m, N], and modes as outputs show
+// them.
 struct LockForces {
-  double friction = 0, limit = 0;
+  double friction = 0, limit = 0, latch = 0;
   int motion = 0, contact = 0;
+  bool is_latched = false;
 };
 
 class SwitchingForces {
@@ -60,6 +62,10 @@ class SwitchingForces {
   // --- coordinates with friction or a limit, by lock: values have the user's signs ---
   struct Lock {
     int friction = -1, limit = -1;  // indices in all forces with modes, the first of friction; -1: it has none
+    // Its part of the lock of a whole joint, which holds it, engaged, by a force of any size; -1: it has none. joint:
+    // of the scene, of which all parts are engaged together; the first part stands for the lock.
+    int latch = -1, latched_joint = -1;
+    bool is_first_of_latch = false;
     // The laws of its friction, which add up and share one mode: indices in all forces with modes.
     std::vector<int> frictions;
     double sign = 1;  // user's speed = sign times the mechanism's
@@ -68,6 +74,10 @@ class SwitchingForces {
   };
   virtual int locks() const = 0;
   virtual const Lock& lock(int lock) const = 0;
+  // Whether an engaged latch holds its coordinate in the held modes; of this lock or of another one of the coordinate.
+  virtual bool is_latched(int lock) const = 0;
+  // Of the latch of its coordinate, with the present inputs: above 0, engaged. 0 without one.
+  virtual double engagement(int lock) const = 0;
   // See element/joint_forces/coordinate_force.h; 0 without friction.
   virtual DirectedLimit sticking_limit(int lock) const = 0;
   virtual DirectedLimit slipping_limit(int lock) const = 0;
@@ -96,8 +106,9 @@ class SwitchingForces {
   virtual void distribute_loads(const std::vector<double>& holding) = 0;
   // A holding force beyond its bound by less than this is rounding of the forces in the last solve().
   virtual double slack(int lock) const = 0;
-  // W: the accelerations of the coordinates of these locks (rows) per force along them (columns), all released, with
-  // the factors of the last solve(). scale: the accelerations to which its rounding is relative. Allocates.
+  // W: the accelerations of the coordinates of these locks (rows) per force along them (columns), all released but
+  // latches of others, with the factors of the last solve(). scale: the accelerations to which its rounding is relative.
+  // Allocates.
   virtual void compliance(const std::vector<int>& locks, Eigen::MatrixXd& W, Eigen::VectorXd& scale) = 0;
   // Adds to v the effect of impulses along these coordinates, all released, with the same factors.
   virtual void strike(const std::vector<int>& locks, const Eigen::VectorXd& impulses, double* v) = 0;
@@ -135,6 +146,10 @@ void share_holding_forces(const SwitchingForces& switching_forces, const int* si
   std::fill_n(by_force, switching_forces.count(), T(0));
   for (int i = 0; i < switching_forces.locks(); ++i) {
     const SwitchingForces::Lock& lock = switching_forces.lock(i);
+    if (lock.latch >= 0 && sides[lock.latch] == 1) {
+      by_force[lock.latch] = x[i];
+      continue;
+    }
     const int contact = lock.limit < 0 ? 0 : sides[lock.limit];
     const bool pushes = contact > 0 ? x[i] < T(0) : x[i] > T(0);
     if (contact != 0 && (pushes || lock.friction < 0)) {

@@ -65,7 +65,7 @@ struct SignalGroup {
   int size = 0;  // of an array; 0 for a number
   std::string_view unit, text;
   Stage stage = Stage::acceleration;
-  enum class Start { zero, coordinate, speed } start = Start::zero;  // start value of an input
+  enum class Start { zero, one, coordinate, speed } start = Start::zero;  // start value of an input
 
   constexpr int count() const { return size == 0 ? 1 : size; }
 };

@@ -104,6 +104,7 @@ struct JointForceKind {
   std::span<const Field> fields;
   std::span<const SignalGroup> outputs;  // force and mode (element/joint_forces/coordinate_force.h), or none
   bool (*fits)(const JointKind&);        // whether joints of a type can have it
+  bool of_joint = false;                 // it acts on all velocities of the joint, and is among the forces of the first
   void* (*find)(JointForces&);           // address of the element; null if it is not present
   const void* (*defaults)();             // an element with default values
   void (*emplace)(JointForces&);         // adds the element with default values, if it is optional

@@ -9,7 +9,7 @@
 namespace gelenk {
 
 // The group of the element that can keep the coordinate at rest, with a force that the equations of motion determine:
-// dry friction, a hard limit or a one-way clutch; empty if there is none.
+// dry friction, a hard limit, a one-way clutch or a lock; empty if there is none.
 std::string_view locking_element(const JointForces& forces);
 
 // Whether there is friction to which losses of meshes can be added.

@@ -88,6 +88,7 @@ JointForceKind describe_joint_force() {
           .fields = Element::fields(),
           .outputs = own_outputs<Element>(),
           .fits = Element::fits,
+          .of_joint = requires { Element::holds_joint; },
           .find = Access::find,
           .defaults = []() -> const void* {
             static const Element plain;

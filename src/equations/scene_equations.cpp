@@ -179,7 +179,15 @@ void TracedScene::note_modes(std::size_t island, IslandArguments& of, std::vecto
     const std::string& name = names.emplace_back(coordinate_name(force.joint, force.component));
     const std::string group(Law::group);
     of.slides.push_back(Sticks<Law>);
-    if constexpr (Sticks<Law>) {
+    if constexpr (HoldsJoint<Law>) {
+      if (force.component > 0) return;
+      const std::string& joint = scene_.joints[static_cast<std::size_t>(force.joint)].name;
+      if (force.element.inputs().empty())
+        return refuse("joints." + joint +
+                      ".lock: found a lock that is always engaged; expected a joint of type weld, or an input that "
+                      "engages the lock");
+      equations_.notes.push_back(joint + ": its " + group + " is left out; the equations hold while it is released.");
+    } else if constexpr (Sticks<Law>) {
       if (of_cut)
         return refuse(name +
                       ": found friction of a joint that closes a loop; equations can be handed out for friction "

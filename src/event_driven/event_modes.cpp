@@ -108,7 +108,7 @@ double EventModes::touch_within(double t0, const double* y0, double t1, const do
 
 // Whether something at rest or closed is loaded by what depends on the time, other than by the motion.
 bool EventModes::may_hide_changes() const {
-  const bool holds = locks_.any_at_rest() || (nothing_moves_ && !contacts_->equations().closed().empty());
+  const bool holds = locks_.any_at_rest() || locks_.any_latch() || (nothing_moves_ && !contacts_->equations().closed().empty());
   return holds && (equations_.loads_move() || reads_time_);
 }
 
@@ -260,7 +260,8 @@ bool EventModes::is_outside() {
 std::string EventModes::refusal() const {
   if (const int limit = locks_.state().unstoppable; limit >= 0) {
     return log_.report({0, limit, true}).text +
-           ", where no force can stop it: closed loops or prescribed motions determine its motion, which leads beyond";
+           ", where no force can stop it: closed loops or prescribed motions determine its motion" +
+           (locks_.is_latch(limit / 2) ? "" : ", which leads beyond");
   }
   if (const std::string& why = changes_->refusal(); !why.empty()) return why;
   if (!resets_.refusal().empty()) return std::string(resets_.refusal());

@@ -16,7 +16,7 @@ constexpr double boundary_fraction = 1e-9;
 int LockModes::treat(FrictionTreatment friction, double t, const double* y) {
   State out = modes_;
   for (int i = 0; i < count(); ++i) {
-    if (!has_friction(i) || modes_.contacts[i] != 0) continue;
+    if (!has_friction(i) || modes_.contacts[i] != 0 || is_latched(i)) continue;
     int& motion = out.motions[i];
     if (friction == FrictionTreatment::locked) motion = 0;
     const bool is_free = friction == FrictionTreatment::off ||
@@ -36,6 +36,10 @@ int LockModes::on_boundary(double t, const double* y) {
   const double* v = y + nq_;
   for (int i = 0; i < count(); ++i) {
     const SwitchingForces::Lock& lock = forces_.lock(i);
+    if (is_latched(i)) {  // engaged in motion, and the impact is still to come
+      if (lock.latch >= 0 && !is_slow(i, v)) return lock.latch;
+      continue;
+    }
     if (!rests(i)) {
       if (has_friction(i) && modes_.motions[i] != mode_released && is_slow(i, v)) return lock.friction;
       if (lock.limit >= 0 && touched_side(i) != 0 && (!lock.one_way || is_slow(i, v))) return lock.limit;

@@ -23,11 +23,66 @@ constexpr double shortest_slip = 2e-12;
 // static friction.
 constexpr double unmoved_tolerance = 1e-10;
 constexpr double unmoved_part = 0.1;
+// An input this close to the threshold of a latch may be on either side of it by rounding.
+constexpr double threshold_rounding = 1e-9;
 
 }  // namespace
 
-bool JointChanges::find_events_at_start(double t, const double* y) {
+// An input that crosses the threshold does so at an event, after which rounding decides on which side it is.
+void JointChanges::find_switched_latches(double t, const double* y, bool jumped) {
+  modes_.equations_.bring_inputs(t, y);
+  for (int i = 0; i < modes_.count(); ++i) {
+    if (forces_.lock(i).latch < 0) continue;
+    const double engagement = forces_.engagement(i);
+    const bool is_known = jumped || std::abs(engagement) > threshold_rounding;
+    if (is_known && (engagement > 0 ? 1 : 0) != modes_.modes_.latched[i])
+      modes_.triggered_[static_cast<std::size_t>(i)] = LockModes::by_latch;
+  }
+}
+
+// Where it is engaged, friction is at rest without a force, and limits are left.
+void JointChanges::switch_latch(int lock, int latched, LockModes::State& next) const {
+  const auto at = static_cast<std::size_t>(lock);
+  next.latched[at] = latched;
+  if (latched == 0) return;
+  next.motions[at] = modes_.has_friction(lock) ? 0 : mode_released;
+  next.contacts[at] = 0;
+  next.leaves_from[at] = 0;
+}
+
+// All parts of a latch together: the indicators of each cross their zeros by themselves.
+void JointChanges::switch_latches() {
+  if (!modes_.any_latch_) return;
+  LockModes::State next = state();
+  for (int i = 0; i < modes_.count(); ++i) {
+    if (modes_.triggered_[static_cast<std::size_t>(i)] != LockModes::by_latch) continue;
+    const int joint = forces_.lock(i).latched_joint;
+    const int latched = 1 - modes_.modes_.latched[i];
+    for (int k = 0; k < modes_.count(); ++k) {
+      if (forces_.lock(k).latch >= 0 && forces_.lock(k).latched_joint == joint) switch_latch(k, latched, next);
+    }
+  }
+  for (LockModes::Trigger& trigger : modes_.triggered_) {
+    if (trigger == LockModes::by_latch) trigger = LockModes::nothing;
+  }
+  if (next == state()) return;
+  modes_.set_state(next);
+  modes_.equations_.mode_changed();
+}
+
+void JointChanges::set_latches(double t, const double* y) {
+  if (!modes_.any_latch_) return;
+  modes_.equations_.bring_inputs(t, y);
+  LockModes::State next = state();
+  for (int i = 0; i < modes_.count(); ++i) {
+    if (forces_.lock(i).latch >= 0) switch_latch(i, forces_.engagement(i) > 0 ? 1 : 0, next);
+  }
+  modes_.set_state(next);
+}
+
+bool JointChanges::find_events_at_start(double t, const double* y, bool jumped) {
   if (empty()) return false;
+  if (modes_.any_latch_) find_switched_latches(t, y, jumped);
   const double* v = y + modes_.nq_;
   modes_.dynamics_.set_position(y);
   bool evaluated = false;
@@ -76,7 +131,7 @@ bool JointChanges::breaks_away() const {
 std::size_t JointChanges::find_yielding(double* g, std::vector<double*>& out) const {
   std::size_t resting = 0;
   for (int i = 0; i < modes_.count(); ++i) {
-    if (!modes_.rests(i)) continue;
+    if (!modes_.rests(i) || modes_.is_latched(i)) continue;
     ++resting;
     const SwitchingForces::Lock& lock = forces_.lock(i);
     for (const int force : {lock.friction, lock.limit}) {
@@ -119,7 +174,8 @@ void JointChanges::force_away() {
   LockModes::State next = state();
   for (int i = 0; i < modes_.count(); ++i) {
     const auto at = static_cast<std::size_t>(i);
-    if (!modes_.rests(i) || (modes_.triggered_[at] == LockModes::nothing && !uses_limit_up(i))) continue;
+    if (!modes_.rests(i) || modes_.is_latched(i)) continue;
+    if (modes_.triggered_[at] == LockModes::nothing && !uses_limit_up(i)) continue;
     next.motions[at] = next.contacts[at] != 0 ? -next.contacts[at] : modes_.holding_[at] > 0 ? -1 : 1;
     next.contacts[at] = 0;
     next.leaves_from[at] = modes_.leaving_depth_of(i);
@@ -145,6 +201,7 @@ int JointChanges::first_to_stop(const double* y) const {
 
 std::string JointChanges::text_of_stop(int lock) const {
   const SwitchingForces::Lock& of = forces_.lock(lock);
+  if (modes_.modes_.latched[lock] != 0) return modes_.log_.report({0, 2 * of.latch, true}).text;
   const bool is_friction = of.friction >= 0;
   return modes_.log_.report({0, 2 * (is_friction ? of.friction : of.limit), !is_friction}).text;
 }
@@ -213,6 +270,8 @@ void JointChanges::record_changes(double t, const LockModes::State& before) {
   for (int i = 0; i < modes_.count(); ++i) {
     const SwitchingForces::Lock& lock = forces_.lock(i);
     const int motion = modes_.modes_.motions[i], contact = modes_.modes_.contacts[i];
+    if (lock.is_first_of_latch && modes_.modes_.latched[i] != before.latched[i])
+      modes_.log_.add({t, 2 * lock.latch, modes_.modes_.latched[i] != 0});
     if (lock.friction >= 0 && motion != before.motions[i]) {
       const int direction = motion != 0 ? motion : before.motions[i];
       modes_.log_.add({t, 2 * lock.friction + (direction < 0 ? 1 : 0), motion != 0});

@@ -25,7 +25,8 @@ class JointChanges {
   // --- where a step begins at (t, y) ---
   // Finds events at its very start, which cannot be located within it: a speed that is zero and about to change its
   // sign, and a bound that is reached. Returns whether there are events.
-  bool find_events_at_start(double t, const double* y);
+  // jumped: inputs may have jumped since the last event.
+  bool find_events_at_start(double t, const double* y, bool jumped);
   // Whether the modes do not follow from what is remembered alone. jumped: inputs may have jumped since they did.
   bool are_doubtful(double t, const double* y, bool jumped) { return !empty() && modes_.is_doubtful(t, y, jumped); }
   bool any_wrong_speed(const double* y) const { return modes_.any_wrong_speed(y + modes_.nq_); }
@@ -51,6 +52,9 @@ class JointChanges {
   void forget_rebounds(const double* y);
   // At the beginning of a change.
   void begin_change() { modes_.modes_.unstoppable = -1; }
+  // Engages and releases the latches of which events have been found; all, as their inputs at (t, y) say.
+  void switch_latches();
+  void set_latches(double t, const double* y);
   // Lets go what is no longer held where rounding hides it, and what is at its limit, too: one alone could not move.
   void force_away();
   // The first coordinate that finish() stops, by lock; -1: it stops none. What it says in a message.
@@ -67,6 +71,8 @@ class JointChanges {
   void record_changes(double t, const LockModes::State& before);
 
  private:
+  void find_switched_latches(double t, const double* y, bool jumped);
+  void switch_latch(int lock, int latched, LockModes::State& next) const;
   void find_reached_bounds(int lock, const double* v);
   bool uses_limit_up(int lock) const;
   bool returns(int lock, const LockModes::State& before, const double* v) const;

@@ -33,6 +33,14 @@ void JointDecisions::add(int lock) {
   next_.motions[at] = mode_released;
 }
 
+// Friction is at rest, without a force, and limits are left.
+void JointDecisions::keep_latched(int lock) {
+  const auto at = static_cast<std::size_t>(lock);
+  next_.motions[at] = modes_.has_friction(lock) ? 0 : mode_released;
+  next_.contacts[at] = 0;
+  next_.leaves_from[at] = 0;
+}
+
 void JointDecisions::begin(double t, const double* y) {
   problem_.locks.clear();
   problem_.unstoppable = {};
@@ -42,6 +50,10 @@ void JointDecisions::begin(double t, const double* y) {
   before_ = next_ = modes_.state();
   for (int i = 0; i < modes_.count(); ++i) {
     const auto at = static_cast<std::size_t>(i);
+    if (modes_.is_latched(i)) {
+      keep_latched(i);
+      continue;
+    }
     const bool slow = modes_.is_slow(i, v) || modes_.triggered_[at] != LockModes::nothing;
     next_.contacts[at] = slow ? modes_.touched_side(i) : 0;
     const double speed = forces_.speed(i, v);
@@ -59,7 +71,7 @@ void JointDecisions::begin_check() {
   if (modes_.empty()) return;
   before_ = next_ = modes_.state();
   for (int i = 0; i < modes_.count(); ++i) {
-    if (!modes_.rests(i)) continue;
+    if (!modes_.rests(i) || modes_.is_latched(i)) continue;
     add(i);
     problem_.locks.back().triggered = false;
   }

@@ -56,6 +56,7 @@ class JointDecisions {
 
  private:
   void add(int lock);
+  void keep_latched(int lock);
   void find_noticed_accelerations();
   void take_up(LockModes::State& next, const LockProblem::Lock& at);
   LockModes::State answered();

@@ -21,6 +21,10 @@ std::vector<JointImpacts::Struck> JointImpacts::struck(const double* y, const st
   std::vector<Struck> out;
   for (int i = 0; i < modes_.count(); ++i) {
     const SwitchingForces::Lock& lock = forces_.lock(i);
+    if (modes_.modes_.latched[i] != 0) {
+      out.push_back({.lock = i, .stops = true, .approaches = !modes_.is_slow(i, v)});
+      continue;
+    }
     const int side = lock.limit < 0 ? 0 : modes_.touched_side(i);
     const bool returns = std::ranges::find(returning, i) != returning.end();
     if (side == 0 && !returns) continue;
@@ -55,6 +59,7 @@ void JointImpacts::let_go() {
     if (!modes_.rests(i)) continue;
     open.motions[i] = mode_released;
     open.contacts[i] = 0;
+    open.latched[i] = 0;
   }
   modes_.set_state(open);
 }
@@ -72,9 +77,16 @@ void JointImpacts::finish(double t, const double* y, const std::vector<Struck>& 
   const double* v = y + modes_.nq_;
   double fastest = 1;
   for (int k = 0; k < modes_.nv_; ++k) fastest = std::max(fastest, std::abs(v[k]));
+  bool any_latched = false;
   for (std::size_t i = 0; i < struck.size(); ++i) {
     const Struck& at = struck[i];
     modes_.modes_.leaves_from[at.lock] = modes_.modes_.contacts[at.lock] == 0 ? modes_.leaving_depth_of(at.lock) : 0;
+    if (modes_.modes_.latched[at.lock] != 0) {
+      const SwitchingForces::Lock& lock = forces_.lock(at.lock);
+      any_latched = any_latched || at.approaches;
+      if (std::abs(rebounds[i]) > stopped_fraction * fastest) modes_.modes_.unstoppable = 2 * lock.latch;
+      continue;
+    }
     if (at.side == 0) continue;
     const int indicator = modes_.limit_indicator(at.lock, at.side);
     if (at.approaches) {
@@ -83,6 +95,7 @@ void JointImpacts::finish(double t, const double* y, const std::vector<Struck>& 
     }
     if (rebounds[i] < -stopped_fraction * fastest) modes_.modes_.unstoppable = indicator;
   }
+  if (any_latched) ++modes_.counts_.impacts;
   for (int i = 0; i < modes_.count(); ++i) {
     if (!modes_.is_slow(i, v)) modes_.triggered_[static_cast<std::size_t>(i)] = LockModes::nothing;
   }

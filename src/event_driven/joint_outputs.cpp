@@ -42,6 +42,10 @@ void JointOutputs::record(std::span<const LockForces> locks) {
     const auto lock = static_cast<int>(i);
     for (const int law : forces_.lock(lock).frictions) recorded_sides_[static_cast<std::size_t>(law)] = locks[i].motion;
     share_friction(forces_, lock, locks[i].motion, locks[i].friction, holding_.data());
+    if (const int latch = forces_.lock(lock).latch; latch >= 0) {
+      recorded_sides_[static_cast<std::size_t>(latch)] = locks[i].is_latched ? 1 : 0;
+      holding_[static_cast<std::size_t>(latch)] = locks[i].latch;
+    }
     const int limit = forces_.lock(lock).limit;
     if (limit < 0) continue;
     recorded_sides_[static_cast<std::size_t>(limit)] = locks[i].contact;

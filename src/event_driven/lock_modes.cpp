@@ -36,6 +36,7 @@ LockModes::LockModes(ModeEquations& equations, Dynamics& dynamics, int nq, int n
       lock_of_(sides.size(), -1),
       modes_{std::vector<int>(static_cast<std::size_t>(forces_.locks())),
              std::vector<int>(static_cast<std::size_t>(forces_.locks())),
+             std::vector<int>(static_cast<std::size_t>(forces_.locks())),
              std::vector<double>(static_cast<std::size_t>(forces_.locks()))},
       triggered_(modes_.motions.size()),
       holding_(modes_.motions.size()),
@@ -49,6 +50,9 @@ LockModes::LockModes(ModeEquations& equations, Dynamics& dynamics, int nq, int n
     any_friction_ = any_friction_ || lock.friction >= 0 || lock.one_way;
     for (const int law : forces_.lock(i).frictions) lock_of_[static_cast<std::size_t>(law)] = i;
     if (lock.limit >= 0) lock_of_[static_cast<std::size_t>(lock.limit)] = i;
+    if (lock.latch < 0) continue;
+    lock_of_[static_cast<std::size_t>(lock.latch)] = i;
+    any_latch_ = true;
   }
   owns_all_ = std::ranges::none_of(lock_of_, [](int lock) { return lock < 0; });
   if (!empty()) release();
@@ -66,13 +70,14 @@ bool LockModes::is_slow(int lock, const double* v, double tolerance) const {
 bool LockModes::keeps_mode(int force, const double* v) const {
   if (!owns(force)) return false;
   const int lock = lock_of_[static_cast<std::size_t>(force)];
-  if (rests(lock)) return true;
   const SwitchingForces::Lock& of = forces_.lock(lock);
+  if (rests(lock) || of.latch == force) return true;
   return (of.limit != force || of.one_way) && is_slow(lock, v);
 }
 
 // The side on which the coordinate is in contact or touches a bound at the position of `dynamics`; otherwise 0.
 int LockModes::touched_side(int lock) const {
+  if (is_latched(lock)) return 0;
   if (modes_.contacts[lock] != 0) return modes_.contacts[lock];
   for (const int side : {1, -1}) {
     const SwitchingForces::Depth at = forces_.depth(lock, side);
@@ -86,7 +91,10 @@ const double* LockModes::accelerations(double t, const double* y) {
   dynamics_.set_velocity(y + nq_);
   const bool needs_all = (!owns_all_ && forces_.needs_accelerations()) || dynamics_.kinks().need_accelerations();
   const bool may_stop = any_friction_ && (equations_.bring_inputs(t, y) || any_can_stick(forces_));
-  if (!any_at_rest_ && !needs_all && !may_stop) return nullptr;
+  if (!any_at_rest_ && !needs_all && !may_stop) {
+    if (any_latch_) equations_.bring_inputs(t, y);
+    return nullptr;
+  }
   find_holding_forces(t, y);
   if (needs_all) dynamics_.set_acceleration(vdot_.data());  // of cut joints, too
   return vdot_.data();
@@ -133,7 +141,7 @@ void LockModes::distribute(std::vector<double>& holding) {
 
 bool LockModes::exceed(const std::vector<double>& holding) const {
   for (int i = 0; i < count(); ++i) {
-    if (!rests(i)) continue;
+    if (!rests(i) || is_latched(i)) continue;
     const DirectedLimit limit = forces_.sticking_limit(i);
     const double slack = forces_.slack(i);
     if ((holding[i] > limit.against(-1) + slack && modes_.contacts[i] >= 0) ||
@@ -203,7 +211,7 @@ bool LockModes::is_doubtful(double t, const double* y, bool jumped) {
     find_holding_forces(t, y);
     doubtful = exceed(holding_);
     // What other constraints determine needs no force to be at rest: whether it begins to move, they say.
-    for (int i = 0; i < count() && !doubtful; ++i) doubtful = rests(i) && std::isinf(forces_.slack(i));
+    for (int i = 0; i < count() && !doubtful; ++i) doubtful = rests(i) && !is_latched(i) && std::isinf(forces_.slack(i));
   }
   return doubtful;
 }
@@ -217,13 +225,15 @@ void LockModes::hold() {
     for (const int law : forces_.lock(i).frictions) sides_[static_cast<std::size_t>(law)] = modes_.motions[i];
     const int limit = forces_.lock(i).limit;
     if (limit >= 0) sides_[static_cast<std::size_t>(limit)] = modes_.contacts[i];
+    if (const int latch = forces_.lock(i).latch; latch >= 0) sides_[at_index(latch)] = modes_.latched[i];
     any_at_rest_ = any_at_rest_ || rests(i);
     all_at_rest_ = all_at_rest_ && rests(i);
   }
   forces_.hold(sides_.data());
 }
 
-void LockModes::release() {
+void LockModes::release(bool keeps_latches) {
+  if (!keeps_latches) std::ranges::fill(modes_.latched, 0);
   std::ranges::fill(modes_.motions, mode_released);
   std::ranges::fill(modes_.contacts, 0);
   std::ranges::fill(modes_.leaves_from, 0);
@@ -242,7 +252,9 @@ void LockModes::return_to_state() {
 bool LockModes::found_event(int indicator) {
   if (!owns(indicator / 2)) return false;
   const int lock = lock_of_[static_cast<std::size_t>(indicator / 2)];
-  triggered_[lock] = is_of_limit(indicator) ? by_limit : by_friction;
+  triggered_[lock] = forces_.lock(lock).latch == indicator / 2 ? by_latch
+                     : is_of_limit(indicator)                    ? by_limit
+                                                                 : by_friction;
   return true;
 }
 
@@ -302,6 +314,7 @@ void LockModes::serialize(Archive& archive) {
   if (empty()) return;
   for (int& motion : modes_.motions) archive.serialize_in_range(motion, -1, mode_released);
   for (int& contact : modes_.contacts) archive.serialize_in_range(contact, -1, 1);
+  for (int i = 0; any_latch_ && i < count(); ++i) archive.serialize_in_range(modes_.latched[i], 0, 1);
   archive.serialize(modes_.leaves_from);
   archive.serialize_in_range(modes_.unstoppable, -1, 2 * static_cast<int>(sides_.size()) - 1);
   archive.serialize(counts_.impacts, counts_.closed_series, counts_.ambiguous);

@@ -48,18 +48,23 @@ class LockModes {
   struct State {
     std::vector<int> motions;   // by lock; 1, -1: friction opposes motion in this direction; 0: it keeps at rest
     std::vector<int> contacts;  // by lock; 1, -1: with the upper, the lower bound; 0: none
+    std::vector<int> latched;   // by lock; 1: its latch is engaged and holds it, with its joint; 0: it does not
     // By lock: depth up to which a coordinate leaves a bound that it still touches; 0: it does not.
     std::vector<double> leaves_from;
     // The indicator of a limit beyond which its coordinate moves and no force can stop it; -1: none.
     int unstoppable = -1;
-    bool rests(int lock) const { return motions[lock] == 0 || contacts[lock] != 0; }
+    bool rests(int lock) const { return motions[lock] == 0 || contacts[lock] != 0 || latched[lock] != 0; }
     bool operator==(const State&) const = default;
   };
   // Sets the tolerance of the integration, below which displacements do not matter (natural units).
   void set_tolerance(double tolerance) { tolerance_ = tolerance; }
   double tolerance() const { return tolerance_; }
-  // Friction and limits are without effect until ModeChanges::start().
-  void release();
+  // Friction and limits are without effect until ModeChanges::start(); so are latches, if they are not kept.
+  void release(bool keeps_latches = false);
+  // Whether the force with this index is a latch.
+  bool is_latch(int force) const { return owns(force) && forces_.lock(lock_of_[at_index(force)]).latch == force; }
+  // Whether any latch changes within a step without being seen at its ends.
+  bool any_latch() const { return any_latch_; }
 
   bool is_of_limit(int indicator) const {
     return owns(indicator / 2) &&
@@ -84,11 +89,14 @@ class LockModes {
   friend class JointChanges;
   friend class JointDecisions;
   friend class JointImpacts;
-  enum Trigger : char { nothing, by_friction, by_limit };
+  enum Trigger : char { nothing, by_friction, by_limit, by_latch };
 
   int count() const { return static_cast<int>(modes_.motions.size()); }
   bool has_friction(int lock) const { return forces_.lock(lock).friction >= 0; }
   bool rests(int lock) const { return modes_.rests(lock); }
+  static std::size_t at_index(int i) { return static_cast<std::size_t>(i); }
+  // Whether a latch holds the coordinate, so that its friction and limits have nothing to hold.
+  bool is_latched(int lock) const { return any_latch_ && forces_.is_latched(lock); }
   bool is_slow(int lock, const double* v) const;
   bool is_slow(int lock, const double* v, double tolerance) const;
   double resolution() const;  // of displacements that do not matter
@@ -127,6 +135,7 @@ class LockModes {
   std::vector<int> resting_;  // of distribute()
   double tolerance_ = 0;
   bool any_friction_ = false;
+  bool any_latch_ = false;
   bool any_at_rest_ = false;
   bool all_at_rest_ = false;
   bool owns_all_ = false;  // all forces with modes are friction or limits

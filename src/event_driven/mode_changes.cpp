@@ -46,6 +46,7 @@ void ModeChanges::start(double t, const double* y) {
 
 void ModeChanges::start_joints(double t, const double* y) {
   joints_.begin_run();
+  joints_.set_latches(t, y);
   decide(t, y, Recording::nothing, ModeDecisions::Asked::joints);
   equations_.mode_changed();
 }
@@ -76,7 +77,7 @@ bool ModeChanges::recall(double t, double* y) {
                "communication step, or the integrator auto, which can change to time steps where no state needs events";
   }
   const bool jumped = jumped_;
-  const bool by_joints = joints_.find_events_at_start(t, y);
+  const bool by_joints = joints_.find_events_at_start(t, y, jumped || started_);
   const bool by_contacts = touches || is_contact_doubtful(t, y);
   bool changed = by_joints || by_contacts;
   const bool determines = changed || joints_.are_doubtful(t, y, jumped);
@@ -98,6 +99,7 @@ bool ModeChanges::recall(double t, double* y) {
 }
 
 void ModeChanges::preview(double t, const double* y) {
+  if (jumped_ || started_) joints_.set_latches(t, y);
   const bool asks_joints = jumped_ || contact_equations_.closed().empty();
   if (!is_contact_doubtful(t, y) && !(asks_joints && joints_.are_doubtful(t, y, true))) return;
   joints_.begin_change();
@@ -149,9 +151,10 @@ void ModeChanges::change(double t, double* y) {
 void ModeChanges::determine(double t, double* y) {
   const std::vector<CandidateMode> before = contact_equations_.modes();
   const LockModes::State joints_before = joints_.state();
-  const bool breaks_away = joints_.breaks_away();
   struck_acceleration_ = 0;
   joints_.begin_change();
+  joints_.switch_latches();
+  const bool breaks_away = joints_.breaks_away();
   strike(t, y, {}, joints_before);
   if (!decide(t, y, Recording::doubts) && breaks_away) joints_.force_away();
   refuse_ends(t);

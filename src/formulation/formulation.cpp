@@ -92,7 +92,7 @@ bool Formulation::project_onto_constraints(double t, double* y, bool keeps_limit
   dynamics_.set_position(y);
   if (keeps_limits) limits_.begin(y + mechanism_.nq);
   const LockModes::State modes = modes_.locks().state();
-  if (!modes_.locks().empty()) modes_.locks().release();  // friction exerts no impulses
+  if (!modes_.locks().empty()) modes_.locks().release(true);  // friction exerts no impulses, and latches do
   projector().refactorize();  // an impact is no small correction, so former factors are not accurate enough
   // The smallest change in the mass metric, whichever method corrects rounding errors afterwards.
   dynamics_.min_norm_displacement(dynamics_.Phi().data(), dv_.data());

@@ -41,6 +41,7 @@ std::vector<SwitchingForce> switching_forces_of(const Loads& loads) {
   std::vector<SwitchingForce> out;
   const auto add = [&](const auto& force) {
     SwitchingForce& of = out.emplace_back(SwitchingForce{force.joint, force.component, force.element.group, {}});
+    of.holds_joint = HoldsJoint<std::decay_t<decltype(force.element)>>;
     if constexpr (requires { force.element.is_excess(); }) {
       if (force.element.is_excess()) return;
     }

@@ -16,6 +16,7 @@ struct SwitchingForce {
   // For each of its two event indicators the events at which it becomes negative and positive, with placeholders
   // (element/element.h).
   std::array<std::array<std::string_view, 2>, 2> events;
+  bool holds_joint = false;  // a lock of the whole joint
 };
 
 // All forces with modes, in the order of SwitchingForces.

@@ -20,6 +20,7 @@ struct BrokenLaw {
   enum class Kind {
     friction_exceeded,      // found: the friction; bound: what the law permits
     friction_along_motion,  // found: the friction; bound: the velocity
+    latch_moves,            // found: the velocity of what an engaged lock of a joint holds
     limit_pulls,            // found: the force of the limit
     limit_not_reached,      // found: the force of the limit; bound: the distance from it
     limit_passed,           // bound: how far beyond it

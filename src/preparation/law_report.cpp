@@ -27,6 +27,8 @@ std::string of_joint(const Scene& scene, const Loads& loads, const BrokenLaw& br
     case BrokenLaw::Kind::friction_along_motion:
       return law + ": the friction would be " + force + ", along the motion with " +
              shown(scene, broken.bound, unit_of("{v}", at));
+    case BrokenLaw::Kind::latch_moves:
+      return law + ": it is engaged, and the joint moves with " + shown(scene, broken.found, unit_of("{v}", at));
     case BrokenLaw::Kind::limit_not_reached:
       return law + ": the limit would exert " + force + " at a distance of " +
              shown(scene, broken.bound, unit_of("{q}", at));

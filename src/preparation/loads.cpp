@@ -170,11 +170,15 @@ struct LoadCollector {
 
   template <class E>
   void add(JointLoads& to, const E& element, const JointPlace& place, bool cut, int i, int input, int joint) {
-    const auto push = [&](const E& part) {
+    const auto push_along = [&](const E& part, int i) {
       std::get<std::vector<AlongCoordinate<E>>>(to.lists).push_back(
           {part, (cut ? 0 : place.iq) + i, (cut ? 0 : place.iv) + i, place.v_sign[i], input, joint, i});
     };
+    const auto push = [&](const E& part) { push_along(part, i); };
     push(element);
+    if constexpr (HoldsJoint<E>) {
+      for (int k = 1; k < static_cast<int>(place.v_sign.size()); ++k) push_along(element, k);
+    }
     if constexpr (HasFormula<E>) {
       auto& added = std::get<std::vector<AlongCoordinate<E>>>(to.lists).back();
       if (added.has_formula()) bind(added.element.formula(), place.island);

@@ -272,6 +272,11 @@ LimitedCoordinate limited(const Scene& scene, const SwitchingForce& of, int side
 
 std::string describe_unstoppable(const Scene& scene, const Loads& loads, int indicator) {
   const SwitchingForce of = switching_forces_of(loads)[static_cast<std::size_t>(indicator / 2)];
+  if (of.holds_joint) {
+    return prefix(scene) + "joints." + scene.joints[static_cast<std::size_t>(of.joint)].name +
+           ".lock: found it engaged at the start, where the loops or prescribed motions move the joint, and no force "
+           "can stop it; expected it released, or no speed";
+  }
   const LimitedCoordinate at = limited(scene, of, indicator % 2 == 0 ? 1 : -1);
   const std::string name(at.coordinate.name);
   return at.limit + ": found a start with " + name + " at it, from which the loops move " + name +

@@ -41,7 +41,8 @@ void RestForces::add(const Scene& scene, const EquilibriumProblem& of, const std
   at.vdot *= of.time * of.time;
   std::vector<int> locks;
   for (int i = 0; i < poses.locks(); ++i) {
-    if (at.contacts[static_cast<std::size_t>(i)] != 0 || forces.sticking_limit(i).largest() > 0) locks.push_back(i);
+    const bool holds = at.contacts[static_cast<std::size_t>(i)] != 0 || forces.sticking_limit(i).largest() > 0;
+    if (forces.is_latched(i) ? forces.lock(i).latch >= 0 : holds) locks.push_back(i);
   }
   const HoldingBounds bounds = holding_bounds(forces, locks, at.contacts);
   DistributedForces distributed;
@@ -63,18 +64,22 @@ void RestForces::add(const Scene& scene, const EquilibriumProblem& of, const std
   Index next = 0;
   for (int i = 0; i < poses.locks(); ++i) {
     const SwitchingForces::Lock& lock = forces.lock(i);
-    const SwitchingForce& at_joint = places[static_cast<std::size_t>(lock.friction >= 0 ? lock.friction : lock.limit)];
+    const int force = lock.friction >= 0 ? lock.friction : lock.limit >= 0 ? lock.limit : lock.latch;
+    const SwitchingForce& at_joint = places[static_cast<std::size_t>(force)];
     const Joint& joint = scene.joints[static_cast<std::size_t>(at_joint.joint)];
     const Coordinate coordinate = coordinate_of(kind_of(*joint.is), at_joint.component);
     const std::string unit = unit_of("{f}", coordinate);
     const double size = scene.units.size_of(unit);
     const bool holds = next < x.size() && locks[static_cast<std::size_t>(next)] == i;
     const double x_of_lock = holds ? x[next++] : 0;
-    coordinates.push_back({.coordinate = joint.name + "." + std::string(coordinate.name),
+    const bool is_latched = forces.is_latched(i);
+    if (is_latched && lock.latch < 0) continue;  // its coordinate is held by another one
+    coordinates.push_back({.coordinate = joint.name + "." +
+                                         std::string(coordinate.name.empty() ? coordinate.speed : coordinate.name),
                            .unit = unit,
                            .force = size * x_of_lock,
-                           .limit = size * forces.sticking_limit(i).against(x_of_lock > 0 ? -1 : 1),
-                           .side = at.contacts[static_cast<std::size_t>(i)]});
+                           .limit = is_latched ? 0 : size * forces.sticking_limit(i).against(x_of_lock > 0 ? -1 : 1),
+                           .side = is_latched ? RestForces::Of::by_lock : at.contacts[static_cast<std::size_t>(i)]});
   }
 }
 

@@ -17,9 +17,11 @@ struct RestForces {
     std::string unit;        // of the forces below, along the coordinate
     double force = 0;        // of friction and contact together
     double limit = 0;        // of static friction; 0 without friction
-    int side = 0;            // touches its upper (1) or its lower bound (-1), or none (0)
+    // Touches its upper (1) or its lower bound (-1), or none (0); or an engaged lock of the joint holds it.
+    static constexpr int by_lock = 2;
+    int side = 0;
   };
-  std::vector<Of> coordinates{};  // all with friction or a limit, in SI units
+  std::vector<Of> coordinates{};  // all with friction, a limit or a lock, in SI units
   RestContacts contacts{};
   bool is_balanced = true;  // with these forces nothing accelerates
   bool is_held = true;      // friction and contact can exert them

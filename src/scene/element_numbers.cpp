@@ -69,7 +69,9 @@ Coordinate coordinate_of(const JointKind& kind, int i) {
 }
 
 std::string group_along(std::string_view group, const JointKind& joint, int i) {
-  const bool is_one_of_several = joint.nv > 1 && !group.empty();
+  const bool is_of_joint = std::ranges::any_of(
+      joint_force_kinds(), [&](const JointForceKind& kind) { return kind.of_joint && kind.group == group; });
+  const bool is_one_of_several = joint.nv > 1 && !group.empty() && !is_of_joint;
   return std::string(group) + (is_one_of_several ? "." + std::string(coordinate_of(joint, i).name) : "");
 }
 

@@ -46,7 +46,7 @@ Coordinate coordinate_of(const JointKind* kind, std::string_view name = {});
 // Returns the coordinate that belongs to velocity i of a joint.
 Coordinate coordinate_of(const JointKind& kind, int i);
 // The place of a group of fields along coordinate i in its joint: "friction", of several coordinates "friction.phi_a".
-// Empty if there is no group.
+// Empty if there is no group. That of an element which acts on the whole joint is its name.
 std::string group_along(std::string_view group, const JointKind& joint, int i);
 // Returns the joint coordinate on which an element acts; a default for elements without a joint.
 Coordinate coordinate_of(const Scene& scene, const ElementPlace& element);

@@ -57,6 +57,37 @@ void add_level(std::vector<Signal>& signals, const Joint& joint, int index, int 
   }
 }
 
+// "A.lock.s_x.f", or "A.lock.tau[1]" along the angular velocity w[1]: the force of an element that acts on the whole
+// joint along one of several velocities.
+std::string force_name(const Joint& joint, std::string_view group, const std::string& name, const Coordinate& at) {
+  const std::string path = joint.name + "." + std::string(group) + ".";
+  if (kind_of(*joint.is).nv == 1) return path + name;
+  if (!at.name.empty()) return path + std::string(at.name) + "." + name;
+  return path + name + std::string(at.speed.substr(std::min(at.speed.find('['), at.speed.size())));
+}
+
+// Appends the signals of an element that acts on the whole joint: a force along each velocity, and what it has once.
+void add_of_joint(std::vector<Signal>& signals, const Joint& joint, std::string_view group,
+                  std::span<const SignalGroup> all, const Signal& of) {
+  const ElementPlace place{.name = joint.name, .frames = {}, .joints = {joint.name}, .coordinate = {}};
+  const JointKind& kind = kind_of(*joint.is);
+  for (std::size_t g = 0; g < all.size(); ++g) {
+    const bool is_force = all[g].name == "{effort}";
+    for (int i = 0; i < (is_force ? kind.nv : 1); ++i) {
+      const Coordinate at = coordinate_of(kind, i);
+      const std::string name = filled_in(all[g].name, place, at);
+      Signal& signal = signals.emplace_back(of);
+      signal.name = is_force ? force_name(joint, group, name, at) : joint.name + "." + std::string(group) + "." + name;
+      signal.unit = unit_of(all[g].unit, at);
+      signal.description = joint.name + ": " + filled_in(all[g].text, place, at);
+      signal.stage = all[g].stage;
+      signal.component = i;
+      signal.group = static_cast<int>(g);
+      if (all[g].start == SignalGroup::Start::one) signal.start = 1;
+    }
+  }
+}
+
 // Appends the signals of the elements along the velocities of a joint; groups(kind, element) returns their groups.
 template <class Groups>
 void add_along(std::vector<Signal>& signals, const Joint& joint, int index, Groups groups) {
@@ -68,6 +99,14 @@ void add_along(std::vector<Signal>& signals, const Joint& joint, int index, Grou
       const void* element = kind.in(*joint.along[i]);
       if (element == nullptr) continue;
       const std::span<const SignalGroup> all = groups(kind, element);
+      if (kind.of_joint) {
+        Signal of;
+        of.joint = index;
+        of.level = 3;
+        of.element = static_cast<int>(k);
+        add_of_joint(signals, joint, kind.group, all, of);
+        continue;
+      }
       for (std::size_t g = 0; g < all.size(); ++g) {
         const SignalGroup& group = all[g];
         signals.push_back({.name = joint.name + "." + group_along(kind.group, kind_of(*joint.is), static_cast<int>(i)) +
@@ -99,6 +138,7 @@ std::span<const SignalGroup> inputs_along(const JointForceKind& kind, const void
 
 double start_of(SignalGroup::Start start, const Scene& scene, const ElementPlace& element) {
   if (start == SignalGroup::Start::zero) return 0;
+  if (start == SignalGroup::Start::one) return 1;
   const Joint& joint = *std::ranges::find(scene.joints, element.joints.front(), &Joint::name);
   const auto i = static_cast<std::size_t>(component_of(kind_of(*joint.is), element.coordinate));
   return start == SignalGroup::Start::speed ? joint.start.v[i] : joint.start.q[i];

@@ -212,7 +212,7 @@ void read_forces(Fields& fields, Reader& reader, Joint& joint) {
     } else if (group.empty()) {
       for (const Field& field : kind.fields) read_along(fields, kind, field, joint);
     } else if (const Json* value = fields.find(group)) {
-      if (of.nv == 1) {
+      if (of.nv == 1 || kind.of_joint) {
         read_group(*value, fields.path(group), kind, 0, reader, joint);
       } else {
         read_groups(*value, fields.path(group), kind, reader, joint);

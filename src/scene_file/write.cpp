@@ -128,7 +128,7 @@ void write_forces(Json& out, const Joint& joint, const JointKind& kind) {
         if (there == nullptr) continue;
         Json& group = out[std::string(force.group)];
         const std::string name(coordinate_of(kind, static_cast<int>(i)).name);
-        write_fields(kind.nv == 1 ? group : group[name], force.fields, there);
+        write_fields(kind.nv == 1 || force.of_joint ? group : group[name], force.fields, there);
       }
       continue;
     }

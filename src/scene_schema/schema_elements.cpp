@@ -137,6 +137,10 @@ Json joint_numbers(const JointKind& kind, std::vector<std::string>& required) {
     if (!force.fits(kind)) continue;
     if (!force.group.empty()) {
       Json& group = out[std::string(force.group)];
+      if (force.of_joint) {
+        group = along(force, coordinate_of(kind, 0));
+        continue;
+      }
       Json by_name = Json::object();
       for (int i = 0; i < kind.nv; ++i) {
         const Coordinate coordinate = coordinate_of(kind, i);

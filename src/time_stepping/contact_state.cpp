@@ -35,6 +35,7 @@ void ContactState::serialize(Archive& archive, int shapes) {
     archive.serialize(at.friction, at.limit);
     archive.serialize_in_range(at.motion, -1, 1);
     archive.serialize_in_range(at.contact, -1, 1);
+    if (any_latch) archive.serialize(at.latch, at.is_latched);
   }
   archive.serialize(along);
   archive.serialize(step);

@@ -28,6 +28,7 @@ struct RememberedContact {
 struct ContactState {
   std::vector<RememberedContact> contacts;  // ordered by their keys
   std::vector<LockForces> locks;            // by lock: means over the step, and modes at its end
+  bool any_latch = false;                   // among locks
   std::vector<Spatial::Force> wrenches;  // by link, about its origin, along the axes of the root frame: of all contacts
   std::vector<double> along;             // by velocity: generalized forces of friction and limits
   std::vector<ContactSum> sums;          // by contact of the scene

@@ -47,6 +47,13 @@ JointRows::JointRows(SwitchingForces& switching_forces, int nv)
 void JointRows::add(const Start& at, ContactRows& rows, std::vector<Cone>& cones) {
   for (int i = 0; i < switching_.locks(); ++i) {
     const SwitchingForces::Lock& lock = switching_.lock(i);
+    if (switching_.engagement(i) > 0) {  // which leaves friction and limits nothing to hold
+      if (lock.latch < 0) continue;
+      cones.push_back(Cone::within(rows.count(), -unlimited, unlimited));
+      rows.add_lock(i, lock.sign);
+      rows_.push_back({.lock = i, .is_latch = true});
+      continue;
+    }
     const double speed = switching_.speed(i, at.v);
     const double change = at.h * std::abs(switching_.speed(i, at.vdot));
     if (lock.friction >= 0) {
@@ -79,7 +86,7 @@ void JointRows::add(const Start& at, ContactRows& rows, std::vector<Cone>& cones
 void JointRows::add_passed_limits(double h, const double* v1, ContactRows& rows, std::vector<Cone>& cones) {
   for (int i = 0; i < switching_.locks(); ++i) {
     const SwitchingForces::Lock& lock = switching_.lock(i);
-    if (lock.limit < 0 || lock.one_way) continue;
+    if (lock.limit < 0 || lock.one_way || switching_.engagement(i) > 0) continue;
     const double speed = switching_.speed(i, v1);
     const int side = speed > 0 ? 1 : -1;
     const double depth = switching_.depth(i, side).depth;
@@ -123,7 +130,7 @@ bool JointRows::set_sliding_friction(double h, const double* v1, const double* v
 }
 
 bool JointRows::have_loads() const {
-  return !switching_.loads().empty() && std::ranges::any_of(rows_, [](const Row& row) { return row.side == 0; });
+  return !switching_.loads().empty() && std::ranges::any_of(rows_, &Row::is_friction);
 }
 
 void JointRows::read_limits(std::vector<double>& out, std::vector<LoadIteration::Limit>& kinds) const {
@@ -131,7 +138,7 @@ void JointRows::read_limits(std::vector<double>& out, std::vector<LoadIteration:
   out.clear();
   kinds.clear();
   for (const Row& row : rows_) {
-    if (row.side != 0) continue;
+    if (!row.is_friction()) continue;
     append({row.at_rest, row.sliding}, out);
     const bool has_load = switching_.loads().acts_on(switching_.lock(row.lock).friction);
     const Limit at_rest = has_load ? Limit::of_rest : Limit::without_load;
@@ -144,7 +151,7 @@ void JointRows::add_reached_limits(const double* x, std::span<const Cone> cones,
   int first = 0;
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     const Row& row = rows_[i];
-    if (row.side != 0) continue;
+    if (!row.is_friction()) continue;
     const double impulse = x[cones[i].first];
     const int motion = impulse < 0 ? 1 : -1;  // that friction opposes
     const double limit = motion > 0 ? -cones[i].lower : cones[i].upper;
@@ -157,7 +164,7 @@ void JointRows::add_reached_limits(const double* x, std::span<const Cone> cones,
 void JointRows::find_limits(const double* vm, std::vector<double>& out) const {
   out.clear();
   for (const Row& row : rows_) {
-    if (row.side != 0) continue;
+    if (!row.is_friction()) continue;
     const DirectedLimit at_rest = switching_.sticking_limit(row.lock);
     const DirectedLimit sliding =
         row.slides == 0 ? at_rest : switching_.sliding_limit(row.lock, switching_.speed(row.lock, vm));
@@ -173,7 +180,7 @@ void JointRows::set_limits(double h, const double* limits, std::span<Cone> cones
   };
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     Row& row = rows_[i];
-    if (row.side != 0) continue;
+    if (!row.is_friction()) continue;
     row.at_rest = next();
     row.sliding = next();
     set_friction_of(row, h, cones[i]);
@@ -196,7 +203,10 @@ void JointRows::remember(double h, const double* v1, const double* x, std::span<
     const double speed = switching_.speed(row.lock, v1);
     const bool rests = std::abs(speed) <= rest_speed;
     LockForces& at = out[static_cast<std::size_t>(row.lock)];
-    if (row.side == 0) {
+    if (row.is_latch) {
+      at.latch = force;
+      at.is_latched = true;
+    } else if (row.side == 0) {
       at.friction = force;
       at.motion = rests ? 0 : speed > 0 ? 1 : -1;
     } else {

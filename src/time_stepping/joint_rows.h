@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Dry friction, limits and one-way clutches of joints in a step of TimeStepper: a row of velocities for each friction
-// and each bound that may be reached, and the impulses that their laws permit.
+// Dry friction, limits, one-way clutches and latches of joints in a step of TimeStepper: a row of velocities for each
+// friction, each engaged latch and each bound that may be reached, and the impulses that their laws permit.
 #pragma once
 
 #include <span>
@@ -19,12 +19,15 @@ class JointRows {
 
   struct Row {
     int lock = 0;
-    int side = 0;  // of a limit; 0: friction
+    int side = 0;  // of a limit; 0: friction or a latch
     double depth = 0;
     bool is_of_speed = false;  // of a one-way clutch, which bounds no position
+    bool is_latch = false;
     int slides = 0;            // friction in motion, in this direction
     bool turns_back = false;   // it moves in the other direction at the end of the step
     DirectedLimit at_rest{}, sliding{};
+
+    bool is_friction() const { return side == 0 && !is_latch; }
   };
   // What a step of length h begins with: velocities, accelerations without impulses, forces of the last step by lock.
   struct Start {

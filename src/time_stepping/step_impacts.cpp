@@ -80,14 +80,14 @@ bool TimeStepper::remains_struck(std::size_t cone) const {
          std::abs(free_speeds_[r]) <= rest_speed;
 }
 
-// The impulses that end all approaches, without those of other forces. One-way clutches take part, as in expansion:
+// The impulses that end all approaches, without those of other forces. Latches and one-way clutches take part, as in expansion:
 // what they do not let give way returns what strikes it. Friction of joints exerts none.
 void TimeStepper::find_compression() {
   has_compression_ = true;
   correction_cones_.clear();
   for (std::size_t i = 0; i < cones_.size(); ++i) {
-    const bool is_clutch = i >= points_.size() && joints_[i - points_.size()].is_of_speed;
-    if (strikes_[i] != 0 || is_clutch) {
+    const JointRows::Row* const joint = i < points_.size() ? nullptr : &joints_[i - points_.size()];
+    if (strikes_[i] != 0 || (joint != nullptr && (joint->is_of_speed || joint->is_latch))) {
       correction_cones_.push_back(cones_[i]);
       continue;
     }

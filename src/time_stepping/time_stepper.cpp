@@ -43,6 +43,8 @@ TimeStepper::TimeStepper(const Mechanism& mechanism, Dynamics& dynamics, const L
       dq_(v0_.size()),
       starts_(most_halvings + 1, std::vector<double>(static_cast<std::size_t>(mechanism.nq) + v0_.size())) {
   state_.locks.resize(static_cast<std::size_t>(dynamics.switching_forces().locks()));
+  for (int i = 0; i < dynamics.switching_forces().locks(); ++i)
+    state_.any_latch = state_.any_latch || dynamics.switching_forces().lock(i).latch >= 0;
   state_.wrenches.resize(mechanism.links.size());
   state_.along.resize(v0_.size());
   state_.sums.resize(loads.contacts.size());
@@ -167,7 +169,7 @@ void TimeStepper::guess(double h) {
   for (std::size_t i = 0; i < joints_.count(); ++i) {
     const Cone& cone = cones_[points_.size() + i];
     const LockForces& last = state_.locks[static_cast<std::size_t>(joints_[i].lock)];
-    const double force = joints_[i].side == 0 ? last.friction : last.limit;
+    const double force = joints_[i].is_latch ? last.latch : joints_[i].side == 0 ? last.friction : last.limit;
     x_[static_cast<std::size_t>(cone.first)] = std::clamp(h * force, cone.lower, cone.upper);
   }
 }

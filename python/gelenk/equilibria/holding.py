@@ -27,19 +27,22 @@ TOUCH_TOLERANCE = 1e-10
 # Largest speed at rest, in the mechanism's own units: assembly leaves rounding.
 SPEED_TOLERANCE = 1e-9
 ONE_WAY = "one_way"
+LOCK = "lock"
+HELD_BY_LOCK = 2  # in place of the side of a bound
 
 
 @dataclass(frozen=True)
 class Holding:
-    """What keeps a coordinate at rest: dry friction, and contact with a hard limit or a one-way clutch.
+    """What keeps a coordinate at rest: dry friction, a lock, contact with a hard limit or a one-way clutch.
 
     Attributes:
         friction: force of friction along the coordinate [N m, N].
         limit: the largest static friction [N m, N]; 0 for a joint without friction.
         contact: force of the hard limit along the coordinate [N m, N]: positive at the lower bound, negative
-            at the upper one, 0 away from both; or that of the one-way clutch, in its free direction.
-        bound: "lower" or "upper" for the bound that the coordinate touches, "one_way" for a one-way clutch;
-            empty: none.
+            at the upper one, 0 away from both; or that of the one-way clutch, in its free direction; or
+            that of the engaged lock of the joint.
+        bound: "lower" or "upper" for the bound that the coordinate touches, "one_way" for a one-way clutch,
+            "lock" for a lock; empty: none.
         unit: unit of the forces.
     """
 
@@ -66,7 +69,8 @@ class Holding:
         if self.limit:
             parts.append(f"friction {self.friction:.6g} of {self.limit:.6g} {_spelled(self.unit)}")
         if self.bound:
-            by = "one-way clutch" if self.bound == ONE_WAY else f"contact at its {self.bound} limit"
+            named = {ONE_WAY: "one-way clutch", LOCK: "lock"}
+            by = named.get(self.bound, f"contact at its {self.bound} limit")
             parts.append(f"{by} {self.contact:.6g} {_spelled(self.unit)}")
         return ", ".join([*parts, f"margin {self.margin:.6g}"])
 
@@ -269,9 +273,11 @@ class PosedScene:
                 )
 
     def _contact(self, name: str, force: float, side: int) -> tuple[float, str]:
-        """Return what a limit or a one-way clutch does of the force that is needed, and which it is."""
+        """Return what a limit, a one-way clutch or a lock does of the force that is needed, and which."""
         if side == 0:
             return 0.0, ""
+        if side == HELD_BY_LOCK:
+            return force, LOCK
         contact = min(force, 0.0) if side > 0 else max(force, 0.0)
         if self._group(name, ONE_WAY):
             return contact, ONE_WAY

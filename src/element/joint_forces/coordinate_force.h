@@ -29,6 +29,10 @@
 // or, if they bound the speed instead of the position (`bounds_speed`; a one-way clutch),
 //   indicators(side, v, a, x, adhesion, g, gdot)
 //
+// and one that holds all coordinates of its joint at rest while it is engaged (`holds_joint`; a lock), which the first
+// coordinate has for all, has the modes 1 and 0 and
+//   engagement(u)         above 0 while it is engaged
+//
 // An element with modes may have two output signals: its force and its mode.
 //
 // Elements among the fields of a joint (spring, damper, stop, friction, limit) also have `group`, the name of their
@@ -60,6 +64,10 @@ concept TakesLoads = Sticks<F> && requires(const F& f, const double* u) { f.stic
 // Of those in contact, the ones that bound the speed.
 template <class F>
 concept BoundsSpeed = Blocks<F> && requires { F::bounds_speed; };
+
+// Elements that an input makes keep all coordinates of their joint at rest.
+template <class F>
+concept HoldsJoint = Switches<F> && requires { F::holds_joint; };
 
 // The variables of expressions along a coordinate: of an angle or of a length.
 inline constexpr FormulaVariable variables_along[] = {{"phi", "rad"}, {"w", "rad/s"}, {"s", "m"}, {"v", "m/s"}};

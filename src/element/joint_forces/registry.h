@@ -9,6 +9,7 @@
 #include "element/joint_forces/joint_friction.h"
 #include "element/joint_forces/joint_law.h"
 #include "element/joint_forces/joint_limit.h"
+#include "element/joint_forces/joint_lock.h"
 #include "element/joint_forces/joint_one_way.h"
 #include "element/joint_forces/joint_spring.h"
 #include "element/joint_forces/stop.h"
@@ -17,7 +18,8 @@ namespace gelenk {
 
 // Of one coordinate; those in std::optional need not be present.
 struct JointForces : std::tuple<JointDamper, JointSpring, std::optional<Stop>, std::optional<JointFriction>,
-                                std::optional<JointLimit>, std::optional<JointOneWay>, std::optional<JointLaw>> {
+                                std::optional<JointLimit>, std::optional<JointOneWay>, std::optional<JointLaw>,
+                                std::optional<JointLock>> {
   const tuple& all() const { return *this; }
 };
 
