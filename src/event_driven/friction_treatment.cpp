@@ -36,10 +36,8 @@ int LockModes::on_boundary(double t, const double* y) {
   const double* v = y + nq_;
   for (int i = 0; i < count(); ++i) {
     const SwitchingForces::Lock& lock = forces_.lock(i);
-    if (is_latched(i)) {  // engaged in motion, and the impact is still to come
-      if (lock.latch >= 0 && !is_slow(i, v)) return lock.latch;
-      continue;
-    }
+    if (is_latched(i)) continue;
+    if (lock.latch >= 0 && forces_.engagement(i) > 0) return lock.latch;  // the impact is still to come
     if (!rests(i)) {
       if (has_friction(i) && modes_.motions[i] != mode_released && is_slow(i, v)) return lock.friction;
       if (lock.limit >= 0 && touched_side(i) != 0 && (!lock.one_way || is_slow(i, v))) return lock.limit;

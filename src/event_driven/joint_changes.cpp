@@ -32,12 +32,16 @@ constexpr double threshold_rounding = 1e-9;
 void JointChanges::find_switched_latches(double t, const double* y, bool jumped) {
   modes_.equations_.bring_inputs(t, y);
   for (int i = 0; i < modes_.count(); ++i) {
-    if (forces_.lock(i).latch < 0) continue;
-    const double engagement = forces_.engagement(i);
-    const bool is_known = jumped || std::abs(engagement) > threshold_rounding;
-    if (is_known && (engagement > 0 ? 1 : 0) != modes_.modes_.latched[i])
-      modes_.triggered_[static_cast<std::size_t>(i)] = LockModes::by_latch;
+    if (is_switched(i, jumped)) modes_.triggered_[static_cast<std::size_t>(i)] = LockModes::by_latch;
   }
+}
+
+// Whether the inputs say otherwise than the mode of a latch.
+bool JointChanges::is_switched(int lock, bool jumped) const {
+  if (forces_.lock(lock).latch < 0) return false;
+  const double engagement = forces_.engagement(lock);
+  const bool is_known = jumped || std::abs(engagement) > threshold_rounding;
+  return is_known && (engagement > 0 ? 1 : 0) != modes_.modes_.latched[lock];
 }
 
 // Where it is engaged, friction is at rest without a force, and limits are left.
@@ -56,11 +60,8 @@ void JointChanges::switch_latches() {
   LockModes::State next = state();
   for (int i = 0; i < modes_.count(); ++i) {
     if (modes_.triggered_[static_cast<std::size_t>(i)] != LockModes::by_latch) continue;
-    const int joint = forces_.lock(i).latched_joint;
     const int latched = 1 - modes_.modes_.latched[i];
-    for (int k = 0; k < modes_.count(); ++k) {
-      if (forces_.lock(k).latch >= 0 && forces_.lock(k).latched_joint == joint) switch_latch(k, latched, next);
-    }
+    each_part(i, [&](int part) { switch_latch(part, latched, next); });
   }
   for (LockModes::Trigger& trigger : modes_.triggered_) {
     if (trigger == LockModes::by_latch) trigger = LockModes::nothing;
@@ -70,14 +71,20 @@ void JointChanges::switch_latches() {
   modes_.equations_.mode_changed();
 }
 
-void JointChanges::set_latches(double t, const double* y) {
-  if (!modes_.any_latch_) return;
+bool JointChanges::set_latches(double t, const double* y, bool jumped) {
+  if (!modes_.any_latch_) return false;
   modes_.equations_.bring_inputs(t, y);
   LockModes::State next = state();
   for (int i = 0; i < modes_.count(); ++i) {
-    if (forces_.lock(i).latch >= 0) switch_latch(i, forces_.engagement(i) > 0 ? 1 : 0, next);
+    if (!is_switched(i, jumped)) continue;
+    const int latched = 1 - modes_.modes_.latched[i];
+    bool moves = false;
+    each_part(i, [&](int part) { moves = moves || !modes_.is_slow(part, y + modes_.nq_); });
+    if (latched == 0 || !moves) switch_latch(i, latched, next);
   }
-  modes_.set_state(next);
+  const bool changed = next != state();
+  if (changed) modes_.set_state(next);
+  return changed;
 }
 
 bool JointChanges::find_events_at_start(double t, const double* y, bool jumped) {
@@ -145,8 +152,8 @@ std::size_t JointChanges::find_yielding(double* g, std::vector<double*>& out) co
   return resting;
 }
 
-void JointChanges::begin_run() {
-  modes_.release();
+void JointChanges::begin_run(bool keeps_latches) {
+  modes_.release(keeps_latches);
   modes_.modes_.unstoppable = -1;
 }
 

@@ -42,8 +42,8 @@ class JointChanges {
   bool exceed_limits() const { return modes_.any_at_rest_ && modes_.exceed(forces_.holding_forces().values()); }
 
   // --- changes ---
-  // Forgets all modes, at the start of a run.
-  void begin_run();
+  // Forgets all modes, at the start of a run; where a prescribed motion jumps, not those of latches.
+  void begin_run(bool keeps_latches);
   // What was at rest before, and has not been moved but by rounding, is stopped by the decision that follows.
   void stop_unmoved(const double* y, const LockModes::State& before);
   void forget_events() { std::ranges::fill(modes_.triggered_, LockModes::nothing); }
@@ -52,9 +52,11 @@ class JointChanges {
   void forget_rebounds(const double* y);
   // At the beginning of a change.
   void begin_change() { modes_.modes_.unstoppable = -1; }
-  // Engages and releases the latches of which events have been found; all, as their inputs at (t, y) say.
+  // Engages and releases the latches of which events have been found; those of joints in motion by an impact to come.
   void switch_latches();
-  void set_latches(double t, const double* y);
+  // Engages and releases all as their inputs at (t, y) say, but those of joints in motion: they are not engaged before
+  // the impact. Returns whether any has changed.
+  bool set_latches(double t, const double* y, bool jumped);
   // Lets go what is no longer held where rounding hides it, and what is at its limit, too: one alone could not move.
   void force_away();
   // The first coordinate that finish() stops, by lock; -1: it stops none. What it says in a message.
@@ -72,6 +74,14 @@ class JointChanges {
 
  private:
   void find_switched_latches(double t, const double* y, bool jumped);
+  bool is_switched(int lock, bool jumped) const;
+  // Calls visit(lock) for all parts of the latch of which this lock has one.
+  template <class Visit>
+  void each_part(int lock, Visit visit) const {
+    for (int k = 0; k < modes_.count(); ++k) {
+      if (forces_.lock(k).latch >= 0 && forces_.lock(k).latched_joint == forces_.lock(lock).latched_joint) visit(k);
+    }
+  }
   void switch_latch(int lock, int latched, LockModes::State& next) const;
   void find_reached_bounds(int lock, const double* v);
   bool uses_limit_up(int lock) const;

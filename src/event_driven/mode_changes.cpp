@@ -41,12 +41,12 @@ void ModeChanges::start(double t, const double* y) {
   jumped_ = false;
   refusal_.clear();
   std::ranges::fill(load_signs_, unknown_sign);
-  if (!joints_.empty()) start_joints(t, y);
+  if (!joints_.empty()) start_joints(t, y, false);
 }
 
-void ModeChanges::start_joints(double t, const double* y) {
-  joints_.begin_run();
-  joints_.set_latches(t, y);
+void ModeChanges::start_joints(double t, const double* y, bool keeps_latches) {
+  joints_.begin_run(keeps_latches);
+  joints_.set_latches(t, y, true);
   decide(t, y, Recording::nothing, ModeDecisions::Asked::joints);
   equations_.mode_changed();
 }
@@ -54,7 +54,7 @@ void ModeChanges::start_joints(double t, const double* y) {
 void ModeChanges::restart(double t, double* y, const LockModes::State& before) {
   if (joints_.empty()) return;
   joints_.stop_unmoved(y, before);
-  start_joints(t, y);
+  start_joints(t, y, true);
   joints_.forget_events();
   if (joints_.any_wrong_speed(y)) {
     equations_.accelerations_at(t, y, vdot_.data());
@@ -99,7 +99,7 @@ bool ModeChanges::recall(double t, double* y) {
 }
 
 void ModeChanges::preview(double t, const double* y) {
-  if (jumped_ || started_) joints_.set_latches(t, y);
+  joints_.set_latches(t, y, jumped_ || started_);
   const bool asks_joints = jumped_ || contact_equations_.closed().empty();
   if (!is_contact_doubtful(t, y) && !(asks_joints && joints_.are_doubtful(t, y, true))) return;
   joints_.begin_change();

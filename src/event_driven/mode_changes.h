@@ -61,7 +61,7 @@ class ModeChanges {
   void serialize(Archive& archive);
 
  private:
-  void start_joints(double t, const double* y);
+  void start_joints(double t, const double* y, bool keeps_latches);
   bool is_contact_doubtful(double t, const double* y);
   bool is_consistent(double t, const double* y);
   void determine(double t, double* y);
