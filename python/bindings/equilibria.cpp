@@ -25,10 +25,10 @@ using gelenk::Simulation;
 namespace {
 
 // Of each coordinate with friction or a limit: its name, the unit of its forces, the force that keeps it at rest, the
-// limit of its friction, and the side of the bound that it touches (2: a lock holds it); then whether these forces balance the load, and
-// whether friction and contact can exert them. Of each point of contact: the names of its contact and of the bodies,
-// its position, the force on the first one, the normal force, friction and its limit; whether all of them push, and a
-// contact that is closed without points.
+// limit of its friction, and the side of the bound that it touches (2: a lock holds it); then whether these forces
+// balance the load, and whether friction and contact can exert them. Of each point of contact: the names of its contact
+// and of the bodies, its position, the force on the first one, the normal force, friction and its limit; whether all of
+// them push, and a contact that is closed without points.
 using RestForce = std::tuple<std::string, std::string, double, double, int>;
 using RestPoint = std::tuple<std::string, std::string, std::string, std::array<double, 3>, std::array<double, 3>,
                              double, double, double>;

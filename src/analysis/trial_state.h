@@ -75,8 +75,8 @@ class TrialStates {
   // fails.
   std::optional<TrialState> closed_neighbor(const TrialState& here, const Eigen::VectorXd& z, const Eigen::VectorXd& dv,
                                             const Eigen::VectorXd& du);
-  // Whether a limit may come into contact: not that of what a latch holds; where inputs are unknown, not that of what is
-  // held.
+  // Whether a limit may come into contact: not that of what a latch holds; where inputs are unknown, not that of what
+  // is held.
   bool may_touch(int lock) const {
     return !borne_[static_cast<std::size_t>(lock)] && !dynamics_->switching_forces().is_latched(lock);
   }

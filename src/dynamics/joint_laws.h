@@ -184,6 +184,7 @@ class JointLaws {
       if constexpr (HoldsJoint<Law>) {
         found_[lock].latch = index;
         found_[lock].latched_joint = force.joint;
+        found_[lock].latched_q = cut < 0 ? force.q : -1;
         found_[lock].is_first_of_latch = force.component == 0;
       } else if constexpr (Sticks<Law>) {
         found_[lock].frictions.push_back(index);

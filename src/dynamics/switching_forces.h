@@ -65,6 +65,7 @@ class SwitchingForces {
     // Its part of the lock of a whole joint, which holds it, engaged, by a force of any size; -1: it has none. joint:
     // of the scene, of which all parts are engaged together; the first part stands for the lock.
     int latch = -1, latched_joint = -1;
+    int latched_q = -1;  // of the coordinates of the mechanism; -1: the joint closes a loop
     bool is_first_of_latch = false;
     // The laws of its friction, which add up and share one mode: indices in all forces with modes.
     std::vector<int> frictions;
@@ -107,8 +108,8 @@ class SwitchingForces {
   // A holding force beyond its bound by less than this is rounding of the forces in the last solve().
   virtual double slack(int lock) const = 0;
   // W: the accelerations of the coordinates of these locks (rows) per force along them (columns), all released but
-  // latches of others, with the factors of the last solve(). scale: the accelerations to which its rounding is relative.
-  // Allocates.
+  // latches of others, with the factors of the last solve(). scale: the accelerations to which its rounding is
+  // relative. Allocates.
   virtual void compliance(const std::vector<int>& locks, Eigen::MatrixXd& W, Eigen::VectorXd& scale) = 0;
   // Adds to v the effect of impulses along these coordinates, all released, with the same factors.
   virtual void strike(const std::vector<int>& locks, const Eigen::VectorXd& impulses, double* v) = 0;

@@ -14,9 +14,9 @@ namespace gelenk {
 namespace {
 
 template <class E>
-concept MayLock =
-    requires(E& element) { element.reset(); } &&
-    (Sticks<typename E::value_type> || Blocks<typename E::value_type> || HoldsJoint<typename E::value_type>);
+concept MayLock = requires(E& element) {
+  element.reset();
+} && (Sticks<typename E::value_type> || Blocks<typename E::value_type> || HoldsJoint<typename E::value_type>);
 
 // Calls visit(element) for the elements, each in std::optional, that can keep the coordinate at rest.
 template <class Tuple, class Visit>

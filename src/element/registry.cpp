@@ -101,7 +101,7 @@ JointForceKind describe_joint_force() {
             return own_fault(*static_cast<const Element*>(element), coordinate);
           },
           .doubt = [](const void* element, double q, const Coordinate& coordinate) -> std::optional<ElementFault> {
-            if constexpr (requires(const Element& e) { e.doubt(q, coordinate); }) {
+            if constexpr (requires(const Element & e) { e.doubt(q, coordinate); }) {
               return static_cast<const Element*>(element)->doubt(q, coordinate);
             }
             return {};

@@ -108,7 +108,8 @@ double EventModes::touch_within(double t0, const double* y0, double t1, const do
 
 // Whether something at rest or closed is loaded by what depends on the time, other than by the motion.
 bool EventModes::may_hide_changes() const {
-  const bool holds = locks_.any_at_rest() || locks_.any_latch() || (nothing_moves_ && !contacts_->equations().closed().empty());
+  const bool holds =
+      locks_.any_at_rest() || locks_.any_latch() || (nothing_moves_ && !contacts_->equations().closed().empty());
   return holds && (equations_.loads_move() || reads_time_);
 }
 

@@ -21,6 +21,8 @@ constexpr int most_distributions = 60;
 constexpr double distribution_tolerance = 1e-13;  // change of the forces, relative to the largest
 // Part of the tolerance of the integration that a motion may take that is left out.
 constexpr double resolved_fraction = 1e-3;
+// Displacements of what is latched that are rounding of closing the loops [rad, natural units of length].
+constexpr double latched_displacement = 1e-9;
 
 }  // namespace
 
@@ -199,6 +201,17 @@ void LockModes::indicators(const double* vdot, double* g, double* gdot) {
   }
 }
 
+void LockModes::refuse_moved_latches(const double* before, const double* q) {
+  for (int i = 0; i < count(); ++i) {
+    if (modes_.latched[i] == 0) continue;
+    const SwitchingForces::Lock& lock = forces_.lock(i);
+    // A joint that closes a loop is in a plane, where coordinates have the numbers of velocities.
+    const double moved = lock.latched_q >= 0 ? q[lock.latched_q] - before[lock.latched_q]
+                                             : forces_.speed(i, q) - forces_.speed(i, before);
+    if (std::abs(moved) > latched_displacement) modes_.unstoppable = 2 * lock.latch;
+  }
+}
+
 // Whether the modes have to be determined again. jumped: inputs may have jumped since they were.
 bool LockModes::is_doubtful(double t, const double* y, bool jumped) {
   const double* v = y + nq_;
@@ -211,7 +224,8 @@ bool LockModes::is_doubtful(double t, const double* y, bool jumped) {
     find_holding_forces(t, y);
     doubtful = exceed(holding_);
     // What other constraints determine needs no force to be at rest: whether it begins to move, they say.
-    for (int i = 0; i < count() && !doubtful; ++i) doubtful = rests(i) && !is_latched(i) && std::isinf(forces_.slack(i));
+    for (int i = 0; i < count() && !doubtful; ++i)
+      doubtful = rests(i) && !is_latched(i) && std::isinf(forces_.slack(i));
   }
   return doubtful;
 }

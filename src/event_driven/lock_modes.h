@@ -63,8 +63,10 @@ class LockModes {
   void release(bool keeps_latches = false);
   // Whether the force with this index is a latch.
   bool is_latch(int force) const { return owns(force) && forces_.lock(lock_of_[at_index(force)]).latch == force; }
-  // Whether any latch changes within a step without being seen at its ends.
   bool any_latch() const { return any_latch_; }
+  // The run cannot continue where a prescribed motion has jumped and moved an engaged latch, from the coordinates
+  // before to the others, since closed loops leave it no choice.
+  void refuse_moved_latches(const double* before, const double* q);
 
   bool is_of_limit(int indicator) const {
     return owns(indicator / 2) &&

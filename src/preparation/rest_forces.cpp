@@ -74,12 +74,12 @@ void RestForces::add(const Scene& scene, const EquilibriumProblem& of, const std
     const double x_of_lock = holds ? x[next++] : 0;
     const bool is_latched = forces.is_latched(i);
     if (is_latched && lock.latch < 0) continue;  // its coordinate is held by another one
-    coordinates.push_back({.coordinate = joint.name + "." +
-                                         std::string(coordinate.name.empty() ? coordinate.speed : coordinate.name),
-                           .unit = unit,
-                           .force = size * x_of_lock,
-                           .limit = is_latched ? 0 : size * forces.sticking_limit(i).against(x_of_lock > 0 ? -1 : 1),
-                           .side = is_latched ? RestForces::Of::by_lock : at.contacts[static_cast<std::size_t>(i)]});
+    coordinates.push_back(
+        {.coordinate = joint.name + "." + std::string(coordinate.name.empty() ? coordinate.speed : coordinate.name),
+         .unit = unit,
+         .force = size * x_of_lock,
+         .limit = is_latched ? 0 : size * forces.sticking_limit(i).against(x_of_lock > 0 ? -1 : 1),
+         .side = is_latched ? RestForces::Of::by_lock : at.contacts[static_cast<std::size_t>(i)]});
   }
 }
 

@@ -23,8 +23,8 @@ class JointRows {
     double depth = 0;
     bool is_of_speed = false;  // of a one-way clutch, which bounds no position
     bool is_latch = false;
-    int slides = 0;            // friction in motion, in this direction
-    bool turns_back = false;   // it moves in the other direction at the end of the step
+    int slides = 0;           // friction in motion, in this direction
+    bool turns_back = false;  // it moves in the other direction at the end of the step
     DirectedLimit at_rest{}, sliding{};
 
     bool is_friction() const { return side == 0 && !is_latch; }

@@ -80,8 +80,8 @@ bool TimeStepper::remains_struck(std::size_t cone) const {
          std::abs(free_speeds_[r]) <= rest_speed;
 }
 
-// The impulses that end all approaches, without those of other forces. Latches and one-way clutches take part, as in expansion:
-// what they do not let give way returns what strikes it. Friction of joints exerts none.
+// The impulses that end all approaches, without those of other forces. Latches and one-way clutches take part, as in
+// expansion: what they do not let give way returns what strikes it. Friction of joints exerts none.
 void TimeStepper::find_compression() {
   has_compression_ = true;
   correction_cones_.clear();

@@ -85,7 +85,9 @@ def stuck_together(simulation: gelenk.Simulation) -> float:
     """The kinetic energy that both bodies would have as one, with their momentum at present."""
     P, H, _ = momentum(simulation)
     mass = STATION[0] + CAPSULE[0]
-    center = (STATION[0] * vector(simulation, "station.r") + CAPSULE[0] * vector(simulation, "capsule.r")) / mass
+    center = (
+        STATION[0] * vector(simulation, "station.r") + CAPSULE[0] * vector(simulation, "capsule.r")
+    ) / mass
     I = np.zeros((3, 3))
     for name, (own, moments) in {"station": STATION, "capsule": CAPSULE}.items():
         R = matrix_of(vector(simulation, f"{name}.Q", 4))
@@ -95,7 +97,9 @@ def stuck_together(simulation: gelenk.Simulation) -> float:
     return float(P @ P / mass + spin @ np.linalg.solve(I, spin)) / 2
 
 
-def started(source: Scene, integrator: str = "auto", tolerance: float = 1e-10, **solver: Any) -> gelenk.Simulation:
+def started(
+    source: Scene, integrator: str = "auto", tolerance: float = 1e-10, **solver: Any
+) -> gelenk.Simulation:
     simulation = gelenk.Simulation({**source, "solver": {"integrator": integrator, **solver}})
     simulation.initialize(0.0, tolerance)
     return simulation

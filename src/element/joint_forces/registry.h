@@ -17,9 +17,9 @@
 namespace gelenk {
 
 // Of one coordinate; those in std::optional need not be present.
-struct JointForces : std::tuple<JointDamper, JointSpring, std::optional<Stop>, std::optional<JointFriction>,
-                                std::optional<JointLimit>, std::optional<JointOneWay>, std::optional<JointLaw>,
-                                std::optional<JointLock>> {
+struct JointForces
+    : std::tuple<JointDamper, JointSpring, std::optional<Stop>, std::optional<JointFriction>, std::optional<JointLimit>,
+                 std::optional<JointOneWay>, std::optional<JointLaw>, std::optional<JointLock>> {
   const tuple& all() const { return *this; }
 };
 
