@@ -144,6 +144,7 @@ nb::list along_joints() {
     entry["group"] = std::string(kind.group);
     entry["summary"] = std::string(kind.summary);
     entry["fits"] = joints_that_fit(kind.fits);
+    entry["of_joint"] = kind.of_joint;
     entry["fields"] = shown_fields(kind.fields, kind.defaults());
     out.append(entry);
   }

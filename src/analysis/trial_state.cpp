@@ -133,7 +133,7 @@ bool TrialStates::rests(int lock, const TrialState& at) {
 }
 
 bool TrialStates::sticks(int lock, const TrialState& at) {
-  if (forces().is_latched(lock)) return forces().lock(lock).latch >= 0;
+  if (forces().hold_coordinate(lock)) return forces().lock(lock).latch >= 0;
   return friction_holds_ && forces().lock(lock).friction >= 0 && forces().sticking_limit(lock).largest() > 0 &&
          at.slips[lock] == 0 && rests(lock, at);
 }

@@ -78,7 +78,7 @@ class TrialStates {
   // Whether a limit may come into contact: not that of what a latch holds; where inputs are unknown, not that of what
   // is held.
   bool may_touch(int lock) const {
-    return !borne_[static_cast<std::size_t>(lock)] && !dynamics_->switching_forces().is_latched(lock);
+    return !borne_[static_cast<std::size_t>(lock)] && !dynamics_->switching_forces().hold_coordinate(lock);
   }
   // Brings every coordinate that is at a bound, or beyond it, into contact; returns whether there is a new one.
   bool touch(TrialState& at);

@@ -23,7 +23,7 @@ void set_holding_bounds(const SwitchingForces& forces, const std::vector<int>& l
     const int lock = locks[static_cast<std::size_t>(i)];
     const DirectedLimit limit = forces.sticking_limit(lock);
     const int side = contacts[static_cast<std::size_t>(lock)];
-    const bool is_latched = forces.is_latched(lock);
+    const bool is_latched = forces.hold_coordinate(lock);
     out.lower[i] = side > 0 || is_latched ? -unlimited : -limit.against(1);
     out.upper[i] = side < 0 || is_latched ? unlimited : limit.against(-1);
   }

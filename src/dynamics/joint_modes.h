@@ -95,7 +95,7 @@ class JointModes final : public SwitchingForces {
         const std::array<double, 2> limits{limit.positive + slack(lock), limit.negative + slack(lock)};
         force.element.indicators(side, speed, acceleration, holding[lock], limits, g, gdot);
         // What leaves a contact has overcome friction; and a latch leaves friction and limits nothing to hold.
-        if (is_in_contact(lock) || is_latched(lock)) g[0] = g[1] = -1;
+        if (is_in_contact(lock) || hold_coordinate(lock)) g[0] = g[1] = -1;
       } else if constexpr (HoldsJoint<Element>) {
         g[0] = laws_.engagement(index);
         g[1] = -1;
@@ -108,7 +108,7 @@ class JointModes final : public SwitchingForces {
         } else {
           force.element.indicators(side, at, speed, holding[lock], adhesion, g, gdot);
         }
-        if (is_latched(lock)) g[0] = g[1] = -1;
+        if (hold_coordinate(lock)) g[0] = g[1] = -1;
       } else {
         const bool is_known = vdot != nullptr && force.element.needs_acceleration(at);
         force.element.indicators(at, speed, is_known ? laws_.acceleration(force, index, vdot) : NAN, g, gdot);
@@ -122,11 +122,6 @@ class JointModes final : public SwitchingForces {
 
   int locks() const override { return laws_.locks(); }
   const Lock& lock(int lock) const override { return laws_.lock(lock); }
-  bool is_latched(int lock) const override {
-    const int latch = held_ == nullptr ? -1 : laws_.latch_over(lock);
-    return latch >= 0 && held_[latch] == 1;
-  }
-  double engagement(int lock) const override { return laws_.engagement(laws_.latch_over(lock)); }
   DirectedLimit sliding_limit(int lock, double speed) const override {
     return sum_of_friction(lock, [&](int i, const auto& law, double q, const double* u) {
       return loaded_.in_motion(i, law, q, speed, u);
@@ -305,12 +300,17 @@ class JointModes final : public SwitchingForces {
     return (lock.friction >= 0 && held_[lock.friction] == 0) || (lock.limit >= 0 && held_[lock.limit] != 0) ||
            (lock.latch >= 0 && held_[lock.latch] == 1);
   }
+  bool hold_coordinate(int lock) const override {
+    const int latch = held_ == nullptr ? -1 : laws_.latch_over(lock);
+    return latch >= 0 && held_[latch] == 1;
+  }
+  double engagement(int lock) const override { return laws_.engagement(laws_.latch_over(lock)); }
   // Into latched_: the locks that a latch holds, and that are not among these.
   void find_latched_beside(const std::vector<int>& locks) {
     latched_.clear();
     for (int i = 0; i < laws_.locks(); ++i) {
       const int latch = laws_.lock(i).latch;
-      if (latch >= 0 && is_latched(i) && std::ranges::find(locks, i) == locks.end()) latched_.push_back(i);
+      if (latch >= 0 && hold_coordinate(i) && std::ranges::find(locks, i) == locks.end()) latched_.push_back(i);
     }
   }
   // Orthonormal columns that span what moves latched_, whitened.

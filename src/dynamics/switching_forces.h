@@ -10,6 +10,7 @@
 
 #include "dynamics/contact_rows.h"
 #include "dynamics/holding_forces.h"
+#include "dynamics/latches.h"
 #include "dynamics/load_dependence.h"
 #include "kinematics/force_modes.h"
 
@@ -38,7 +39,7 @@ struct LockForces {
   bool is_latched = false;
 };
 
-class SwitchingForces {
+class SwitchingForces : public Latches {
  public:
   virtual ~SwitchingForces() = default;
 
@@ -63,7 +64,7 @@ class SwitchingForces {
   struct Lock {
     int friction = -1, limit = -1;  // indices in all forces with modes, the first of friction; -1: it has none
     // Its part of the lock of a whole joint, which holds it, engaged, by a force of any size; -1: it has none. joint:
-    // of the scene, of which all parts are engaged together; the first part stands for the lock.
+    // of the scene, of which all parts are engaged together; the events of the first are those of the lock.
     int latch = -1, latched_joint = -1;
     int latched_q = -1;  // of the coordinates of the mechanism; -1: the joint closes a loop
     bool is_first_of_latch = false;
@@ -75,10 +76,6 @@ class SwitchingForces {
   };
   virtual int locks() const = 0;
   virtual const Lock& lock(int lock) const = 0;
-  // Whether an engaged latch holds its coordinate in the held modes; of this lock or of another one of the coordinate.
-  virtual bool is_latched(int lock) const = 0;
-  // Of the latch of its coordinate, with the present inputs: above 0, engaged. 0 without one.
-  virtual double engagement(int lock) const = 0;
   // See element/joint_forces/coordinate_force.h; 0 without friction.
   virtual DirectedLimit sticking_limit(int lock) const = 0;
   virtual DirectedLimit slipping_limit(int lock) const = 0;

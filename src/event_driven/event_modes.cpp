@@ -109,7 +109,7 @@ double EventModes::touch_within(double t0, const double* y0, double t1, const do
 // Whether something at rest or closed is loaded by what depends on the time, other than by the motion.
 bool EventModes::may_hide_changes() const {
   const bool holds =
-      locks_.any_at_rest() || locks_.any_latch() || (nothing_moves_ && !contacts_->equations().closed().empty());
+      locks_.any_at_rest() || is_latch(any_force) || (nothing_moves_ && !contacts_->equations().closed().empty());
   return holds && (equations_.loads_move() || reads_time_);
 }
 
@@ -258,11 +258,18 @@ bool EventModes::is_outside() {
   return false;
 }
 
+bool EventModes::is_latch(int force) const {
+  for (int i = 0; i < forces_.locks(); ++i) {
+    if (const int latch = forces_.lock(i).latch; latch >= 0 && (latch == force || force == any_force)) return true;
+  }
+  return false;
+}
+
 std::string EventModes::refusal() const {
   if (const int limit = locks_.state().unstoppable; limit >= 0) {
     return log_.report({0, limit, true}).text +
            ", where no force can stop it: closed loops or prescribed motions determine its motion" +
-           (locks_.is_latch(limit / 2) ? "" : ", which leads beyond");
+           (is_latch(limit / 2) ? "" : ", which leads beyond");
   }
   if (const std::string& why = changes_->refusal(); !why.empty()) return why;
   if (!resets_.refusal().empty()) return std::string(resets_.refusal());

@@ -116,6 +116,9 @@ class EventModes final : public EventSource {
   bool may_hide_changes() const;
   double hidden_change(double t0, const double* y0, double t1, const double* y1);
   bool is_outside();
+  // Whether the force with this index is a latch; or any force.
+  static constexpr int any_force = -1;
+  bool is_latch(int force) const;
   bool are_overloaded() const;
 
   Dynamics& dynamics_;

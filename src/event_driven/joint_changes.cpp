@@ -23,73 +23,11 @@ constexpr double shortest_slip = 2e-12;
 // static friction.
 constexpr double unmoved_tolerance = 1e-10;
 constexpr double unmoved_part = 0.1;
-// An input this close to the threshold of a latch may be on either side of it by rounding.
-constexpr double threshold_rounding = 1e-9;
 
 }  // namespace
 
-// An input that crosses the threshold does so at an event, after which rounding decides on which side it is.
-void JointChanges::find_switched_latches(double t, const double* y, bool jumped) {
-  modes_.equations_.bring_inputs(t, y);
-  for (int i = 0; i < modes_.count(); ++i) {
-    if (is_switched(i, jumped)) modes_.triggered_[static_cast<std::size_t>(i)] = LockModes::by_latch;
-  }
-}
-
-// Whether the inputs say otherwise than the mode of a latch.
-bool JointChanges::is_switched(int lock, bool jumped) const {
-  if (forces_.lock(lock).latch < 0) return false;
-  const double engagement = forces_.engagement(lock);
-  const bool is_known = jumped || std::abs(engagement) > threshold_rounding;
-  return is_known && (engagement > 0 ? 1 : 0) != modes_.modes_.latched[lock];
-}
-
-// Where it is engaged, friction is at rest without a force, and limits are left.
-void JointChanges::switch_latch(int lock, int latched, LockModes::State& next) const {
-  const auto at = static_cast<std::size_t>(lock);
-  next.latched[at] = latched;
-  if (latched == 0) return;
-  next.motions[at] = modes_.has_friction(lock) ? 0 : mode_released;
-  next.contacts[at] = 0;
-  next.leaves_from[at] = 0;
-}
-
-// All parts of a latch together: the indicators of each cross their zeros by themselves.
-void JointChanges::switch_latches() {
-  if (!modes_.any_latch_) return;
-  LockModes::State next = state();
-  for (int i = 0; i < modes_.count(); ++i) {
-    if (modes_.triggered_[static_cast<std::size_t>(i)] != LockModes::by_latch) continue;
-    const int latched = 1 - modes_.modes_.latched[i];
-    each_part(i, [&](int part) { switch_latch(part, latched, next); });
-  }
-  for (LockModes::Trigger& trigger : modes_.triggered_) {
-    if (trigger == LockModes::by_latch) trigger = LockModes::nothing;
-  }
-  if (next == state()) return;
-  modes_.set_state(next);
-  modes_.equations_.mode_changed();
-}
-
-bool JointChanges::set_latches(double t, const double* y, bool jumped) {
-  if (!modes_.any_latch_) return false;
-  modes_.equations_.bring_inputs(t, y);
-  LockModes::State next = state();
-  for (int i = 0; i < modes_.count(); ++i) {
-    if (!is_switched(i, jumped)) continue;
-    const int latched = 1 - modes_.modes_.latched[i];
-    bool moves = false;
-    each_part(i, [&](int part) { moves = moves || !modes_.is_slow(part, y + modes_.nq_); });
-    if (latched == 0 || !moves) switch_latch(i, latched, next);
-  }
-  const bool changed = next != state();
-  if (changed) modes_.set_state(next);
-  return changed;
-}
-
-bool JointChanges::find_events_at_start(double t, const double* y, bool jumped) {
+bool JointChanges::find_events_at_start(double t, const double* y) {
   if (empty()) return false;
-  if (modes_.any_latch_) find_switched_latches(t, y, jumped);
   const double* v = y + modes_.nq_;
   modes_.dynamics_.set_position(y);
   bool evaluated = false;

@@ -25,8 +25,7 @@ class JointChanges {
   // --- where a step begins at (t, y) ---
   // Finds events at its very start, which cannot be located within it: a speed that is zero and about to change its
   // sign, and a bound that is reached. Returns whether there are events.
-  // jumped: inputs may have jumped since the last event.
-  bool find_events_at_start(double t, const double* y, bool jumped);
+  bool find_events_at_start(double t, const double* y);
   // Whether the modes do not follow from what is remembered alone. jumped: inputs may have jumped since they did.
   bool are_doubtful(double t, const double* y, bool jumped) { return !empty() && modes_.is_doubtful(t, y, jumped); }
   bool any_wrong_speed(const double* y) const { return modes_.any_wrong_speed(y + modes_.nq_); }
@@ -52,11 +51,6 @@ class JointChanges {
   void forget_rebounds(const double* y);
   // At the beginning of a change.
   void begin_change() { modes_.modes_.unstoppable = -1; }
-  // Engages and releases the latches of which events have been found; those of joints in motion by an impact to come.
-  void switch_latches();
-  // Engages and releases all as their inputs at (t, y) say, but those of joints in motion: they are not engaged before
-  // the impact. Returns whether any has changed.
-  bool set_latches(double t, const double* y, bool jumped);
   // Lets go what is no longer held where rounding hides it, and what is at its limit, too: one alone could not move.
   void force_away();
   // The first coordinate that finish() stops, by lock; -1: it stops none. What it says in a message.
@@ -73,16 +67,6 @@ class JointChanges {
   void record_changes(double t, const LockModes::State& before);
 
  private:
-  void find_switched_latches(double t, const double* y, bool jumped);
-  bool is_switched(int lock, bool jumped) const;
-  // Calls visit(lock) for all parts of the latch of which this lock has one.
-  template <class Visit>
-  void each_part(int lock, Visit visit) const {
-    for (int k = 0; k < modes_.count(); ++k) {
-      if (forces_.lock(k).latch >= 0 && forces_.lock(k).latched_joint == forces_.lock(lock).latched_joint) visit(k);
-    }
-  }
-  void switch_latch(int lock, int latched, LockModes::State& next) const;
   void find_reached_bounds(int lock, const double* v);
   bool uses_limit_up(int lock) const;
   bool returns(int lock, const LockModes::State& before, const double* v) const;

@@ -21,8 +21,6 @@ constexpr int most_distributions = 60;
 constexpr double distribution_tolerance = 1e-13;  // change of the forces, relative to the largest
 // Part of the tolerance of the integration that a motion may take that is left out.
 constexpr double resolved_fraction = 1e-3;
-// Displacements of what is latched that are rounding of closing the loops [rad, natural units of length].
-constexpr double latched_displacement = 1e-9;
 
 }  // namespace
 
@@ -198,17 +196,6 @@ void LockModes::indicators(const double* vdot, double* g, double* gdot) {
   for (int i = 0; i < count(); ++i) {
     if (modes_.leaves_from[i] == 0 || modes_.contacts[i] != 0) continue;
     for (const int side : {0, 1}) g[2 * forces_.lock(i).limit + side] -= modes_.leaves_from[i];
-  }
-}
-
-void LockModes::refuse_moved_latches(const double* before, const double* q) {
-  for (int i = 0; i < count(); ++i) {
-    if (modes_.latched[i] == 0) continue;
-    const SwitchingForces::Lock& lock = forces_.lock(i);
-    // A joint that closes a loop is in a plane, where coordinates have the numbers of velocities.
-    const double moved = lock.latched_q >= 0 ? q[lock.latched_q] - before[lock.latched_q]
-                                             : forces_.speed(i, q) - forces_.speed(i, before);
-    if (std::abs(moved) > latched_displacement) modes_.unstoppable = 2 * lock.latch;
   }
 }
 

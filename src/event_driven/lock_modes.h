@@ -61,12 +61,6 @@ class LockModes {
   double tolerance() const { return tolerance_; }
   // Friction and limits are without effect until ModeChanges::start(); so are latches, if they are not kept.
   void release(bool keeps_latches = false);
-  // Whether the force with this index is a latch.
-  bool is_latch(int force) const { return owns(force) && forces_.lock(lock_of_[at_index(force)]).latch == force; }
-  bool any_latch() const { return any_latch_; }
-  // The run cannot continue where a prescribed motion has jumped and moved an engaged latch, from the coordinates
-  // before to the others, since closed loops leave it no choice.
-  void refuse_moved_latches(const double* before, const double* q);
 
   bool is_of_limit(int indicator) const {
     return owns(indicator / 2) &&
@@ -91,6 +85,7 @@ class LockModes {
   friend class JointChanges;
   friend class JointDecisions;
   friend class JointImpacts;
+  friend class JointLatches;
   enum Trigger : char { nothing, by_friction, by_limit, by_latch };
 
   int count() const { return static_cast<int>(modes_.motions.size()); }
@@ -98,7 +93,7 @@ class LockModes {
   bool rests(int lock) const { return modes_.rests(lock); }
   static std::size_t at_index(int i) { return static_cast<std::size_t>(i); }
   // Whether a latch holds the coordinate, so that its friction and limits have nothing to hold.
-  bool is_latched(int lock) const { return any_latch_ && forces_.is_latched(lock); }
+  bool is_latched(int lock) const { return any_latch_ && forces_.hold_coordinate(lock); }
   bool is_slow(int lock, const double* v) const;
   bool is_slow(int lock, const double* v, double tolerance) const;
   double resolution() const;  // of displacements that do not matter

@@ -26,6 +26,7 @@ ModeChanges::ModeChanges(const Context& context)
       contact_equations_(context.contacts.equations()),
       joints_(context.joints),
       joint_impacts_(context.joints),
+      latches_(context.joints),
       order_(context.contacts, joint_impacts_, context.first_indicator),
       decisions_({context.mechanism, context.dynamics, context.equations, context.joints, context.contacts}),
       triggered_(contact_equations_.modes().size()),
@@ -46,7 +47,7 @@ void ModeChanges::start(double t, const double* y) {
 
 void ModeChanges::start_joints(double t, const double* y, bool keeps_latches) {
   joints_.begin_run(keeps_latches);
-  joints_.set_latches(t, y, true);
+  latches_.set(t, y, true);
   decide(t, y, Recording::nothing, ModeDecisions::Asked::joints);
   equations_.mode_changed();
 }
@@ -77,7 +78,9 @@ bool ModeChanges::recall(double t, double* y) {
                "communication step, or the integrator auto, which can change to time steps where no state needs events";
   }
   const bool jumped = jumped_;
-  const bool by_joints = joints_.find_events_at_start(t, y, jumped || started_);
+  static_cast<void>(joints_.find_events_at_start(t, y));
+  latches_.find_events(t, y, jumped || started_);
+  const bool by_joints = joints_.is_triggered();
   const bool by_contacts = touches || is_contact_doubtful(t, y);
   bool changed = by_joints || by_contacts;
   const bool determines = changed || joints_.are_doubtful(t, y, jumped);
@@ -99,7 +102,7 @@ bool ModeChanges::recall(double t, double* y) {
 }
 
 void ModeChanges::preview(double t, const double* y) {
-  joints_.set_latches(t, y, jumped_ || started_);
+  latches_.set(t, y, jumped_ || started_);
   const bool asks_joints = jumped_ || contact_equations_.closed().empty();
   if (!is_contact_doubtful(t, y) && !(asks_joints && joints_.are_doubtful(t, y, true))) return;
   joints_.begin_change();
@@ -153,7 +156,7 @@ void ModeChanges::determine(double t, double* y) {
   const LockModes::State joints_before = joints_.state();
   struck_acceleration_ = 0;
   joints_.begin_change();
-  joints_.switch_latches();
+  latches_.switch_found();
   const bool breaks_away = joints_.breaks_away();
   strike(t, y, {}, joints_before);
   if (!decide(t, y, Recording::doubts) && breaks_away) joints_.force_away();

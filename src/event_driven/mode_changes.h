@@ -12,6 +12,7 @@
 #include "event_driven/impact_order.h"
 #include "event_driven/joint_changes.h"
 #include "event_driven/joint_impacts.h"
+#include "event_driven/joint_latches.h"
 #include "event_driven/mode_decisions.h"
 #include "event_driven/mode_equations.h"
 
@@ -35,6 +36,8 @@ class ModeChanges {
   // The same of joints where velocities have jumped, after LockModes::release(); what was at rest before and has not
   // been moved but by rounding is stopped, and remains at rest if friction holds it.
   void restart(double t, double* y, const LockModes::State& before);
+  // See JointLatches.
+  void refuse_moved_latches(const double* before, const double* q) { latches_.refuse_moved(before, q); }
   // Call when inputs have jumped.
   void inputs_jumped() { jumped_ = true; }
   // Brings the modes up to date where a step begins at (t, y). Returns whether velocities in y, or modes in which they
@@ -100,6 +103,7 @@ class ModeChanges {
   ContactEquations& contact_equations_;
   JointChanges joints_;
   JointImpacts joint_impacts_;
+  JointLatches latches_;
   ImpactOrder order_;
   ModeDecisions decisions_;
   std::vector<Trigger> triggered_;  // by candidate

@@ -62,7 +62,7 @@ LawAudit audit_locks(const SwitchingForces& switching_forces, std::span<const do
     const double slack = slacks * switching_forces.slack(i) + least_audited_force;
     const double speed = switching_forces.speed(i, v);
     const bool moves = std::abs(speed) > sign_rounding * fastest;
-    if (lock.latch >= 0 && switching_forces.is_latched(i))
+    if (lock.latch >= 0 && switching_forces.hold_coordinate(i))
       audit.add(std::abs(speed) / (sign_rounding * fastest), {Kind::latch_moves, lock.latch, speed});
     double friction = 0;
     for (const int law : switching_forces.lock(i).frictions) friction += forces[static_cast<std::size_t>(law)];

@@ -42,7 +42,7 @@ void RestForces::add(const Scene& scene, const EquilibriumProblem& of, const std
   std::vector<int> locks;
   for (int i = 0; i < poses.locks(); ++i) {
     const bool holds = at.contacts[static_cast<std::size_t>(i)] != 0 || forces.sticking_limit(i).largest() > 0;
-    if (forces.is_latched(i) ? forces.lock(i).latch >= 0 : holds) locks.push_back(i);
+    if (forces.hold_coordinate(i) ? forces.lock(i).latch >= 0 : holds) locks.push_back(i);
   }
   const HoldingBounds bounds = holding_bounds(forces, locks, at.contacts);
   DistributedForces distributed;
@@ -72,7 +72,7 @@ void RestForces::add(const Scene& scene, const EquilibriumProblem& of, const std
     const double size = scene.units.size_of(unit);
     const bool holds = next < x.size() && locks[static_cast<std::size_t>(next)] == i;
     const double x_of_lock = holds ? x[next++] : 0;
-    const bool is_latched = forces.is_latched(i);
+    const bool is_latched = forces.hold_coordinate(i);
     if (is_latched && lock.latch < 0) continue;  // its coordinate is held by another one
     coordinates.push_back(
         {.coordinate = joint.name + "." + std::string(coordinate.name.empty() ? coordinate.speed : coordinate.name),

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "event_driven/mode_changes.h"
 #include "preparation/law_report.h"
 #include "scene/element_numbers.h"
 #include "scene/shapes.h"
@@ -14,8 +15,7 @@
 namespace gelenk {
 namespace {
 
-// Difference of a prescribed motion or its rate that counts as a jump, relative to its magnitude [rad, m, 1/s] and at
-// least to 1; below it lies the rounding of a master.
+// Change of a prescribed motion or its rate that is a jump, of its magnitude or 1: more than the rounding of a master.
 constexpr double jump_tolerance = 1e-10;
 
 // Step of fixed-step methods [s].
@@ -213,8 +213,7 @@ void Island::finish_replay(const ReplayPath& replay_path, double time) {
   evaluations_before_ = dynamics_->evaluations() - replay_path.evaluations;
 }
 
-// If an input that prescribes a motion has jumped, projects the state onto the new motion by the least change in the
-// mass metric; for velocities this is an impact.
+// Projects the state onto a motion by inputs that has jumped, by the least change in the mass metric: an impact.
 void Island::enforce_given_motions() {
   equations_->drives().targets_at(time_, drives_);
   const auto same = [](double a, double b) { return std::abs(a - b) <= jump_tolerance * (1 + std::abs(a)); };
@@ -226,13 +225,11 @@ void Island::enforce_given_motions() {
     throw IntegrationError(
         "the motion prescribed by an input cannot be followed from the present state: projection did not converge");
   }
-  if (LockModes& locks = equations_->modes().locks(); locks.any_latch())
-    locks.refuse_moved_latches(before.data(), y_.data());
+  equations_->modes().changes().refuse_moved_latches(before.data(), y_.data());
   integrator_->restart(time_, y_.data());
 }
 
-// Only where something is held: what moves freely has no force that modes decide on. Outputs of this state use the same
-// evaluation.
+// Modes decide on the forces of what is held alone. Outputs of this state use the same evaluation.
 LawAudit Island::law_audit() {
   if (equations_->holds_by_modes()) evaluate_outputs();
   return equations_->law_audit(y_.data());

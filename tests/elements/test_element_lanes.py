@@ -27,6 +27,7 @@ REFUSED = {
     "limit": "its limit is left out",
     "stop": "its stop is left out",
     "one_way": "its one_way is left out",
+    "lock": "lock",
     "friction": "friction acts as in sliding",
     "motion": "found a prescribed motion",
 }

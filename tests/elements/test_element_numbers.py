@@ -51,7 +51,7 @@ def places() -> Iterator[tuple[str, list[Scene], tuple[str, ...], Given]]:
             at = ("joints", "J", group) if group else ("joints", "J")
             if not group:
                 fields = {name: for_each_speed(x, joint) for name, x in force.fields.items()}
-            elif JOINTS[joint]["nv"] == 1:
+            elif JOINTS[joint]["nv"] == 1 or force.kind["of_joint"]:
                 fields = {group: force.fields}
             else:  # along one of its coordinates
                 at = (*at, JOINTS[joint]["q"][0])
@@ -156,8 +156,9 @@ def changed(x: Any, field: Kind) -> Any:
 
 
 # Laws of impact differ only where several limits are struck together (test_laws_of_impact.py), those of stops
-# where contacts begin and end (test_modelica_drives.py).
-ELSEWHERE = {("limit", "law"), ("stop", "law"), ("friction", "peak")}
+# where contacts begin and end (test_modelica_drives.py). Whether a lock starts engaged is a value of its input
+# (test_locks_in_mechanisms.py).
+ELSEWHERE = {("limit", "law"), ("stop", "law"), ("friction", "peak"), ("lock", "engaged")}
 
 
 @warned.GUESSES

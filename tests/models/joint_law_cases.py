@@ -45,6 +45,13 @@ def braked() -> Case:
     return replace(case, inputs={**case.inputs, **engaged})
 
 
+def locked() -> Case:
+    """A block that a lock holds, lets go, and stops in motion."""
+    case = block(pulses, v=0.0, lock={"input": "engagement", "engaged": True})
+    engaged = {"J.lock.engagement": lambda t: 0.0 if 0.13 <= t < 0.63 else 1.0}
+    return replace(case, inputs={**case.inputs, **engaged})
+
+
 def chain(
     law: str, restitutions: tuple[float, ...], speeds: tuple[float, ...], bounds: tuple[float, ...]
 ) -> Case:
@@ -163,6 +170,7 @@ CASES: dict[str, Callable[[], Case]] = {
     "a law of the way": lambda: block(pulses, v=0.21, friction={"law": "0.5 + 2*max(0, s)"}),
     "a law in a loop": lambda: loop(law="0.3 + 0.2*exp(-w)"),
     "brake": braked,
+    "lock": locked,
     "clutch": clutch,
     "friction in a loop": loop,
     "friction in a loop, in its plane": lambda: loop(sensors={"E": {"type": "energy"}}),

@@ -88,13 +88,13 @@ def stuck_together(simulation: gelenk.Simulation) -> float:
     center = (
         STATION[0] * vector(simulation, "station.r") + CAPSULE[0] * vector(simulation, "capsule.r")
     ) / mass
-    I = np.zeros((3, 3))
+    inertia = np.zeros((3, 3))
     for name, (own, moments) in {"station": STATION, "capsule": CAPSULE}.items():
         R = matrix_of(vector(simulation, f"{name}.Q", 4))
         d = vector(simulation, f"{name}.r") - center
-        I += R @ np.diag(moments) @ R.T + own * (d @ d * np.eye(3) - np.outer(d, d))
+        inertia += R @ np.diag(moments) @ R.T + own * (d @ d * np.eye(3) - np.outer(d, d))
     spin = H - np.cross(center, P)
-    return float(P @ P / mass + spin @ np.linalg.solve(I, spin)) / 2
+    return float(P @ P / mass + spin @ np.linalg.solve(inertia, spin)) / 2
 
 
 def started(

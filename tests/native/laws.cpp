@@ -23,6 +23,8 @@ class OneCoordinate final : public SwitchingForces {
 
   int locks() const override { return 1; }
   const Lock& lock(int) const override { return of; }
+  bool hold_coordinate(int) const override { return false; }
+  double engagement(int) const override { return 0; }
   Depth depth(int, int side) const override { return side > 0 ? upper : lower; }
   double speed(int, const double* v) const override { return v[0]; }
   double slack(int) const override { return rounding; }

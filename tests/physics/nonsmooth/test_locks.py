@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Locks of joints, which an input engages and releases: docking, against closed forms of the plastic impact."""
+"""Locks of joints, engaged and released by an input: docking, against closed forms of the plastic impact."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ def test_two_bodies_dock_and_are_released(integrator: str) -> None:
 
 
 def test_the_loss_is_that_of_the_impact_law() -> None:
-    """1/2 v W^-1 v, with the velocities v of the joint before, and W per impulse: by forces on both bodies."""
+    """1/2 v W^-1 v, with the velocities v of the joint before, and W per impulse along them."""
     plant = started(docking(LOCK), "erk", 1e-12)
     plant.step_to(0.7)
     _, _, T = momentum(plant)

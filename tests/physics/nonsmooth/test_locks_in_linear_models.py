@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Linear models, equilibria, equations and batches of mechanisms with locks of joints, engaged and released."""
+"""Linear models, equilibria, equations and batches of mechanisms with engaged and released locks."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def test_engaged_it_is_one_pendulum() -> None:
     assert model.inputs == ("B.lock.engagement",)
     J, x, y = stiffness()
     slope = (x * math.sin(-0.7) + y * math.cos(-0.7)) / J  # of the torque -(x cos phi - y sin phi)
-    np.testing.assert_allclose(model.A, [[0, 1], [slope, 0]], atol=1e-13)
+    np.testing.assert_allclose(model.A, np.array([[0.0, 1.0], [slope, 0.0]]), atol=1e-13)
     np.testing.assert_array_equal(model.B, 0)
     assert linear_model(links(LOCK)).states == ("A.phi", "B.phi", "A.w", "B.w")
 
@@ -85,7 +85,7 @@ def test_no_linear_model_before_the_impact() -> None:
 
 
 def test_an_equilibrium_holds_what_is_locked() -> None:
-    """As one pendulum, with the center of mass below the shoulder; the lock bears the weight of the forearm."""
+    """As one pendulum, with the center of mass below the shoulder; the lock bears the forearm."""
     found = gelenk.equilibrium(links(LOCK), input_values=ENGAGED)
     _, x, y = stiffness()
     phi = -math.pi / 2 - math.atan2(y, x)

@@ -121,7 +121,7 @@ def test_a_load_leaves_a_swinging_crane() -> None:
 @pytest.mark.parametrize("without", [[], ["planar"], ["planar", "cut_choice"]])
 @pytest.mark.parametrize("locked", "ABCD")
 def test_a_four_bar_is_rigid_with_one_joint_locked(locked: str, without: list[str]) -> None:
-    """Whichever joint it is, in the tree or where the loop is cut; released, it swings from rest as any other."""
+    """Whichever joint it is, in the tree or where the loop is cut; released, it swings from rest."""
     source = copy.deepcopy(four_bar())
     source["joints"][locked]["lock"] = LOCK
     plant = gelenk.Simulation(gelenk.load(source).without(without))
@@ -232,7 +232,7 @@ def test_it_holds_alone_and_the_others_decide_when_it_is_released(beside: dict[s
 
 
 def test_friction_that_sticks_elsewhere_exerts_no_impulse() -> None:
-    """The shoulder rests by friction when the elbow is locked: the impact sets it in motion as if it had none."""
+    """The shoulder rests by friction when the elbow is locked: the impact moves it as if it had none."""
     ends = []
     for friction in ({"friction": {"coulomb": 30.0}}, {}):
         plant = started(two_links(friction, {"lock": LOCK}, w=1.0), "erk", 1e-11)
@@ -262,7 +262,7 @@ def two_links(shoulder: dict[str, Any], elbow: dict[str, Any], w: float = 0.0) -
 @pytest.mark.parametrize("kind", ["spherical", "universal", "cylindrical", "planar", "screw", "free"])
 def test_joints_of_all_types(kind: str, reversed_: bool) -> None:
     """All velocities are zero, and the energy of the rest is constant."""
-    fields = {"pitch": 0.1} if kind == "screw" else {}
+    fields: dict[str, Any] = {"pitch": 0.1} if kind == "screw" else {}
     source = two_links({}, {})
     ends = frame("a", (0.6, 0, 0)), frame("b", (0.1, 0, 0.05))
     source["joints"]["B"] = joint(kind, *(ends[::-1] if reversed_ else ends), lock=LOCK, **fields)
@@ -304,7 +304,7 @@ def test_what_prescribed_motions_move_cannot_be_locked() -> None:
 
 
 def test_a_prescribed_motion_that_jumps_moves_no_locked_joint() -> None:
-    """The elbow keeps its angle if the shoulder jumps; if the shoulder itself is locked, the step is refused."""
+    """The elbow keeps its angle if the shoulder jumps; if the shoulder is locked, the step is refused."""
     jumps = {"constraints": {"M": {"type": "motion", "joint": "A", "input": "position"}}}
     plant = started({**two_links({"start": {"phi": 0.0}}, {"lock": LOCK}), **jumps})
     plant.set_input("B.lock.engagement", 1.0)
