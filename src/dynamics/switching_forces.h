@@ -41,7 +41,7 @@ struct LockForces {
 
 class SwitchingForces : public Latches {
  public:
-  virtual ~SwitchingForces() = default;
+  ~SwitchingForces() override = default;
 
   // --- all forces with modes ---
   virtual int count() const = 0;

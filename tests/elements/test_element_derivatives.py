@@ -21,8 +21,8 @@ every_place = pytest.mark.parametrize(
     "source", [variants[0] for _, variants, _, _ in PLACES], ids=[p[0] for p in PLACES]
 )
 # Where states can be set one by one in plants set beside: wheels tie those of a free body together, and a
-# coordinate that an input gives is not free to be set, nor a speed that a one-way clutch or a lock holds. Time
-# derivatives are looked at there, too.
+# coordinate that an input gives is not free to be set, nor the speed that a one-way clutch or a lock holds.
+# Time derivatives are looked at there, too.
 SET_BESIDE = [
     pytest.param(variants[0], id=name)
     for name, variants, at, given in PLACES

@@ -156,8 +156,8 @@ def changed(x: Any, field: Kind) -> Any:
 
 
 # Laws of impact differ only where several limits are struck together (test_laws_of_impact.py), those of stops
-# where contacts begin and end (test_modelica_drives.py). Whether a lock starts engaged is a value of its input
-# (test_locks_in_mechanisms.py).
+# where contacts begin and end (test_modelica_drives.py). Whether a lock starts engaged is what its input
+# starts with (test_locks_in_mechanisms.py).
 ELSEWHERE = {("limit", "law"), ("stop", "law"), ("friction", "peak"), ("lock", "engaged")}
 
 

@@ -44,7 +44,7 @@ def test_every_input_of_the_laws_of_joints_varies() -> None:
     assert {engaged(t) for t in (0.0, 0.3, 0.6, 0.9)} == {0.0, 0.1, 0.5, 1.0}
 
 
-# The values of mode by law: which way a coordinate slips, what it touches or keeps from moving, and whether it is
+# The values of mode by law: which way a coordinate slips, what it touches or keeps from moving, whether it is
 # locked.
 MODES = {"friction": {-1, 0, 1}, "limit": {-1, 0, 1}, "one_way": {-1, 0, 1}, "lock": {0, 1}}
 
