@@ -94,8 +94,6 @@ class JointModes final : public SwitchingForces {
         const DirectedLimit limit = sticking_limit(lock);
         const std::array<double, 2> limits{limit.positive + slack(lock), limit.negative + slack(lock)};
         force.element.indicators(side, speed, acceleration, holding[lock], limits, g, gdot);
-        // What leaves a contact has overcome friction; and a latch leaves friction and limits nothing to hold.
-        if (is_in_contact(lock) || hold_coordinate(lock)) g[0] = g[1] = -1;
       } else if constexpr (HoldsJoint<Element>) {
         g[0] = laws_.engagement(index);
         g[1] = -1;
@@ -108,11 +106,11 @@ class JointModes final : public SwitchingForces {
         } else {
           force.element.indicators(side, at, speed, holding[lock], adhesion, g, gdot);
         }
-        if (hold_coordinate(lock)) g[0] = g[1] = -1;
       } else {
         const bool is_known = vdot != nullptr && force.element.needs_acceleration(at);
         force.element.indicators(at, speed, is_known ? laws_.acceleration(force, index, vdot) : NAN, g, gdot);
       }
+      if (has_nothing_to_hold<Element>(lock)) g[0] = g[1] = -1;
       ++index;
       g += 2;
       gdot += 2;
@@ -305,6 +303,13 @@ class JointModes final : public SwitchingForces {
     return latch >= 0 && held_[latch] == 1;
   }
   double engagement(int lock) const override { return laws_.engagement(laws_.latch_over(lock)); }
+  // What leaves a contact has overcome friction; and a latch leaves friction and limits nothing to hold.
+  template <class Element>
+  bool has_nothing_to_hold(int lock) const {
+    if constexpr (Sticks<Element>) return is_in_contact(lock) || hold_coordinate(lock);
+    if constexpr (Blocks<Element>) return hold_coordinate(lock);
+    return false;
+  }
   // Into latched_: the locks that a latch holds, and that are not among these.
   void find_latched_beside(const std::vector<int>& locks) {
     latched_.clear();

@@ -254,8 +254,8 @@ bool LockModes::found_event(int indicator) {
   if (!owns(indicator / 2)) return false;
   const int lock = lock_of_[static_cast<std::size_t>(indicator / 2)];
   triggered_[lock] = forces_.lock(lock).latch == indicator / 2 ? by_latch
-                     : is_of_limit(indicator)                    ? by_limit
-                                                                 : by_friction;
+                     : is_of_limit(indicator)                  ? by_limit
+                                                               : by_friction;
   return true;
 }
 

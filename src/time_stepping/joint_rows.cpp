@@ -44,14 +44,19 @@ JointRows::JointRows(SwitchingForces& switching_forces, int nv)
   }
 }
 
+// Of a lock of which the coordinate is latched, if it has the latch.
+void JointRows::add_latch(int lock, ContactRows& rows, std::vector<Cone>& cones) {
+  if (switching_.lock(lock).latch < 0) return;
+  cones.push_back(Cone::within(rows.count(), -unlimited, unlimited));
+  rows.add_lock(lock, switching_.lock(lock).sign);
+  rows_.push_back({.lock = lock, .is_latch = true});
+}
+
 void JointRows::add(const Start& at, ContactRows& rows, std::vector<Cone>& cones) {
   for (int i = 0; i < switching_.locks(); ++i) {
     const SwitchingForces::Lock& lock = switching_.lock(i);
     if (switching_.engagement(i) > 0) {  // which leaves friction and limits nothing to hold
-      if (lock.latch < 0) continue;
-      cones.push_back(Cone::within(rows.count(), -unlimited, unlimited));
-      rows.add_lock(i, lock.sign);
-      rows_.push_back({.lock = i, .is_latch = true});
+      add_latch(i, rows, cones);
       continue;
     }
     const double speed = switching_.speed(i, at.v);

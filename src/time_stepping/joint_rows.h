@@ -72,6 +72,7 @@ class JointRows {
                 std::vector<LockForces>& out) const;
 
  private:
+  void add_latch(int lock, ContactRows& rows, std::vector<Cone>& cones);
   static bool stops_before(const Row& row, int motion);
   static void set_friction_of(const Row& row, double h, Cone& cone);
   void look_for_numbers(const Row& row);
