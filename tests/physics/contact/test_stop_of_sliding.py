@@ -74,3 +74,37 @@ def test_each_corner_counts_towards_the_limit_of_events() -> None:
             continue
         with pytest.raises(gelenk.StepError, match="more than 3 events"):
             plant.step_to(1.0)
+
+
+@pytest.mark.parametrize("integrator", [*INTEGRATORS, "moreau-jean"])
+def test_friction_that_is_set_to_none_while_a_block_slides(integrator: str) -> None:
+    """It slides on at its speed, until there is friction again."""
+    source = {
+        "gelenk": 1,
+        "gravity": [0, 0, -GRAVITY],
+        "bodies": {
+            "b": {"mass": 1, "inertia": [0.01] * 3, "shapes": {"x": {"box": [0.2] * 3, "surface": "b"}}}
+        },
+        "ground": {"shapes": {"p": {"plane": [0, 0, 1], "surface": "floor"}}},
+        "joints": {
+            "J": {
+                "type": "free",
+                "parent": "ground",
+                "child": "b",
+                "start": {"r": [0, 0, 0.1], "v": [1, 0, 0], "fixed": True},
+            }
+        },
+        "contacts": {"k": {"between": ["b", "floor"], "friction": 0.3}},
+        "solver": {"integrator": integrator, "step": 1e-3},
+        "parameters": ["k.friction"],
+    }
+    plant = gelenk.Simulation(source)
+    plant.initialize(0, 1e-9)
+    plant.step_to(0.1)
+    plant._core.tune(gelenk.load(source).with_parameters({"k.friction": 0.0})._core)
+    plant.step_to(0.2)
+    speed = 1 - 0.3 * GRAVITY * 0.1
+    assert plant.values(["J.v[1]"]) == pytest.approx([speed], abs=1e-8)
+    plant._core.tune(gelenk.load(source)._core)
+    plant.step_to(0.3)
+    assert plant.values(["J.v[1]"]) == pytest.approx([speed - 0.3 * GRAVITY * 0.1], abs=1e-8)
