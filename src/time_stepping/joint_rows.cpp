@@ -54,37 +54,46 @@ void JointRows::add_latch(int lock, ContactRows& rows, std::vector<Cone>& cones)
 
 void JointRows::add(const Start& at, ContactRows& rows, std::vector<Cone>& cones) {
   for (int i = 0; i < switching_.locks(); ++i) {
-    const SwitchingForces::Lock& lock = switching_.lock(i);
     if (switching_.engagement(i) > 0) {  // which leaves friction and limits nothing to hold
       add_latch(i, rows, cones);
-      continue;
+    } else {
+      add_friction(i, at, rows, cones);
+      add_limits(i, at, rows, cones);
     }
-    const double speed = switching_.speed(i, at.v);
-    const double change = at.h * std::abs(switching_.speed(i, at.vdot));
-    if (lock.friction >= 0) {
-      // What friction has held is at rest, but for the speed that a projection may have given it. Where an input jumps,
-      // it is no longer.
-      const LockForces& last = at.last[static_cast<std::size_t>(i)];
-      const bool was_held = last.motion == 0 && last.friction != 0 && std::abs(speed) <= negligible_part * change;
-      const bool slides = !was_held && std::abs(speed) > rest_speed;
-      Row row{.lock = i, .slides = slides ? (speed > 0 ? 1 : -1) : 0};
-      row.at_rest = switching_.sticking_limit(i);
-      row.sliding = slides ? switching_.sliding_limit(i, speed) : row.at_rest;
-      look_for_numbers(row);
-      cones.push_back(Cone::within(rows.count(), 0, 0));
-      set_friction_of(row, at.h, cones.back());
-      rows.add_lock(i, lock.sign);
-      rows_.push_back(row);
-    }
-    if (lock.limit < 0) continue;
-    for (const int side : {1, -1}) {
-      const double depth = switching_.depth(i, side).depth;
-      // A bound that other impulses may drive the coordinate to is struck in the next step.
-      if (!(depth + at.h * (std::abs(speed) + change) >= -touch_tolerance)) continue;
-      cones.push_back(side > 0 ? Cone::within(rows.count(), -unlimited, 0) : Cone::within(rows.count(), 0, unlimited));
-      rows.add_lock(i, lock.sign);
-      rows_.push_back({.lock = i, .side = side, .depth = depth, .is_of_speed = lock.one_way});
-    }
+  }
+}
+
+void JointRows::add_friction(int lock, const Start& at, ContactRows& rows, std::vector<Cone>& cones) {
+  if (switching_.lock(lock).friction < 0) return;
+  const double speed = switching_.speed(lock, at.v);
+  const double change = at.h * std::abs(switching_.speed(lock, at.vdot));
+  // What friction has held is at rest, but for the speed that a projection may have given it. Where an input jumps, it
+  // is no longer.
+  const LockForces& last = at.last[static_cast<std::size_t>(lock)];
+  const bool was_held = last.motion == 0 && last.friction != 0 && std::abs(speed) <= negligible_part * change;
+  const bool slides = !was_held && std::abs(speed) > rest_speed;
+  Row row{.lock = lock, .slides = slides ? (speed > 0 ? 1 : -1) : 0};
+  row.at_rest = switching_.sticking_limit(lock);
+  row.sliding = slides ? switching_.sliding_limit(lock, speed) : row.at_rest;
+  look_for_numbers(row);
+  cones.push_back(Cone::within(rows.count(), 0, 0));
+  set_friction_of(row, at.h, cones.back());
+  rows.add_lock(lock, switching_.lock(lock).sign);
+  rows_.push_back(row);
+}
+
+void JointRows::add_limits(int lock, const Start& at, ContactRows& rows, std::vector<Cone>& cones) {
+  const SwitchingForces::Lock& of = switching_.lock(lock);
+  if (of.limit < 0) return;
+  const double speed = switching_.speed(lock, at.v);
+  const double change = at.h * std::abs(switching_.speed(lock, at.vdot));
+  for (const int side : {1, -1}) {
+    const double depth = switching_.depth(lock, side).depth;
+    // A bound that other impulses may drive the coordinate to is struck in the next step.
+    if (!(depth + at.h * (std::abs(speed) + change) >= -touch_tolerance)) continue;
+    cones.push_back(side > 0 ? Cone::within(rows.count(), -unlimited, 0) : Cone::within(rows.count(), 0, unlimited));
+    rows.add_lock(lock, of.sign);
+    rows_.push_back({.lock = lock, .side = side, .depth = depth, .is_of_speed = of.one_way});
   }
 }
 

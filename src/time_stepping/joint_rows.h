@@ -73,6 +73,8 @@ class JointRows {
 
  private:
   void add_latch(int lock, ContactRows& rows, std::vector<Cone>& cones);
+  void add_friction(int lock, const Start& at, ContactRows& rows, std::vector<Cone>& cones);
+  void add_limits(int lock, const Start& at, ContactRows& rows, std::vector<Cone>& cones);
   static bool stops_before(const Row& row, int motion);
   static void set_friction_of(const Row& row, double h, Cone& cone);
   void look_for_numbers(const Row& row);
