@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 import warned
@@ -208,3 +210,42 @@ def test_restored_in_both_conditions_to_the_bit(integrator: str, engaged: float)
         ends.append(plant.values())
     np.testing.assert_array_equal(ends[1], ends[0])
     np.testing.assert_array_equal(ends[2], ends[0])
+
+
+@pytest.mark.parametrize("integrator", ["auto", "erk", "dirk", "ida", "moreau-jean"])
+@pytest.mark.parametrize("of_ball", [True, False])
+def test_beside_friction_about_any_axis_or_in_any_direction(integrator: str, of_ball: bool) -> None:
+    """The lock stops what slips, and friction holds what it releases: a puck on a slope of half of it."""
+    friction: dict[str, Any] = {"coulomb": 0.2} if of_ball else {"translation": {"coulomb": 0.2}}
+    start = {"w": [0.6, 0, 0.8]} if of_ball else {"v_x": 0.6, "v_y": 0.8}
+    speeds = ["J.w[1]", "J.w[3]"] if of_ball else ["J.v_x", "J.v_y"]
+    plant = gelenk.Simulation(
+        {
+            "gelenk": 1,
+            "gravity": [0, 0, 0] if of_ball else [0.1, 0, 0],
+            "bodies": {"b": {"mass": 1.0, "inertia": [0.4] * 3}},
+            "joints": {
+                "J": {
+                    "type": "spherical" if of_ball else "planar",
+                    "parent": "ground",
+                    "child": "b",
+                    "start": start | {"fixed": True},
+                    "friction": friction,
+                    "lock": {"input": "engagement"},
+                }
+            },
+            "solver": {"integrator": integrator, "step": 1e-3},
+        }
+    )
+    plant.initialize(0, 1e-9)
+    plant.step_to(0.5)
+    assert np.linalg.norm(plant.values(speeds)) > 0.5
+    slipping = plant.values(speeds)
+    saved = plant.save()
+    for engaged, end in ((1.0, 1.0), (0.0, 2.0)):
+        plant.set_input("J.lock.engagement", engaged)
+        plant.step_to(end)
+        assert plant.values(speeds) == pytest.approx([0, 0], abs=1e-12)
+        assert plant.values(["J.lock.mode"]) == [engaged]
+    plant.restore(saved)
+    assert plant.values(speeds).tolist() == slipping.tolist()
