@@ -193,34 +193,36 @@ Step Locator::search_all(Stepping& method) {
   std::ranges::fill(searched_, 0);
   is_polynomial_accurate_ = method.is_one_step() && is_resolved(high_t_) && any_impact() &&
                             polynomial_.set(source_, course_.start(), start_y_.data(), high_t_, high_y_.data());
-  // Of those that are smooth, the one that seems to be the first: a step may cross many points of a table.
-  const auto smooth = static_cast<std::size_t>(source_.smooth_indicators());
-  const auto next = [&] {
-    std::size_t out = course_.size();
-    double first = NAN;  // s: zero of that indicator, if there are others
-    for (std::size_t i = 0; i < course_.size(); ++i) {
-      if (searched_[i] != 0 || !course_.changed(i)) continue;
-      if (i >= smooth) return std::min(i, out);
-      if (out == course_.size()) {
-        out = i;
-        continue;
-      }
-      if (std::isnan(first)) first = course_.zero(out);
-      if (const double zero = course_.zero(i); zero < first) {
-        out = i;
-        first = zero;
-      }
-    }
-    return out;
-  };
   // Before an event, others may be beyond a zero from which they had returned at the end of the step.
-  for (std::size_t i = next(); i < course_.size(); i = next()) {
+  for (std::size_t i = next_to_search(); i < course_.size(); i = next_to_search()) {
     searched_[i] = 1;
     if (is_polynomial_accurate_ && source_.is_of_impact(static_cast<int>(i)) && search_within_step(i)) continue;
     const Step step = search(i, method);
     if (step != Step::made || !course_.any_changed()) return step;
   }
   return Step::made;
+}
+
+// Of the indicators that have changed and are smooth, the one that seems to be the first: a step may cross many points
+// of a table. Of others, the first in number.
+std::size_t Locator::next_to_search() const {
+  const auto smooth = static_cast<std::size_t>(source_.smooth_indicators());
+  std::size_t out = course_.size();
+  double first = NAN;  // s: zero of that indicator, if there are others
+  for (std::size_t i = 0; i < course_.size(); ++i) {
+    if (searched_[i] != 0 || !course_.changed(i)) continue;
+    if (i >= smooth) return std::min(i, out);
+    if (out == course_.size()) {
+      out = i;
+      continue;
+    }
+    if (std::isnan(first)) first = course_.zero(out);
+    if (const double zero = course_.zero(i); zero < first) {
+      out = i;
+      first = zero;
+    }
+  }
+  return out;
 }
 
 // Whether something strikes at one of the zeros.

@@ -72,6 +72,7 @@ class Locator {
   bool is_resolved(double end) const;
   double touch_within(double end, const double* y) const;
   Step search_all(Stepping& method);
+  std::size_t next_to_search() const;
   bool any_impact() const;
   Step search(std::size_t i, Stepping& method);
   bool search_within_step(std::size_t i);

@@ -55,6 +55,15 @@ double largest_pressure(const std::vector<ContactEquations::Entry>& entries, con
   return out;
 }
 
+// Whether a joint has used up its limit, which with other normal forces it might not.
+bool uses_any_up(const LockProblem& problem) {
+  return std::ranges::any_of(problem.locks, [](const LockProblem::Lock& lock) { return lock.direction != 0; });
+}
+
+bool begins_to_move(const CandidateMode& before, const CandidateMode& after, std::size_t group) {
+  return after.closed && after.groups[group].moves && !before.groups[group].moves;
+}
+
 void symmetrize(Eigen::MatrixXd& G) { G = Eigen::MatrixXd((G + G.transpose()) / 2); }
 
 }  // namespace
@@ -179,11 +188,9 @@ void ContactDecision::find_directions(const std::vector<CandidateMode>& tentativ
                                       std::vector<CandidateMode>& next) {
   const auto begins = [&](int candidate, std::size_t g) {
     const auto at = static_cast<std::size_t>(candidate);
-    return next[at].closed && next[at].groups[g].moves && !tentative[at].groups[g].moves;
+    return begins_to_move(tentative[at], next[at], g);
   };
-  const auto any_begins = [&](int candidate) {
-    return begins(candidate, 0) || begins(candidate, 1) || begins(candidate, 2);
-  };
+  const auto any_begins = [&](int of) { return begins(of, 0) || begins(of, 1) || begins(of, 2); };
   if (std::ranges::none_of(candidates_, any_begins)) return;
   const VectorXd reduced = x_;
   breaks_away_ = false;
@@ -221,8 +228,7 @@ bool ContactDecision::let_slide(const std::vector<CandidateMode>& tentative, con
     const int point = candidates_[i];
     const auto at = static_cast<std::size_t>(point);
     for (std::size_t g = 0; g < contact_groups; ++g) {
-      const bool begins = next[at].closed && next[at].groups[g].moves && !tentative[at].groups[g].moves;
-      if (!begins || slides_[i][g]) continue;
+      if (!begins_to_move(tentative[at], next[at], g) || slides_[i][g]) continue;
       slides_[i][g] = true;
       const int group = static_cast<int>(g);
       changed = changed || equations_.coefficient(point, group, true) != equations_.coefficient(point, group, false);
@@ -280,11 +286,6 @@ void ContactDecision::set_up(const std::vector<CandidateMode>& tentative, const 
   x_.setZero(b_.size());
 }
 
-// Whether a joint has used up its limit, which with other normal forces it might not.
-bool ContactDecision::uses_any_up() const {
-  return std::ranges::any_of(problem_->locks, [](const LockProblem::Lock& lock) { return lock.direction != 0; });
-}
-
 // Where friction of what slides makes a joint that friction holds move the other way (as in Painleve's paradox), the
 // forces above do not settle although one motion obeys the laws: each combination of rest and both directions is tried.
 bool ContactDecision::try_locks(const double* vdot, std::vector<CandidateMode>& next) {
@@ -338,7 +339,8 @@ ContactDecision::Outcome ContactDecision::decide(const std::vector<int>& candida
       const bool same = !rows_.any_moves() || change <= limit_fraction * found.cwiseAbs().maxCoeff();
       if (same && rows_.any_moves() && !slides_with(found) && locks_exceed_limits()) break;
       const bool obeys_all = same || !exceeds_limits();
-      if (same || (obeys_all && !uses_any_up())) return is_indeterminate(next) ? Outcome::ambiguous : Outcome::found;
+      if (same || (obeys_all && !uses_any_up(problem)))
+        return is_indeterminate(next) ? Outcome::ambiguous : Outcome::found;
       if (obeys_all && possible.empty()) {
         possible = next;
         possible_locks = problem.locks;

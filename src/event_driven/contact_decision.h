@@ -59,11 +59,9 @@ class ContactDecision {
   bool resolve_redundancy(std::vector<CandidateMode>& next);
   bool let_go_beyond_limits(int candidate);
   bool is_indeterminate(const std::vector<CandidateMode>& next) const;
-  bool uses_any_up() const;
   bool slides_with(const Eigen::VectorXd& normal) const;
   bool presses(int candidate) const;
   int most_pulling() const;
-  bool obeys(std::size_t i, const CandidateMode& mode, const Eigen::VectorXd& relative) const;
   bool locks_obey(const Eigen::VectorXd& relative) const;
   bool refine(const double* vdot, std::vector<CandidateMode>& next);
   bool check(const double* vdot, const std::vector<CandidateMode>& next, int& pulls);

@@ -13,6 +13,55 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
+// Whether a candidate is accelerated as its mode permits. relative: by row.
+bool obeys(const ContactEquations::Entry& entry, const CandidateMode& mode, const VectorXd& relative,
+           double tolerance) {
+  if (!mode.closed) return !(relative[entry.first] < -tolerance);
+  if (std::abs(relative[entry.first]) > tolerance) return false;
+  for (int group = 0; group < contact_groups; ++group) {
+    const auto g = static_cast<std::size_t>(group);
+    if (entry.rows[g] < 0) continue;
+    if (!mode.groups[g].moves) {
+      if (relative.segment(entry.rows[g], entry.kept(group)).cwiseAbs().maxCoeff() > tolerance) return false;
+      continue;
+    }
+    double along = 0;
+    for (Index k = 0; k < entry.kept(group); ++k)
+      along += relative[entry.rows[g] + k] * entry.axis(group, k).dot(mode.groups[g].direction);
+    if (along < -tolerance) return false;
+  }
+  return true;
+}
+
+// Of the rows of candidates: G x + C n + b, of forces x and normal forces n of what slides.
+struct Accelerations {
+  const Eigen::MatrixXd &G, &C;
+  const VectorXd& b;
+};
+
+// Whether other modes obey the laws, too: flight where what slides remains in contact, or contact of one that flies.
+// With much friction, a normal force on what slides may draw it into contact (Painleve 1895).
+bool are_other_modes_possible(const std::vector<ContactEquations::Entry>& entries, const Accelerations& of,
+                              double tolerance, const std::vector<CandidateMode>& next) {
+  const auto rises = [&](const VectorXd& a) {
+    return std::ranges::all_of(entries, [&](const auto& each) { return each.is_given || a[each.first] > tolerance; });
+  };
+  if (std::ranges::all_of(entries, &ContactEquations::Entry::is_given) || !rises(of.b)) return false;
+  const auto is_closed = [&](const ContactEquations::Entry& entry) {
+    return !entry.is_given && next[static_cast<std::size_t>(entry.candidate)].closed;
+  };
+  if (std::ranges::any_of(entries, is_closed)) return true;
+  for (Index i = 0; i < of.C.cols(); ++i) {
+    const Index row = entries[static_cast<std::size_t>(i)].first;
+    const VectorXd per_force = of.G.col(row) + of.C.col(i);
+    if (!(per_force[row] < 0)) continue;
+    VectorXd a = of.b - of.b[row] / per_force[row] * per_force;
+    a[row] = of.b[row];  // in contact
+    if (rises(a)) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 bool ContactDecision::locks_obey(const VectorXd& relative) const {
@@ -138,27 +187,6 @@ int ContactDecision::most_pulling() const {
   return out;
 }
 
-// Whether a candidate is accelerated as its mode permits. relative: by row.
-bool ContactDecision::obeys(std::size_t i, const CandidateMode& mode, const VectorXd& relative) const {
-  const ContactEquations::Entry& entry = rows_.entries[i];
-  const double tolerance = acceleration_tolerance * scale_;
-  if (!mode.closed) return !(relative[entry.first] < -tolerance);
-  if (std::abs(relative[entry.first]) > tolerance) return false;
-  for (int group = 0; group < contact_groups; ++group) {
-    const auto g = static_cast<std::size_t>(group);
-    if (entry.rows[g] < 0) continue;
-    if (!mode.groups[g].moves) {
-      if (relative.segment(entry.rows[g], entry.kept(group)).cwiseAbs().maxCoeff() > tolerance) return false;
-      continue;
-    }
-    double along = 0;
-    for (Index k = 0; k < entry.kept(group); ++k)
-      along += relative[entry.rows[g] + k] * entry.axis(group, k).dot(mode.groups[g].direction);
-    if (along < -tolerance) return false;
-  }
-  return true;
-}
-
 // Whether accelerations in these modes obey the laws. pulls: see most_pulling().
 bool ContactDecision::check(const double* vdot, const std::vector<CandidateMode>& next, int& pulls) {
   equations_.set_modes(next);
@@ -172,7 +200,8 @@ bool ContactDecision::check(const double* vdot, const std::vector<CandidateMode>
   if (pulls >= 0 || !a.allFinite()) return false;
   const VectorXd relative = rows_.R * a + rows_.rates;
   for (std::size_t i = 0; i < candidates_.size(); ++i) {
-    if (!obeys(i, next[static_cast<std::size_t>(candidates_[i])], relative)) return false;
+    const CandidateMode& mode = next[static_cast<std::size_t>(candidates_[i])];
+    if (!obeys(rows_.entries[i], mode, relative, acceleration_tolerance * scale_)) return false;
   }
   return locks_obey(relative);
 }
@@ -191,28 +220,9 @@ bool ContactDecision::refine(const double* vdot, std::vector<CandidateMode>& nex
   return false;
 }
 
-// Whether other modes obey the laws, too: flight where what slides remains in contact, or contact of one that flies.
-// With much friction, a normal force on what slides may draw it into contact (Painleve 1895).
 bool ContactDecision::is_indeterminate(const std::vector<CandidateMode>& next) const {
   if (!rows_.any_moves() || !problem_->locks.empty()) return false;
-  const double tolerance = acceleration_tolerance * scale_;
-  const auto rises = [&](const VectorXd& a) {
-    return std::ranges::all_of(rows_.entries, [&](const auto& of) { return of.is_given || a[of.first] > tolerance; });
-  };
-  if (std::ranges::all_of(rows_.entries, &ContactEquations::Entry::is_given) || !rises(b_)) return false;
-  const auto is_closed = [&](const ContactEquations::Entry& entry) {
-    return !entry.is_given && next[static_cast<std::size_t>(entry.candidate)].closed;
-  };
-  if (std::ranges::any_of(rows_.entries, is_closed)) return true;
-  for (Index i = 0; i < C_.cols(); ++i) {
-    const Index row = rows_.entries[static_cast<std::size_t>(i)].first;
-    const VectorXd per_force = G_.col(row) + C_.col(i);
-    if (!(per_force[row] < 0)) continue;
-    VectorXd a = b_ - b_[row] / per_force[row] * per_force;
-    a[row] = b_[row];  // in contact
-    if (rises(a)) return true;
-  }
-  return false;
+  return are_other_modes_possible(rows_.entries, {G_, C_, b_}, acceleration_tolerance * scale_, next);
 }
 
 }  // namespace gelenk

@@ -88,12 +88,11 @@ void ArkodeIntegrator::use(int stepper, double step) {
 
 // The step to try first is given in one way, whether ARKODE knows it or it comes from a saved state: of its own, ARKODE
 // would take one that differs by rounding.
-void ArkodeIntegrator::restart(double t, const double* y) {
+void ArkodeIntegrator::before_restart() {
   for (std::size_t i = 0; i < steppers_.size(); ++i) {
     try_first(steppers_[i], step_to_try(i));
     limit_first_growth(steppers_[i]);
   }
-  continue_from(t, y);
 }
 
 int ArkodeIntegrator::rhs(sunrealtype t, N_Vector y, N_Vector ydot, void* self) {

@@ -16,7 +16,6 @@ namespace gelenk {
 class ArkodeIntegrator : public SundialsIntegrator {
  public:
   ~ArkodeIntegrator() override;
-  void restart(double t, const double* y) override;
   void inputs_touched() override { touched_ = true; }
   bool will_have_history() const override { return false; }
   bool has_history() const override { return false; }
@@ -50,6 +49,7 @@ class ArkodeIntegrator : public SundialsIntegrator {
  private:
   // Whether the last stage of a step of the stepper in use is the first one of the next step.
   virtual bool keeps_derivative() const { return false; }
+  void before_restart() final;
   void prepare(double end) final;
   void begin(double end) final;
   static double current_step(void* memory);

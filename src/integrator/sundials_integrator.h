@@ -23,7 +23,10 @@ double inverse_bdf_tolerance(double fraction, double error);
 
 class SundialsIntegrator : public Integrator, private Stepping {
  public:
-  void restart(double t, const double* y) override { continue_from(t, y); }
+  void restart(double t, const double* y) final {
+    before_restart();
+    continue_from(t, y);
+  }
   void begin() final { stalls_.reset(); }
   void inputs_changed() final { jumped_ = true; }
   void pass_events(bool on) final { passes_events_ = on; }
@@ -40,8 +43,6 @@ class SundialsIntegrator : public Integrator, private Stepping {
   // takes_differences: whether the method uses differences of former states.
   explicit SundialsIntegrator(Equations& system, bool takes_differences = true);
 
-  // Also after an event: without the history, but with what is known of the length of steps.
-  void continue_from(double t, const double* y);
   // Called before the steps to `end`: restarts at (t_, y_) if fresh_, and sets the stop time.
   virtual void prepare(double end) = 0;
   // Makes one step; writes t_ and y_.
@@ -69,6 +70,10 @@ class SundialsIntegrator : public Integrator, private Stepping {
   bool resumed_ = false;
 
  private:
+  // Called where steps begin again at another state, but not after an event.
+  virtual void before_restart() {}
+  // Also after an event: without the history, but with what is known of the length of steps.
+  void continue_from(double t, const double* y);
   // Brings steps_ and rejected_ up to date, unless a restart has ended the counting.
   void add_counts();
   // Continues from (t_, y_) if fresh_, with the stop time `end`.

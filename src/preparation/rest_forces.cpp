@@ -25,6 +25,27 @@ bool is_balanced(TrialStates& poses, TrialState& at) {
   }
 }
 
+// What may hold its coordinate at rest: a lock that is engaged, otherwise friction or the contact with a bound.
+// contacts: by lock.
+std::vector<int> holding_locks(const SwitchingForces& forces, int count, const std::vector<int>& contacts) {
+  std::vector<int> out;
+  for (int i = 0; i < count; ++i) {
+    const bool holds = contacts[static_cast<std::size_t>(i)] != 0 || forces.sticking_limit(i).largest() > 0;
+    if (forces.hold_coordinate(i) ? forces.lock(i).latch >= 0 : holds) out.push_back(i);
+  }
+  return out;
+}
+
+// One of the forces along its coordinate.
+int force_of(const SwitchingForces::Lock& lock) {
+  if (lock.friction >= 0) return lock.friction;
+  return lock.limit >= 0 ? lock.limit : lock.latch;
+}
+
+std::string name_of(const Joint& joint, const Coordinate& coordinate) {
+  return joint.name + "." + std::string(coordinate.name.empty() ? coordinate.speed : coordinate.name);
+}
+
 }  // namespace
 
 void RestForces::add(const Scene& scene, const EquilibriumProblem& of, const std::vector<double>& q,
@@ -39,11 +60,7 @@ void RestForces::add(const Scene& scene, const EquilibriumProblem& of, const std
   at.vdot /= of.time * of.time;
   RestContacts touching = rest_contacts(scene, of, poses.dynamics(), at.vdot.data());
   at.vdot *= of.time * of.time;
-  std::vector<int> locks;
-  for (int i = 0; i < poses.locks(); ++i) {
-    const bool holds = at.contacts[static_cast<std::size_t>(i)] != 0 || forces.sticking_limit(i).largest() > 0;
-    if (forces.hold_coordinate(i) ? forces.lock(i).latch >= 0 : holds) locks.push_back(i);
-  }
+  const std::vector<int> locks = holding_locks(forces, poses.locks(), at.contacts);
   const HoldingBounds bounds = holding_bounds(forces, locks, at.contacts);
   DistributedForces distributed;
   const VectorXd& x = distributed.find(forces, locks, at.contacts);
@@ -64,8 +81,7 @@ void RestForces::add(const Scene& scene, const EquilibriumProblem& of, const std
   Index next = 0;
   for (int i = 0; i < poses.locks(); ++i) {
     const SwitchingForces::Lock& lock = forces.lock(i);
-    const int force = lock.friction >= 0 ? lock.friction : lock.limit >= 0 ? lock.limit : lock.latch;
-    const SwitchingForce& at_joint = places[static_cast<std::size_t>(force)];
+    const SwitchingForce& at_joint = places[static_cast<std::size_t>(force_of(lock))];
     const Joint& joint = scene.joints[static_cast<std::size_t>(at_joint.joint)];
     const Coordinate coordinate = coordinate_of(kind_of(*joint.is), at_joint.component);
     const std::string unit = unit_of("{f}", coordinate);
@@ -74,12 +90,11 @@ void RestForces::add(const Scene& scene, const EquilibriumProblem& of, const std
     const double x_of_lock = holds ? x[next++] : 0;
     const bool is_latched = forces.hold_coordinate(i);
     if (is_latched && lock.latch < 0) continue;  // its coordinate is held by another one
-    coordinates.push_back(
-        {.coordinate = joint.name + "." + std::string(coordinate.name.empty() ? coordinate.speed : coordinate.name),
-         .unit = unit,
-         .force = size * x_of_lock,
-         .limit = is_latched ? 0 : size * forces.sticking_limit(i).against(x_of_lock > 0 ? -1 : 1),
-         .side = is_latched ? RestForces::Of::by_lock : at.contacts[static_cast<std::size_t>(i)]});
+    coordinates.push_back({.coordinate = name_of(joint, coordinate),
+                           .unit = unit,
+                           .force = size * x_of_lock,
+                           .limit = is_latched ? 0 : size * forces.sticking_limit(i).against(x_of_lock > 0 ? -1 : 1),
+                           .side = is_latched ? RestForces::Of::by_lock : at.contacts[static_cast<std::size_t>(i)]});
   }
 }
 

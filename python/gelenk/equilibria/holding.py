@@ -39,8 +39,7 @@ class Holding:
         friction: force of friction along the coordinate [N m, N].
         limit: the largest static friction [N m, N]; 0 for a joint without friction.
         contact: force of the hard limit along the coordinate [N m, N]: positive at the lower bound, negative
-            at the upper one, 0 away from both; or that of the one-way clutch, in its free direction; or
-            that of the engaged lock of the joint.
+            at the upper one, 0 away from both; of the one-way clutch, in its free direction; of the lock.
         bound: "lower" or "upper" for the bound that the coordinate touches, "one_way" for a one-way clutch,
             "lock" for a lock; empty: none.
         unit: unit of the forces.
