@@ -28,6 +28,10 @@ std::optional<LawEdge::Of> obstacle_beside(const std::vector<CoordinateRow>& row
   return {};
 }
 
+bool sticks_on_face(const ContactEquations::Entry& entry, const ContactCandidate& of) {
+  return entry.rows[0] >= 0 && of.kind == ContactCandidate::Kind::corner;
+}
+
 }  // namespace
 
 ContactHold ContactModes::held(FrictionTreatment friction) const {
@@ -89,9 +93,8 @@ LawEdge ContactModes::edge_of_closed(double rest) {
                        contact_equations_.coefficient(entry.candidate, group, false)});
       contacts.push_back(contact);
     }
-    const bool sticks_on_face =
-        entry.rows[0] >= 0 && contact_equations_.candidates()[entry.candidate].kind == ContactCandidate::Kind::corner;
-    if (!nothing_moves && !sticks_on_face && contact_equations_.candidates().margin(entry.candidate) <= touch_tolerance)
+    const bool may_leave = !nothing_moves && !sticks_on_face(entry, contact_equations_.candidates()[entry.candidate]);
+    if (may_leave && contact_equations_.candidates().margin(entry.candidate) <= touch_tolerance)
       return {contact, LawEdge::Of::feature};
   }
   if (cones.empty()) return {};

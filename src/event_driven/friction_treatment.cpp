@@ -38,20 +38,28 @@ int LockModes::on_boundary(double t, const double* y) {
     const SwitchingForces::Lock& lock = forces_.lock(i);
     if (is_latched(i)) continue;
     if (lock.latch >= 0 && forces_.engagement(i) > 0) return lock.latch;  // the impact is still to come
-    if (!rests(i)) {
-      if (has_friction(i) && modes_.motions[i] != mode_released && is_slow(i, v)) return lock.friction;
-      if (lock.limit >= 0 && touched_side(i) != 0 && (!lock.one_way || is_slow(i, v))) return lock.limit;
-      continue;
-    }
-    const auto safe = [&](int direction) {
-      const double limit = forces_.sticking_limit(i).against(direction);
-      return limit - std::max(boundary_fraction * limit, forces_.slack(i));
-    };
-    const bool may_rise = holding_[i] >= safe(-1) && modes_.contacts[i] >= 0;
-    const bool may_fall = holding_[i] <= -safe(1) && modes_.contacts[i] <= 0;
-    if (may_rise || may_fall) return modes_.contacts[i] != 0 ? lock.limit : lock.friction;
+    if (const int law = rests(i) ? boundary_at_rest(i) : boundary_in_motion(i, v); law >= 0) return law;
   }
   return -1;
+}
+
+// Of a lock that is not at rest: the law of which its state is at the boundary; -1: none.
+int LockModes::boundary_in_motion(int lock, const double* v) const {
+  const SwitchingForces::Lock& of = forces_.lock(lock);
+  if (has_friction(lock) && modes_.motions[lock] != mode_released && is_slow(lock, v)) return of.friction;
+  if (of.limit >= 0 && touched_side(lock) != 0 && (!of.one_way || is_slow(lock, v))) return of.limit;
+  return -1;
+}
+
+int LockModes::boundary_at_rest(int lock) const {
+  const auto safe = [&](int direction) {
+    const double limit = forces_.sticking_limit(lock).against(direction);
+    return limit - std::max(boundary_fraction * limit, forces_.slack(lock));
+  };
+  const bool may_rise = holding_[lock] >= safe(-1) && modes_.contacts[lock] >= 0;
+  const bool may_fall = holding_[lock] <= -safe(1) && modes_.contacts[lock] <= 0;
+  if (!may_rise && !may_fall) return -1;
+  return modes_.contacts[lock] != 0 ? forces_.lock(lock).limit : forces_.lock(lock).friction;
 }
 
 }  // namespace gelenk

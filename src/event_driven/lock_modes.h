@@ -103,6 +103,8 @@ class LockModes {
   void keep_indicators(const double* g, const double* gdot);
   bool exceed(const std::vector<double>& holding) const;
   int on_boundary(double t, const double* y);
+  int boundary_in_motion(int lock, const double* v) const;
+  int boundary_at_rest(int lock) const;
   int limit_indicator(int lock, int side) const { return 2 * forces_.lock(lock).limit + (side > 0 ? 0 : 1); }
   Eigen::VectorXd row(int lock) const;
   double leaving_depth_of(int lock) const;
