@@ -204,6 +204,15 @@ void TracedScene::note_modes(std::size_t island, IslandArguments& of, std::vecto
     refuse(names[static_cast<std::size_t>(force)] +
            ": found friction that depends on the forces in bearings, guides or gears, which the equations determine; "
            "expected friction by numbers or by expressions of the speed");
+  note_contents(island, refused);
+}
+
+// The same of what joints do not have along single coordinates.
+void TracedScene::note_contents(std::size_t island, std::vector<std::string>& refused) {
+  const Mechanism& mechanism = prepared_.islands[island].mechanism;
+  const Loads& loads = loads_[island];
+  const std::string prefix = prefix_of(scene_);
+  const auto refuse = [&](const std::string& what) { refused.push_back(prefix + what); };
   for (const LinkFriction& friction : mechanism.frictions)
     refuse(name_of_touching_law(scene_, friction.contact) +
            ": found friction along several velocities together; equations can be handed out for friction along single "

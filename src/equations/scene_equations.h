@@ -70,6 +70,7 @@ class TracedScene {
   void name_targets(std::size_t island, IslandArguments& of);
   void note_size(std::size_t island);
   void note_modes(std::size_t island, IslandArguments& of, std::vector<std::string>& refused);
+  void note_contents(std::size_t island, std::vector<std::string>& refused);
   void trace(std::size_t island);
   std::vector<std::string> hidden_branches(std::size_t island, const RecordedIsland& recorded) const;
   template <class T>
