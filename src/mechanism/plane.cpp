@@ -60,18 +60,21 @@ std::string loaded_guide(const Scene& scene, const Graph& graph, const MotionPla
   return {};
 }
 
+// Why a joint of this name is in no plane; empty: it may be.
+std::string not_planar(const Edge& edge, const std::string& name) {
+  if (role(edge) == PlanarRole::never)
+    return "joint " + name + " (" + std::string(kind_of(*edge.joint).name) + ") permits motion out of any plane";
+  if (friction_parts_of(*edge.joint).empty()) return {};
+  return "the friction of joint " + name + " is solved for as that of a contact, in space";
+}
+
 }  // namespace
 
 MotionPlane find_plane(const Scene& scene, const Graph& graph) {
   const auto name = [&](const Edge& edge) { return scene.joints[edge.scene_joint].name; };
   const auto none = [](std::string why) { return MotionPlane{.normals = {}, .why_not = std::move(why)}; };
   for (const Edge& edge : graph.edges) {
-    if (role(edge) != PlanarRole::never) {
-      if (friction_parts_of(*edge.joint).empty()) continue;
-      return none("the friction of joint " + name(edge) + " is solved for as that of a contact, in space");
-    }
-    return none("joint " + name(edge) + " (" + std::string(kind_of(*edge.joint).name) +
-                ") permits motion out of any plane");
+    if (std::string why = not_planar(edge, name(edge)); !why.empty()) return none(std::move(why));
   }
   const auto start = candidate(graph);
   if (!start) return none("no joint axis defines a plane");
