@@ -28,6 +28,11 @@ std::optional<LawEdge::Of> obstacle_beside(const std::vector<CoordinateRow>& row
   return {};
 }
 
+// Without a normal force there is no friction either.
+LawEdge::Of edge_by(double normal_force, double least) {
+  return normal_force > least ? LawEdge::Of::friction : LawEdge::Of::normal_force;
+}
+
 bool sticks_on_face(const ContactEquations::Entry& entry, const ContactCandidate& of) {
   return entry.rows[0] >= 0 && of.kind == ContactCandidate::Kind::corner;
 }
@@ -100,9 +105,7 @@ LawEdge ContactModes::edge_of_closed(double rest) {
   if (cones.empty()) return {};
   const ForceMargin least = force_margin(solved.x, redundant, cones, edge_fraction * sum);
   if (least.margin >= edge_fraction * sum && sum > 0) return {};
-  // Without a normal force there is no friction either.
-  const bool pushes = least.x[cones[least.cone].normal] > edge_fraction * sum;
-  return {contacts[least.cone], pushes ? LawEdge::Of::friction : LawEdge::Of::normal_force};
+  return {contacts[least.cone], edge_by(least.x[cones[least.cone].normal], edge_fraction * sum)};
 }
 
 // After accelerations_at() and go_to(): whether a candidate that touches without a force does not leave, and would have
