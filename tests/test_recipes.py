@@ -110,7 +110,7 @@ def extended(registry: str, kind: str, lists: str, header: str) -> str:
     at = registry.index('#include "')
     text = registry[:at] + include + registry[at:]
     text, changed = re.subn(
-        rf"(struct {lists} :\s*std::(?:variant|tuple)<[^{{]*)>\s*\{{", rf"\1, {kind}> {{", text
+        rf"(struct {lists}\s*:\s*std::(?:variant|tuple)<[^{{]*)>\s*\{{", rf"\1, {kind}> {{", text
     )
     assert changed == 1
     return text
