@@ -129,7 +129,7 @@ EventReport EventLog::report(const Event& event) const {
   std::string words(text(event));
   if (event.is_ambiguous) words += ambiguous_remark;
   if (event.other >= 0)
-    words += " so shortly before \"" + std::string(texts_.at(static_cast<std::size_t>(event.other))[1]) +
+    words += " so close in time to \"" + std::string(texts_.at(static_cast<std::size_t>(event.other))[1]) +
              "\" that, within the tolerance, their order and the motion afterwards are uncertain";
   return {event.time, words, event.is_doubtful()};
 }

@@ -17,24 +17,24 @@ class ImpactOrder {
   ImpactOrder(ContactModes& contacts, const JointImpacts& joints, int first_of_contacts)
       : contacts_(contacts), joints_(joints), first_of_contacts_(first_of_contacts) {}
 
-  // Before impulses at y, with the accelerations vdot: finds what is about to be struck as well.
+  // Before impulses at y, with the accelerations vdot: finds what is about to be struck as well, or was just before.
   void find(const double* y, int nq, const std::vector<double>& vdot);
   // After them, with the velocities v: the indicator of something found whose motion they change; -1: none.
   int changed(const double* v) const;
 
  private:
-  struct Next {
+  struct Near {
     int indicator = 0;
     int lock = -1, side = 0;  // of a limit
     Eigen::MatrixXd rows{};   // of a contact: relative velocities by velocities
     double rate = 0;          // of the distance
   };
-  double change(const Next& of, const double* v) const;
+  double change(const Near& of, const double* v) const;
 
   ContactModes& contacts_;
   const JointImpacts& joints_;
   int first_of_contacts_;
-  std::vector<Next> next_;
+  std::vector<Near> near_;
   std::vector<double> before_;  // velocities
 };
 

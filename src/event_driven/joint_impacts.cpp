@@ -43,10 +43,11 @@ std::vector<JointImpacts::Bound> JointImpacts::near_bounds(double distance) cons
   std::vector<Bound> out;
   for (int i = 0; i < modes_.count(); ++i) {
     const SwitchingForces::Lock& lock = forces_.lock(i);
-    if (lock.limit < 0 || lock.one_way || modes_.touched_side(i) != 0) continue;
+    if (lock.limit < 0 || lock.one_way || modes_.modes_.contacts[i] != 0) continue;
+    const int touched = modes_.touched_side(i);
     for (const int side : {1, -1}) {
       const double depth = forces_.depth(i, side).depth;
-      if (-depth < distance) out.push_back({i, side, modes_.limit_indicator(i, side), -depth});
+      if (-depth < distance) out.push_back({i, side, modes_.limit_indicator(i, side), -depth, side == touched});
     }
   }
   return out;

@@ -34,10 +34,12 @@ class JointImpacts {
                double mobility) const;
   // Counts series of impacts that have ended, of what approached its bound.
   void count_closed_series(const Struck& at) { modes_.counts_.closed_series += at.approaches && !at.stops ? 1 : 0; }
-  // Bounds nearer than this that are not touched [rad, m]; indicator: of the event that meets it.
+  // Bounds nearer than this that are not closed [rad, m]; indicator: of the event that meets it; is_touched: within
+  // rounding, so that impulses act on it.
   struct Bound {
     int lock = 0, side = 0, indicator = 0;
     double distance = 0;
+    bool is_touched = false;
   };
   std::vector<Bound> near_bounds(double distance) const;
   // The rate of the distance to a bound, from velocities; or its acceleration, from vdot.

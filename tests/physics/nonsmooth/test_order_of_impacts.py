@@ -1,14 +1,20 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A wheel lands while its cart strikes a limit: three motions, by which of the two impacts comes first."""
+"""Impacts that follow each other so closely that errors of a run decide on their order, which a warning says.
+
+A wheel lands while its cart strikes a limit: three motions, by which of the two impacts comes first.
+"""
 
 from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+import numpy.typing as npt
 import pytest
 
 import gelenk
 
+Array = npt.NDArray[np.float64]
 MASS, INERTIA, RADIUS, SPEED = 6.3, 0.0122, 0.138, 5.0
 LANDING = 0.1  # s, at 1 m/s
 TOLERANCE = 1e-8
@@ -79,7 +85,7 @@ def test_an_order_within_the_tolerance_is_reported(integrator: str) -> None:
         w, words = run(cart(ahead), integrator)
         assert w == pytest.approx(rolling(speed), rel=1e-3)
         assert len(words) == 1
-        assert words[0].startswith(f't = 0.1 s: {first} so shortly before "{second}"')
+        assert words[0].startswith(f't = 0.1 s: {first} so close in time to "{second}"')
 
 
 def test_what_comes_first_by_more_is_certain() -> None:
@@ -141,3 +147,66 @@ def test_the_end_of_series_is_certain() -> None:
     assert result["free.w[2]"][-1] == pytest.approx(0, abs=1e-6)
     assert sum("touches" in text for _, text in result.events) > 10
     assert not [words for words in result.warnings if "uncertain" in words]
+
+
+# Of planes, into the room.
+ACUTE = np.array([[-0.432, 0.823, -0.368], [0.172, -0.932, -0.319], [0.084, 0.55, 0.831]])
+
+
+def corner(normals: Array, restitution: tuple[float, float, float]) -> dict[str, Any]:
+    """A point mass flies into a corner of three frictionless planes, without gravity."""
+    normals = normals / np.linalg.norm(normals, axis=1)[:, None]
+    radius = 0.01
+    position = np.linalg.solve(normals, np.array([0.28, 0.48, 0.115]) + radius)
+    velocity = np.linalg.solve(normals, [-0.96, -0.52, -0.6])
+    bodies = ("ground", "first", "second", "point")
+    return {
+        "gelenk": 1,
+        "gravity": [0, 0, 0],
+        "ground": {
+            "shapes": {
+                f"P{i}": {"plane": normal.tolist(), "surface": f"side {i}"}
+                for i, normal in enumerate(normals)
+            }
+        },
+        "bodies": {
+            "first": {"mass": 0},
+            "second": {"mass": 0},
+            "point": {"mass": 1, "shapes": {"tip": {"sphere": radius, "surface": "tip"}}},
+        },
+        "joints": {
+            name: {
+                "type": "prismatic",
+                "axis": axis.tolist(),
+                "parent": bodies[i],
+                "child": bodies[i + 1],
+                "start": {"s": float(position[i]), "v": float(velocity[i]), "fixed": True},
+            }
+            for i, (name, axis) in enumerate(zip("xyz", np.eye(3), strict=True))
+        },
+        "contacts": {
+            f"C{i}": {"between": ["tip", f"side {i}"], "restitution": e} for i, e in enumerate(restitution)
+        },
+    }
+
+
+def test_a_series_of_which_only_the_times_become_small_is_uncertain() -> None:
+    """Two planes without restitution and one with: some thirty impacts in ever shorter time, almost as fast.
+
+    A cycle shortens the distances by a factor that is much smaller than that of the speed, so that the
+    distances are lost in rounding while the point still moves: which plane is struck next is not known.
+    """
+    result = gelenk.simulate(corner(ACUTE, (0, 0.9, 0)), stop=3, step=0.1, tolerance=1e-8, integrator="erk")
+    speed = np.linalg.norm([result[f"{axis}.v"] for axis in "xyz"], axis=0)
+    assert sum("touches" in text for _, text in result.events) > 20
+    moves = speed > 0
+    assert speed[moves][-1] > 0.99 * speed[0]
+    assert not moves[-1]  # it is at rest in the corner, which is right in the limit
+    assert [words for words in result.warnings if "uncertain" in words]
+
+
+def test_impacts_in_a_right_corner_are_certain() -> None:
+    """Each of them changes the speed along one normal."""
+    result = gelenk.simulate(corner(np.eye(3), (0, 0.9, 0)), stop=3, step=0.1, tolerance=1e-8)
+    assert [result[f"{axis}.v"][-1] for axis in "xyz"] == pytest.approx([0, 0.9 * 0.52, 0], abs=1e-12)
+    assert not result.warnings
