@@ -7,11 +7,11 @@
 #include <utility>
 
 #include "joint/kinds.h"
-#include "mechanism/disjoint_sets.h"
 #include "scene/formulas.h"
 #include "scene/name_index.h"
 #include "scene/touching_laws.h"
 #include "simulation/start_report.h"
+#include "util/disjoint_sets.h"
 
 namespace gelenk {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "mechanism/disjoint_sets.h"
 #include "mechanism/mechanism.h"
+#include "util/disjoint_sets.h"
 
 namespace gelenk {
 

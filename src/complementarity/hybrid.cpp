@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The default. With a matrix, up to about a hundred contacts: semismooth Newton, led by some steps of the spectral
-// projected gradient where it stalls. Larger problems with a sparse root of G: Newton's method and the augmented
-// Lagrangian method in the space of velocities in turn, or Gauss-Seidel sweeps in loose heaps and where factors fill
-// in. Without a root: the accelerated gradient, with Newton's method up to some hundred contacts if there is a matrix.
+// The default. Parts that do not act on each other are solved apart. With a matrix, up to about a hundred contacts:
+// semismooth Newton, led by some steps of the spectral projected gradient where it stalls. Larger problems with a
+// sparse root of G: Newton's method and the augmented Lagrangian method in the space of velocities in turn, or
+// Gauss-Seidel sweeps in loose heaps and where factors fill in. Without a root: the accelerated gradient, with Newton's
+// method up to some hundred contacts if there is a matrix.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,6 +11,7 @@
 #include "complementarity/accelerated_gradient.h"
 #include "complementarity/augmented_lagrangian.h"
 #include "complementarity/gauss_seidel.h"
+#include "complementarity/independent_parts.h"
 #include "complementarity/newton.h"
 #include "complementarity/spectral_gradient.h"
 
@@ -18,6 +20,8 @@ namespace {
 
 constexpr Eigen::Index newton_first = 300;   // unknowns, up to which Newton's method with a matrix comes first
 constexpr Eigen::Index newton_at_all = 900;  // unknowns, up to which it is used: some tenths of a second per step
+constexpr Eigen::Index swept_first = 60;     // unknowns, from which sweeps come first where the tolerance is loose
+constexpr double loose = 1e-9;               // tolerance, relative to the largest velocity
 constexpr int newton_steps = 100;
 constexpr int fixed_point_steps = 200;  // between attempts at the exact problem
 constexpr int spectral_steps = 30;
@@ -55,6 +59,8 @@ class HybridSolver final : public IterativeConeSolver {
 
   void run_dense(ConeIteration& at) {
     newton_.reserve(at.size(), at.cones().size());
+    const bool sweeps_are_enough = at.exact() && at.size() >= swept_first && at.tolerance() > loose * fastest(at);
+    if (sweeps_are_enough && solve_by_sweeps(at)) return;
     bool newton = at.size() <= newton_first;
     for (; !at.done(); newton = !newton) {
       at.return_to(Iterate::best);
@@ -91,11 +97,14 @@ class HybridSolver final : public IterativeConeSolver {
     }
   }
 
-  static bool is_near(ConeIteration& at, double fraction) {
+  // The largest relative velocity without impulses.
+  static double fastest(ConeIteration& at) {
     double largest = 0;
     for (Eigen::Index i = 0; i < at.size(); ++i) largest = std::max(largest, std::abs(at.b()[i]) / at.scale(i));
-    return at.best_residual() <= fraction * largest;
+    return largest;
   }
+
+  static bool is_near(ConeIteration& at, double fraction) { return at.best_residual() <= fraction * fastest(at); }
 
   // Bodies that strike and slide by Coulomb's law: sweeps come close, and where Newton's method finds no way on from
   // there, the augmented Lagrangian method rarely does, and costs a hundred times as much. Returns whether that is near
@@ -150,6 +159,8 @@ class HybridSolver final : public IterativeConeSolver {
 
 }  // namespace
 
-std::unique_ptr<ConeSolver> make_hybrid_cone_solver() { return std::make_unique<HybridSolver>(); }
+std::unique_ptr<ConeSolver> make_hybrid_cone_solver() {
+  return std::make_unique<IndependentParts>(std::make_unique<HybridSolver>());
+}
 
 }  // namespace gelenk

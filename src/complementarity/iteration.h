@@ -64,6 +64,7 @@ class ConeIteration {
   // Call after each iteration: keeps the iterate if its residual is the least so far. Returns whether to continue.
   // look: at the residual, which in large problems costs as much as a step of a gradient method.
   bool advance(bool look = true);
+  double tolerance() const { return options_->tolerance; }
   bool done() const { return result_.converged || result_.iterations >= options_->max_iterations; }
   double residual() const { return residual_; }  // of the present iterate, at the last advance()
   double best_residual() const { return result_.residual; }

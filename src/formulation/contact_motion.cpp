@@ -21,8 +21,8 @@ ContactMotion::ContactMotion(const ImpulseSteps::Context& context, EventModes& m
 
 bool ContactMotion::must_be_located() const { return steps_.loads().need_events(); }
 
-void ContactMotion::use(double cone_tolerance) {
-  steps_.use(cone_tolerance);
+void ContactMotion::use(ImpulseAccuracy accuracy) {
+  steps_.use(accuracy);
   steps_used_ = true;
 }
 

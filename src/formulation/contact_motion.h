@@ -28,7 +28,7 @@ class ContactMotion final : public ImpulseEquations {
   bool are_required() const override { return steps_.are_required(); }
   bool may_be_located() const override { return located_ != nullptr; }
   bool must_be_located() const override;
-  void use(double cone_tolerance) override;
+  void use(ImpulseAccuracy accuracy) override;
   bool are_used() const override { return steps_used_; }
   void change_to(bool impulses, double t, const double* y) override;
   Activity activity() const override;

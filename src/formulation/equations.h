@@ -9,6 +9,7 @@
 
 #include "event/event_log.h"
 #include "event/event_source.h"
+#include "time_stepping/impulse_accuracy.h"
 
 namespace gelenk {
 
@@ -23,8 +24,8 @@ class ImpulseEquations {
   virtual bool may_be_located() const = 0;
   // Whether element states jump at events, which steps with impulses do not locate.
   virtual bool must_be_located() const = 0;
-  // Call before all else, if steps are made with impulses. cone_tolerance: see Solver.
-  virtual void use(double cone_tolerance) = 0;
+  // Call before all else, if steps are made with impulses.
+  virtual void use(ImpulseAccuracy accuracy) = 0;
   // Whether the present steps are made with impulses; changes that at (t, y), after use(), or back.
   virtual bool are_used() const = 0;
   virtual void change_to(bool impulses, double t, const double* y) = 0;

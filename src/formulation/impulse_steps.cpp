@@ -21,8 +21,8 @@ constexpr double largest_number = 1e120;
 
 }  // namespace
 
-void ImpulseSteps::use(double cone_tolerance) {
-  stepper_ = std::make_unique<TimeStepper>(with_.mechanism, with_.dynamics, with_.loads, cone_tolerance);
+void ImpulseSteps::use(ImpulseAccuracy accuracy) {
+  stepper_ = std::make_unique<TimeStepper>(with_.mechanism, with_.dynamics, with_.loads, accuracy);
   applied_ = stepper_->state().wrenches;
   if (!with_.locks.empty()) with_.locks.release();
   const auto nv = static_cast<std::size_t>(with_.mechanism.nv);

@@ -29,7 +29,7 @@ class ImpulseSteps {
 
   // As ImpulseEquations.
   bool are_required() const { return with_.mechanism.touches(); }
-  void use(double cone_tolerance);
+  void use(ImpulseAccuracy accuracy);
   bool are_available() const { return stepper_ != nullptr; }
   void start(double t, double h, const double* y);
   bool step(double t, double h, double* y);

@@ -13,6 +13,8 @@ namespace {
 constexpr double accuracy_factor = 0.1;
 constexpr double finest_accuracy = 1e-6;
 constexpr double coarsest_accuracy = 1e-3;
+// By how much what impulses leave of velocities may move something in a second, in units of the accuracy of a pair.
+constexpr double drift_fraction = 0.01;
 // Except for stability, pairs are not shorter than solver.step halved this many times, nor, down to the second number,
 // so short that a communication step would need more pairs than this, since its cost is bounded
 // (solver.max_evaluations): what remains of errors is estimated.
@@ -29,6 +31,10 @@ constexpr int pairs_between_checks = 50;
 constexpr double calm_fraction = 1.0 / 16;
 constexpr int calm_pairs = 4;
 constexpr int calm_after_failure = 64;
+// Where velocities jump within a pair, so do accelerations, as of bodies that turn: what is left of velocities is in
+// error in proportion to the length of the steps. It counts for the positions that follow in this time [s], in which
+// the estimate for the run may grow by ten times the accuracy of a pair.
+constexpr double time_after_jump = 0.1;
 // The estimate for the run: time between two reviews and its share [steps of solver.step]; factors of the share beyond
 // which the steps are halved, below which they are doubled; halvings for this reason; and the part of all shares so far
 // beyond which the error cannot be kept.
@@ -66,7 +72,7 @@ ControlledSteps::ControlledSteps(Equations& system, const IntegratorOptions& opt
       last_(nv_),
       f1_(nv_),
       f2_(nv_) {
-  impulses_.use(options.cone_tolerance);
+  impulses_.use({.relative = options.cone_tolerance, .absolute = drift_fraction * accuracy_});
 }
 
 void ControlledSteps::restart(double t, const double* y) {
@@ -96,6 +102,7 @@ void ControlledSteps::begin(SchemeChange::Cause cause) {
   memory_.halvings = memory_.halvings_for_share = memory_.calm = 0;
   memory_.reviewed = t_;
   memory_.error_reviewed = memory_.error;
+  memory_.rate_reviewed = 0;
   impulses_.report({.time = t_, .cause = cause});
 }
 
@@ -207,7 +214,7 @@ double ControlledSteps::local_error(double s) const {
     const double second_difference = ((f2_[k] - f1_[k]) / s - (f1_[k] - last_[k]) / before) / ((s + before) / 2);
     of_velocities = std::max(of_velocities, std::abs(second_difference) / std::max(1.0, std::abs(v2)));
   }
-  return std::max(s / 6 * of_positions, s * s * s / 12 * of_velocities);
+  return std::max(s / 6 * of_positions, s * s * s / 12 * of_velocities * (changed_ ? time_after_jump : 1));
 }
 
 // After a pair of length h whose error exceeds the accuracy by this factor. It is in proportion to the length where
@@ -235,13 +242,18 @@ void ControlledSteps::review() {
   const double stepped = memory_.elapsed + t_ - memory_.since;
   const bool is_lost = memory_.error > beyond_recovery * share * (stepped + steps_per_share * step_);
   int& halvings = memory_.halvings_for_share;
+  // By the velocities in which the runs differed already, as after an impact, which shorter steps do not amend.
+  const double carried = memory_.rate_reviewed * (t_ - memory_.reviewed);
   if (is_lost || growth < least_growth * permitted) {
     halvings = std::max(0, halvings - 1);
-  } else if (growth > most_growth * permitted) {
+  } else if (growth - carried > most_growth * permitted) {
     halvings = std::min(halvings + 1, most_halvings_for_share);
   }
   memory_.reviewed = t_;
   memory_.error_reviewed = memory_.error;
+  memory_.rate_reviewed = 0;
+  for (std::size_t k = nq_; k < nq_ + nv_; ++k)
+    memory_.rate_reviewed = std::max(memory_.rate_reviewed, std::abs(y_[k] - second_[k]));
 }
 
 // From where the first run is.
@@ -270,7 +282,7 @@ void ControlledSteps::serialize(Archive& archive) {
   archive.serialize_in_range(of.halvings_for_share, 0, most_halvings_for_share);
   archive.serialize_in_range(of.calm, -calm_after_failure, calm_pairs);
   archive.serialize(of.frequency, of.last_step, of.is_second_apart, of.error, of.error_before, of.reviewed);
-  archive.serialize(of.error_reviewed);
+  archive.serialize(of.error_reviewed, of.rate_reviewed);
   archive.serialize_in_range(of.until_check, -1, pairs_between_checks);
   archive.serialize(of.first, of.since, of.elapsed, of.until, of.parts, of.is_stepping);
   int cause = static_cast<int>(of.cause);

@@ -62,6 +62,7 @@ class ControlledSteps final : public Integrator {
     bool is_second_apart = false;              // otherwise the second run continues from the first
     double error = 0, error_before = 0;        // the largest one, and where the second run began
     double reviewed = 0, error_reviewed = 0;   // time [s] and error at the last review
+    double rate_reviewed = 0;                  // by which velocities of the runs differed then
     double first = 0, since = 0, elapsed = 0;  // s: start of all steps, of the present ones; sum of those before
     double until = 0;                          // s: end of the last ones
     int parts = 0;

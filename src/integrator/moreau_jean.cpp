@@ -20,7 +20,7 @@ class MoreauJean final : public FixedStep {
  public:
   MoreauJean(Equations& system, const IntegratorOptions& options) : FixedStep(system, options), step_(options.step) {
     if (system.impulses() == nullptr) throw std::invalid_argument("these equations have no steps with impulses");
-    system.impulses()->use(options.cone_tolerance);
+    system.impulses()->use({.relative = options.cone_tolerance});
   }
   void restart(double t, const double* y) override {
     FixedStep::restart(t, y);

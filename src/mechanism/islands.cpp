@@ -6,10 +6,10 @@
 #include <string_view>
 #include <unordered_map>
 
-#include "mechanism/disjoint_sets.h"
 #include "mechanism/graph.h"
 #include "scene/formulas.h"
 #include "scene/shapes.h"
+#include "util/disjoint_sets.h"
 
 namespace gelenk {
 namespace {

@@ -9,10 +9,10 @@
 
 #include "joint/isotropic_friction.h"
 #include "joint/swing_limit.h"
-#include "mechanism/disjoint_sets.h"
 #include "mechanism/graph.h"
 #include "scene/formulas.h"
 #include "scene/shapes.h"
+#include "util/disjoint_sets.h"
 #include "util/text.h"
 
 namespace gelenk {

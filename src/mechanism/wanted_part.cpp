@@ -6,7 +6,6 @@
 #include <unordered_set>
 #include <utility>
 
-#include "mechanism/disjoint_sets.h"
 #include "mechanism/graph.h"
 #include "scene/formulas.h"
 #include "scene/name_index.h"
@@ -14,6 +13,7 @@
 #include "scene/signals.h"
 #include "scene/touching_laws.h"
 #include "scene/wanted_outputs.h"
+#include "util/disjoint_sets.h"
 #include "util/text.h"
 
 namespace gelenk {

@@ -48,10 +48,9 @@ double TimeStepper::opening(double gap, const RememberedContact& before, double 
 
 // missed_ <- the worst one, at the speeds free_speeds_ after the step.
 void TimeStepper::find_missed(double h) {
-  const double fastest = velocity_tolerance() / cone_tolerance_;
   if (!hide_masses(mechanism_, points_)) return;
   const double permitted =
-      std::max(missed_speed, std::max(missed_fraction, missed_tolerances * cone_tolerance_) * fastest);
+      std::max(missed_speed, std::max(missed_fraction, missed_tolerances * accuracy_.relative) * fastest());
   for (std::size_t i = 0; i < points_.size(); ++i) {
     if (cones_[i].is_ball) continue;
     const double until_closed = points_[i].gap > touch_tolerance ? 2 * points_[i].gap / h : 0;

@@ -24,11 +24,11 @@ constexpr std::size_t max_reserved_rows = 200;
 
 }  // namespace
 
-TimeStepper::TimeStepper(const Mechanism& mechanism, Dynamics& dynamics, const Loads& loads, double cone_tolerance)
+TimeStepper::TimeStepper(const Mechanism& mechanism, Dynamics& dynamics, const Loads& loads, ImpulseAccuracy accuracy)
     : mechanism_(mechanism),
       dynamics_(dynamics),
       loads_(loads),
-      cone_tolerance_(cone_tolerance),
+      accuracy_(accuracy),
       rows_(dynamics.switching_forces().contact_rows()),
       finder_(mechanism, loads.contacts.size()),
       rotation_(mechanism),
@@ -175,12 +175,14 @@ void TimeStepper::guess(double h) {
 }
 
 // Residual of velocities that a solution may leave.
-double TimeStepper::velocity_tolerance() const {
+double TimeStepper::fastest() const {
   double fastest = residual_floor;
   for (const double speed : speeds_) fastest = std::max(fastest, std::abs(speed));
   for (const double speed : free_speeds_) fastest = std::max(fastest, std::abs(speed));
-  return cone_tolerance_ * fastest;
+  return fastest;
 }
+
+double TimeStepper::velocity_tolerance() const { return std::max(accuracy_.relative * fastest(), accuracy_.absolute); }
 
 void TimeStepper::solve_impulses() {
   if (has_compression_) {
@@ -219,9 +221,7 @@ ConeResult TimeStepper::solve_for(const std::vector<Cone>& cones, std::vector<do
 }
 
 // Whether this is no solution at all.
-bool TimeStepper::misses(double residual) const {
-  return residual > impossible_fraction * velocity_tolerance() / cone_tolerance_;
-}
+bool TimeStepper::misses(double residual) const { return residual > impossible_fraction * fastest(); }
 
 // Whether a limit or a one-way clutch and a point with friction push, and one of them has not in the last step. They
 // may push against each other; the friction of such a prestress could hold what would slide without it.

@@ -24,6 +24,7 @@
 #include "time_stepping/contact_state.h"
 #include "time_stepping/delassus_operator.h"
 #include "time_stepping/free_rotation.h"
+#include "time_stepping/impulse_accuracy.h"
 #include "time_stepping/joint_rows.h"
 #include "time_stepping/load_iteration.h"
 #include "time_stepping/recorded_problem.h"
@@ -33,9 +34,8 @@ namespace gelenk {
 
 class TimeStepper final : public ContactReadings {
  public:
-  // All must outlive it. loads: with the laws of contacts. cone_tolerance: residual of velocities, relative to the
-  // largest one.
-  TimeStepper(const Mechanism& mechanism, Dynamics& dynamics, const Loads& loads, double cone_tolerance);
+  // All must outlive it. loads: with the laws of contacts.
+  TimeStepper(const Mechanism& mechanism, Dynamics& dynamics, const Loads& loads, ImpulseAccuracy accuracy);
   ~TimeStepper();
   TimeStepper(const TimeStepper&) = delete;
   TimeStepper& operator=(const TimeStepper&) = delete;
@@ -131,6 +131,7 @@ class TimeStepper final : public ContactReadings {
   void set_velocities(double h, double part);
   void add_gaps(double h);
   void guess(double h);
+  double fastest() const;
   double velocity_tolerance() const;
   void solve_impulses();
   void solve(const std::vector<Cone>& cones, std::vector<double>& x);
@@ -152,7 +153,7 @@ class TimeStepper final : public ContactReadings {
   const Mechanism& mechanism_;
   Dynamics& dynamics_;
   const Loads& loads_;
-  double cone_tolerance_;
+  ImpulseAccuracy accuracy_;
   ContactRows& rows_;
   ContactFinder finder_;
   FreeRotation rotation_;

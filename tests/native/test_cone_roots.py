@@ -131,3 +131,52 @@ def test_the_same_problems_give_the_same_bits(units: Any) -> None:
             max_iterations=500,
         )
     assert last.x == first.x
+
+
+def block_diagonal(parts: list[Array]) -> Array:
+    out = np.zeros((sum(len(p) for p in parts), sum(p.shape[1] for p in parts)))
+    row = column = 0
+    for part in parts:
+        out[row : row + len(part), column : column + part.shape[1]] = part
+        row += len(part)
+        column += part.shape[1]
+    return out
+
+
+@pytest.mark.parametrize("with_root", [False, True])
+@pytest.mark.parametrize("boxes", [(2, 3, 1), (2, 20)])  # 12 rows each: the last one is beyond 200
+def test_parts_that_do_not_act_on_each_other_are_solved_apart(
+    units: Any, boxes: tuple[int, ...], with_root: bool
+) -> None:
+    """As alone, to the bit, although contacts of different towers take turns."""
+    problems = [stack(n, seed, 0.3) for seed, n in enumerate(boxes)]
+    b = np.concatenate([of_part for _, of_part in problems])
+    contacts = np.arange(len(b)).reshape(-1, 3)
+    order = np.random.default_rng(0).permutation(len(contacts))
+    rows = contacts[order].ravel()
+    options = {"tolerance": TOLERANCE, "max_iterations": 500}
+
+    def cones(n: int) -> list[Any]:
+        return [units.Cone.contact(3 * i, MU) for i in range(n // 3)]
+
+    def solved(rows: Array) -> Any:
+        start = [0.0] * len(rows)
+        if with_root:
+            W = block_diagonal([stack_root(n) for n in boxes])[rows]
+            return units.ConeSolver("hybrid").solve_root(
+                W.tolist(), list(b[rows]), cones(len(rows)), start, **options
+            )
+        G = block_diagonal([G for G, _ in problems])[np.ix_(rows, rows)]
+        return units.ConeSolver("hybrid").solve(G.tolist(), list(b[rows]), cones(len(rows)), start, **options)
+
+    together = solved(rows)
+    tower = np.repeat(np.arange(len(boxes)), [12 * n for n in boxes])
+    results = []
+    for part in range(len(boxes)):
+        of_part = tower[rows] == part
+        alone = solved(rows[of_part])
+        np.testing.assert_array_equal(np.array(together.x)[of_part], alone.x)
+        results.append(alone)
+    assert together.residual == max(of.residual for of in results)
+    assert together.iterations == max(of.iterations for of in results)
+    assert together.products == sum(of.products for of in results)

@@ -10,7 +10,13 @@ namespace gelenk {
 
 class DisjointSets {
  public:
-  explicit DisjointSets(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0); }
+  explicit DisjointSets(std::size_t n) { reset(n); }
+
+  // Each number on its own. Allocates nothing for no more numbers than before.
+  void reset(std::size_t n) {
+    parent_.resize(n);
+    std::iota(parent_.begin(), parent_.end(), 0);
+  }
 
   // The representative of the set of i.
   int find(int i) {

@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "complementarity/independent_parts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+namespace gelenk {
+namespace {
+
+// Unknowns of a part up to which it has a matrix, where the whole has only a root (as DelassusOperator chooses).
+constexpr int most_with_matrix = 200;
+
+// Whether they follow each other without gaps, as ConeProblem asks.
+bool fits(const ConeProblem& problem) {
+  int next = 0;
+  for (const Cone& cone : problem.cones) {
+    if (cone.first != next) return false;
+    next += cone.size();
+  }
+  return next == problem.G.size() && problem.b.size() == static_cast<std::size_t>(next);
+}
+
+}  // namespace
+
+void PartOfOperator::restrict(const ConeOperator& whole, std::span<const int> unknowns) {
+  size_ = static_cast<int>(unknowns.size());
+  first_.clear();
+  const double* const all = whole.dense();
+  is_dense_ = all != nullptr || size_ <= most_with_matrix;
+  if (is_dense_) numbers_.resize(unknowns.size() * unknowns.size());
+  if (all == nullptr) {
+    take_root(whole.root(), unknowns);
+    if (is_dense_) multiply_root();
+    return;
+  }
+  const auto n = static_cast<std::size_t>(whole.size());
+  std::size_t k = 0;
+  for (const int j : unknowns) {
+    for (const int i : unknowns) numbers_[k++] = all[n * static_cast<std::size_t>(j) + static_cast<std::size_t>(i)];
+  }
+}
+
+// Without the rows that none of the unknowns reaches.
+void PartOfOperator::take_root(const ConeRoot& of, std::span<const int> unknowns) {
+  number_of_row_.assign(static_cast<std::size_t>(of.rows), -1);
+  const auto entries = [&](int unknown) {
+    const auto begin = static_cast<std::size_t>(of.first[static_cast<std::size_t>(unknown)]);
+    const auto end = static_cast<std::size_t>(of.first[static_cast<std::size_t>(unknown) + 1]);
+    return std::pair(begin, end);
+  };
+  for (const int unknown : unknowns) {
+    const auto [begin, end] = entries(unknown);
+    for (std::size_t k = begin; k < end; ++k) number_of_row_[static_cast<std::size_t>(of.row[k])] = 0;
+  }
+  rows_ = 0;
+  for (int& number : number_of_row_) {
+    if (number == 0) number = rows_++;
+  }
+  row_.clear();
+  value_.clear();
+  first_.assign(1, 0);
+  for (const int unknown : unknowns) {
+    const auto [begin, end] = entries(unknown);
+    for (std::size_t k = begin; k < end; ++k) {
+      row_.push_back(number_of_row_[static_cast<std::size_t>(of.row[k])]);
+      value_.push_back(of.value[k]);
+    }
+    first_.push_back(static_cast<int>(row_.size()));
+  }
+  image_.resize(static_cast<std::size_t>(rows_));
+}
+
+ConeRoot PartOfOperator::root() const {
+  if (first_.empty()) return {};
+  return {rows_, first_, row_, value_};
+}
+
+// Of columns of the root, whose rows ascend.
+double PartOfOperator::product(int i, int j) const {
+  auto a = static_cast<std::size_t>(first_[static_cast<std::size_t>(i)]);
+  auto b = static_cast<std::size_t>(first_[static_cast<std::size_t>(j)]);
+  const auto end_a = static_cast<std::size_t>(first_[static_cast<std::size_t>(i) + 1]);
+  const auto end_b = static_cast<std::size_t>(first_[static_cast<std::size_t>(j) + 1]);
+  double sum = 0;
+  while (a < end_a && b < end_b) {
+    if (row_[a] == row_[b]) {
+      sum += value_[a++] * value_[b++];
+    } else {
+      ++(row_[a] < row_[b] ? a : b);
+    }
+  }
+  return sum;
+}
+
+void PartOfOperator::multiply_root() {
+  Eigen::Map<Eigen::MatrixXd> G(numbers_.data(), size_, size_);
+  for (int j = 0; j < size_; ++j) {
+    for (int i = 0; i <= j; ++i) G(i, j) = G(j, i) = product(i, j);
+  }
+}
+
+void PartOfOperator::apply(const double* x, double* y) const {
+  if (is_dense_) {
+    Eigen::Map<Eigen::VectorXd>(y, size_).noalias() =
+        Eigen::Map<const Eigen::MatrixXd>(numbers_.data(), size_, size_) * Eigen::Map<const Eigen::VectorXd>(x, size_);
+    return;
+  }
+  std::ranges::fill(image_, 0.0);
+  const auto each_entry = [&](int j, auto&& take) {
+    const auto end = static_cast<std::size_t>(first_[static_cast<std::size_t>(j) + 1]);
+    for (auto k = static_cast<std::size_t>(first_[static_cast<std::size_t>(j)]); k < end; ++k)
+      take(image_[static_cast<std::size_t>(row_[k])], value_[k]);
+  };
+  for (int j = 0; j < size_; ++j) each_entry(j, [&](double& at, double value) { at += value * x[j]; });
+  for (int j = 0; j < size_; ++j) {
+    y[j] = 0;
+    each_entry(j, [&](double at, double value) { y[j] += value * at; });
+  }
+}
+
+void PartOfOperator::diagonal_block(const Cone& cone, double* out) const {
+  const int n = cone.size();
+  for (int i = 0; i < n; ++i) {
+    for (int j = 0; j < n; ++j) {
+      const int row = cone.first + i;
+      const int column = cone.first + j;
+      *out++ = is_dense_ ? numbers_[static_cast<std::size_t>(column) * static_cast<std::size_t>(size_) +
+                                    static_cast<std::size_t>(row)]
+                         : product(row, column);
+    }
+  }
+}
+
+void IndependentParts::join_by_matrix(const ConeProblem& problem) {
+  const auto n = static_cast<std::size_t>(problem.G.size());
+  const double* const G = problem.G.dense();
+  const auto act = [&](const Cone& a, const Cone& b) {
+    for (int j = a.first; j < a.first + a.size(); ++j) {
+      const double* const column = G + n * static_cast<std::size_t>(j);
+      if (std::any_of(column + b.first, column + b.first + b.size(), [](double g) { return g != 0; })) return true;
+    }
+    return false;
+  };
+  for (std::size_t a = 0; a < problem.cones.size(); ++a) {
+    for (std::size_t b = a + 1; b < problem.cones.size(); ++b) {
+      const int i = static_cast<int>(a);
+      const int k = static_cast<int>(b);
+      if (sets_.find(i) != sets_.find(k) && act(problem.cones[a], problem.cones[b])) sets_.join(i, k);
+    }
+  }
+}
+
+// Columns of the root that have entries in a common row.
+void IndependentParts::join_by_root(const ConeProblem& problem) {
+  const ConeRoot root = problem.G.root();
+  cone_of_row_.assign(static_cast<std::size_t>(root.rows), -1);
+  for (std::size_t c = 0; c < problem.cones.size(); ++c) {
+    const Cone& cone = problem.cones[c];
+    const auto first = static_cast<std::size_t>(root.first[static_cast<std::size_t>(cone.first)]);
+    const auto end = static_cast<std::size_t>(root.first[static_cast<std::size_t>(cone.first + cone.size())]);
+    for (std::size_t k = first; k < end; ++k) {
+      int& other = cone_of_row_[static_cast<std::size_t>(root.row[k])];
+      if (other >= 0) sets_.join(other, static_cast<int>(c));
+      other = static_cast<int>(c);
+    }
+  }
+}
+
+// Lists the cones of each part, in the order of their first ones; returns false if there is only one part.
+bool IndependentParts::divide(const ConeProblem& problem) {
+  sets_.reset(problem.cones.size());
+  if (problem.G.dense() != nullptr) {
+    join_by_matrix(problem);
+  } else if (!problem.G.root().first.empty()) {
+    join_by_root(problem);
+  } else {
+    return false;
+  }
+  int parts = 0;
+  number_.assign(problem.cones.size(), -1);
+  by_part_.clear();
+  for (int c = 0; c < static_cast<int>(problem.cones.size()); ++c) {
+    int& number = number_[static_cast<std::size_t>(sets_.find(c))];
+    if (number < 0) number = parts++;
+    by_part_.emplace_back(number, c);
+  }
+  std::ranges::sort(by_part_);
+  return parts > 1;
+}
+
+// cones: some of by_part_.
+ConeResult IndependentParts::solve_part(const ConeProblem& problem, const ConeOptions& options,
+                                        std::span<const std::pair<int, int>> cones) {
+  unknowns_.clear();
+  cones_.clear();
+  b_.clear();
+  x_.clear();
+  for (const auto& [part, number] : cones) {
+    const Cone& cone = problem.cones[static_cast<std::size_t>(number)];
+    cones_.push_back(cone);
+    cones_.back().first = static_cast<int>(unknowns_.size());
+    for (int unknown = cone.first; unknown < cone.first + cone.size(); ++unknown) {
+      unknowns_.push_back(unknown);
+      b_.push_back(problem.b[static_cast<std::size_t>(unknown)]);
+      x_.push_back(found_[static_cast<std::size_t>(unknown)]);
+    }
+  }
+  operator_.restrict(problem.G, unknowns_);
+  const ConeResult result = of_parts_->solve({operator_, b_, cones_, problem.exact_coulomb}, options, x_.data());
+  for (std::size_t i = 0; i < unknowns_.size(); ++i) found_[static_cast<std::size_t>(unknowns_[i])] = x_[i];
+  return result;
+}
+
+ConeResult IndependentParts::solve(const ConeProblem& problem, const ConeOptions& options, double* x) {
+  if (options.observer != nullptr || problem.cones.size() < 2 || !fits(problem) || !divide(problem))
+    return of_parts_->solve(problem, options, x);
+  found_.assign(x, x + problem.G.size());
+  ConeResult out{.converged = true};
+  const std::span<const std::pair<int, int>> all(by_part_);
+  for (std::size_t first = 0; first < all.size();) {
+    std::size_t end = first;
+    while (end < all.size() && all[end].first == all[first].first) ++end;
+    const ConeResult result = solve_part(problem, options, all.subspan(first, end - first));
+    out.residual = std::max(out.residual, result.residual);
+    out.iterations = std::max(out.iterations, result.iterations);
+    out.products += result.products;
+    out.converged = out.converged && result.converged;
+    first = end;
+  }
+  if (std::isfinite(out.residual)) std::ranges::copy(found_, x);
+  return out;
+}
+
+}  // namespace gelenk
