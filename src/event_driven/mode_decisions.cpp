@@ -66,7 +66,9 @@ ModeDecisions::Modes ModeDecisions::find(double t, const double* y, Asked asked,
   }
   dynamics_.set_position(y);
   joints_.begin(t, y);
-  if (asks_contacts || !joints_.problem().locks.empty()) equations_.accelerations_at(t, y, vdot_.data());
+  // What an engaged latch holds is not decided on, but stopped with these factors, too.
+  if (asks_contacts || !joints_.problem().locks.empty() || modes_.any_at_rest())
+    equations_.accelerations_at(t, y, vdot_.data());
   if (asks_contacts && joints_.add_returning(y, vdot_.data())) equations_.accelerations_at(t, y, vdot_.data());
   outcome_ = ContactDecision::Outcome::found;
   decided_candidate_ = -1;

@@ -84,12 +84,14 @@ void TimeStepper::add_wrench(const NearPoint& point, const Spatial::Force& on_b,
   out[static_cast<std::size_t>(point.link_a)] -= wrench;
 }
 
+// What solvers leave of velocities that should be zero: a part of the largest one.
+double TimeStepper::left_speed() const { return std::max(rest_speed, left_tolerances * velocity_tolerance()); }
+
 void TimeStepper::remember(double h) {
   for (Spatial::Force& wrench : state_.wrenches) wrench = {};
   for (ContactSum& contact : state_.sums) contact = {};
   rows_.speeds(v1_.data(), free_speeds_.data());
-  // Solvers leave a part of the largest velocity.
-  const double slow = std::max(rest_speed, left_tolerances * velocity_tolerance());
+  const double slow = left_speed();
   last_contacts_.swap(state_.contacts);
   state_.contacts.clear();
   for (std::size_t i = 0; i < points_.size(); ++i) {

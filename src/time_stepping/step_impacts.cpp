@@ -46,7 +46,7 @@ double TimeStepper::approach(std::size_t cone) const {
 // it were only braked so that it closes its gap at the end of the step, and stopped in the next one, friction would act
 // on two parts of the impulse, which is not the same as on the whole one, and depends on when in the step it strikes;
 // and friction of joints that depends on loads would take the impulse for a load. By Poisson's law even what rests may
-// throw back what strikes another.
+// throw back what strikes another. A latch that is engaged in motion strikes, too.
 void TimeStepper::find_strikes(double h) {
   strikes_.assign(cones_.size(), 0);
   strikes_any_ = has_compression_ = false;
@@ -60,17 +60,33 @@ void TimeStepper::find_strikes(double h) {
     any_poisson = any_poisson || (at.poisson && at.restitution > 0);
   }
   for (std::size_t i = 0; i < cones_.size() && !strikes_any_; ++i) {
+    strikes_any_ = engages(i);
     const Restitution::Struck at = restitution_of(i);
     const double least = at.restitution > 0 ? rest_speed : std::max(rest_speed, fall);
     const bool strikes = at.restitution > 0 || cones_[i].size() > 1 || any_poisson || joints_.have_loads();
-    strikes_any_ = strikes && at.approach > least && reaches(i, h / 2);
+    strikes_any_ = strikes_any_ || (strikes && at.approach > least && reaches(i, h / 2));
   }
   if (!strikes_any_) return;
   for (std::size_t i = 0; i < cones_.size(); ++i) {
-    strikes_[i] = reaches(i, (0.5 + together) * h) ? 1 : 0;
-    if (strikes_[i] != 0) restitution_.add(restitution_of(i));
+    const bool reached = reaches(i, (0.5 + together) * h);
+    strikes_[i] = reached || engages(i) ? 1 : 0;
+    if (reached) restitution_.add(restitution_of(i));
   }
   if (restitution_.needs_compression()) find_compression();
+}
+
+// Whether it is of the latch of a joint that moves, by more than what solvers leave: an engaged one has ended its motion.
+bool TimeStepper::engages(std::size_t cone) const {
+  if (cone < points_.size() || !joints_[cone - points_.size()].is_latch) return false;
+  const SwitchingForces& forces = dynamics_.switching_forces();
+  const int joint = forces.lock(joints_[cone - points_.size()].lock).latched_joint;
+  const double slow = left_speed();
+  for (std::size_t i = 0; i < joints_.count(); ++i) {
+    const JointRows::Row& row = joints_[i];
+    if (!row.is_latch || forces.lock(row.lock).latched_joint != joint) continue;
+    if (std::abs(speeds_[static_cast<std::size_t>(cones_[points_.size() + i].first)]) > slow) return true;
+  }
+  return false;
 }
 
 // Whether it was struck without restitution and does not leave, at the speeds free_speeds_ after the step.

@@ -17,6 +17,8 @@ ROUNDING, STEPS_ROUNDING = 1e-6, 1e-2
 MOVES, STEPS_MOVES = 1e-4, 0.05  # rad/s, m/s
 PENETRATION = 1e-7  # rad, m
 AT_LIMIT = 1e-6  # rad, m; rad/s, m/s
+ENGAGES = 0.5
+VELOCITIES_OF_FREE = [f"{x}[{i}]" for x in "vw" for i in (1, 2, 3)]
 LONGEST_STEP = 5e-4  # s: half of solver.step, of `auto`
 
 
@@ -27,6 +29,8 @@ def _effort(joint: dict[str, Any]) -> str:
 def outputs_of_laws(trial: Trial) -> list[str]:
     out = []
     for name, joint in trial.scene["joints"].items():
+        if "lock" in joint:
+            out.append(f"{name}.lock.mode")
         for law in ("friction", "limit", "one_way"):
             if law in joint:
                 out += [f"{name}.{law}.{_effort(joint)}", f"{name}.{law}.mode"]
@@ -100,6 +104,8 @@ class Moment:
 
     def broken(self) -> Iterator[str]:
         for name, joint in self.trial.scene["joints"].items():
+            if "lock" in joint:
+                yield from self.lock(name)
             if joint["type"] not in COORDINATES:
                 continue
             q, v = (self.motion[f"{name}.{x}"] for x in COORDINATES[joint["type"]])
@@ -115,6 +121,16 @@ class Moment:
             gap = self.forces[f"{name}.gap"]
             if gap < -PENETRATION or not np.isfinite(gap):
                 yield f"{name}.gap is {gap:.6g}"
+
+    def lock(self, name: str) -> Iterator[str]:
+        """It is engaged where its input says so, and then the joint is at rest."""
+        course = self.trial.inputs.get(f"{name}.lock.engagement")
+        engaged = course is None or value_before(course, self.t) > ENGAGES
+        if (self.forces[f"{name}.lock.mode"] == 1) != engaged:
+            yield f"{name}.lock is {'released' if engaged else 'engaged'}, against its input,"
+        speeds = [self.motion.get(f"{name}.{x}", 0.0) for x in ("v", "w", *VELOCITIES_OF_FREE)]
+        if engaged and max(map(abs, speeds)) > self.moves:
+            yield f"{name}.lock is engaged, but moves with {max(map(abs, speeds)):.6g}"
 
     def lossy(self) -> set[str]:
         """Joints with friction of gears, which depends on their torques."""

@@ -3,7 +3,7 @@
 
 A scene consists of one to three parts: a chain of joints, a closed loop, geared shafts, a wheel with a brake,
 a thrown body, a body driven by its position. Joints have dry friction, clutches, limits, one-way clutches,
-stops and springs; bodies touch the ground. Inputs jump, or follow polynomials whose derivatives are given.
+stops and springs, some of them locks; bodies touch the ground. Inputs jump, or follow polynomials whose derivatives are given.
 """
 
 from __future__ import annotations
@@ -15,10 +15,16 @@ import numpy as np
 
 from .elements import COORDINATES, Elements, SceneData, Trial
 
+FIRST_WITH_LOCKS = 40_000  # scenes before remain what they were
+
 
 def drawn(seed: int) -> Trial:
     """Return the trial with this number; always the same."""
-    return Draw(np.random.default_rng([4105, seed])).trial()
+    draw = Draw(np.random.default_rng([4105, seed]))
+    trial = draw.trial()
+    if seed >= FIRST_WITH_LOCKS:
+        draw.locks(trial)
+    return trial
 
 
 class Draw(Elements):

@@ -92,12 +92,7 @@ class Elements:
     def course(self, sizes: tuple[float, ...], *, jumps: bool = True) -> Course:
         """Jumps between values of these sizes, a ramp between them, or a sine with its derivatives."""
         kind = self.one_of(("held", "held", "ramp", "sine")) if jumps else "sine"
-        count = int(self.rng.integers(1, 5))
-        knots = (
-            0.0,
-            *sorted({round(STEP * int(k), 3) for k in self.rng.integers(1, self.points, count - 1)} - {0.0}),
-        )
-        levels = [float(self.one_of(sizes)) for _ in range(len(knots) + 1)]
+        knots, levels = self.knots_and_levels(sizes)
         if kind == "held":
             return Course(knots, tuple((level,) for level in levels[:-1]))
         ends = [*knots[1:], self.points * STEP]
@@ -116,6 +111,18 @@ class Elements:
                 for t in times
             ),
         )
+
+    def held(self, sizes: tuple[float, ...]) -> Course:
+        """Jumps between values of these sizes."""
+        knots, levels = self.knots_and_levels(sizes)
+        return Course(knots, tuple((level,) for level in levels[:-1]))
+
+    def knots_and_levels(self, sizes: tuple[float, ...]) -> tuple[tuple[float, ...], list[float]]:
+        """Up to four knots, and a level of these sizes at each of them and at the end."""
+        count = int(self.rng.integers(1, 5))
+        later = {round(STEP * int(k), 3) for k in self.rng.integers(1, self.points, count - 1)} - {0.0}
+        knots = (0.0, *sorted(later))
+        return knots, [float(self.one_of(sizes)) for _ in range(len(knots) + 1)]
 
     def motor(self, joint: str, force: float) -> None:
         self.motors[f"M{joint}"] = {"joint": joint}
@@ -147,6 +154,18 @@ class Elements:
             out |= {"stiffness": force * self.number(1, 1000), "spring_reference": self.one_of((0.0, 0.2))}
         if self.chance(0.25):
             out["damping"] = force * self.number(0.01, 1)
+
+    def locks(self, trial: Trial) -> None:
+        """Locks of some joints, engaged and released at knots, but not of those that a motion moves."""
+        driven = {c["joint"] for c in self.constraints.values() if c["type"] == "motion"}
+        free = [name for name in trial.scene["joints"] if name not in driven]
+        chosen = [name for name in free if self.chance(0.4)] or [self.one_of(free)] if free else []
+        for name in chosen:
+            course = self.held((0.0, 1.0, 1.0, 0.3, 20.0, -1.0))
+            trial.scene["joints"][name]["lock"] = {"input": "engagement"}
+            if course.values[0][0] > 0.5 and self.chance(0.7):
+                trial.scene["joints"][name]["lock"]["engaged"] = True
+            trial.inputs[f"{name}.lock.engagement"] = course
 
     def friction(self, joint: str, force: float) -> SceneData:
         coulomb = self.number(0.05, 3) * force

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from .compare import Comparison, Finding
 from .elements import Course, Trial
 
-SETTINGS = ("friction", "limit", "one_way", "stop", "stiffness", "spring_reference", "damping")
+SETTINGS = ("lock", "friction", "limit", "one_way", "stop", "stiffness", "spring_reference", "damping")
 DETAILS = ("static", "stribeck", "exponent", "input", "restitution", "lower", "upper", "rolling")
 
 
@@ -84,9 +84,9 @@ def completed(trial: Trial) -> Trial:
         name
         for name in trial.inputs
         if name.partition(".")[0] in {**scene.get("motors", {}), **scene.get("constraints", {})}
-        or (
-            "friction" in name
-            and "input" in scene["joints"].get(name.partition(".")[0], {}).get("friction", {})
+        or any(
+            f".{law}." in name and "input" in scene["joints"].get(name.partition(".")[0], {}).get(law, {})
+            for law in ("friction", "lock")
         )
     }
     trial.inputs = {name: course for name, course in trial.inputs.items() if name in known}

@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Locks of joints beside other locks, losses of gears and limits, where what they hold and strike meets."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from mechanisms import Scene, body, frame, joint, rod, scene
+from models.locks import LOCK, started
+from models.running import assert_close
+
+CORNERS = ((0.54, 0.84), (-0.81, 0.59), (-0.97, -0.22), (-0.28, -0.96), (0.85, -0.53), (1.2, 0.1))  # m
+
+
+def closed_chain() -> Scene:
+    """Five rods between two points of the ground, with a lock in each joint of the tree."""
+    bodies, joints = {}, {}
+    parent, heading = frame("ground", (*CORNERS[0], 0)), 0.0
+    for i, (a, b) in enumerate(zip(CORNERS, CORNERS[1:], strict=False)):
+        x, y = np.subtract(b, a)
+        length, angle = float(np.hypot(x, y)), float(np.arctan2(y, x))
+        bodies[f"b{i}"] = rod(1 + 0.3 * i, length)
+        start = {"phi": angle - heading} | ({"w": 1.0, "fixed": True} if i == 0 else {})
+        joints[f"J{i}"] = joint("revolute", parent, frame(f"b{i}"), start=start, lock=LOCK)
+        parent, heading = frame(f"b{i}", (length, 0, 0)), angle
+    joints["closing"] = joint("revolute", frame("ground", (*CORNERS[-1], 0)), parent)
+    return scene(bodies, joints, gravity=[0, -9.81, 0])
+
+
+@pytest.mark.parametrize("integrator", ["erk", "dirk", "cvode", "ida"])
+def test_restored_in_another_instance_where_one_of_two_locks_is_released(integrator: str) -> None:
+    """What remains locked is stopped with the factors of this position, not with those of a former one."""
+    plant = started(closed_chain(), integrator, 1e-8)
+    for t, inputs in (
+        (0.2, {"J3": 1.0}),
+        (0.4, {"J1": 1.0}),
+        (0.6, {"J3": 0.0}),
+        (0.8, {"J1": 0.0, "J3": 1.0}),
+        (1.0, {"J1": 1.0}),
+    ):
+        plant.step_to(t)
+        for name, value in inputs.items():
+            plant.set_input(f"{name}.lock.engagement", value)
+        other = started(closed_chain(), integrator, 1e-8)
+        other.restore(plant.save())
+        for each in (plant, other):
+            each.step_to(t + 0.1)
+        np.testing.assert_array_equal(other.values(), plant.values())
+
+
+MOMENTS = {"a": 0.98, "b": 0.27, "c": 0.2}  # kg m2
+
+
+def geared(efficiency: float, engaged: bool) -> Scene:
+    """Two shafts with a gear at rest, and a disk on the second one that turns."""
+    at = {"axis": [1, 0, 0]}
+    return scene(
+        {name: body(1, inertia=(moment,) * 3) for name, moment in MOMENTS.items()},
+        {
+            "A": joint(
+                "revolute",
+                frame("ground"),
+                frame("a"),
+                start={"w": 0.0, "fixed": True},
+                friction={"coulomb": 0.0},
+                **at,
+            ),
+            "B": joint("revolute", frame("ground", (0, 1, 0)), frame("b"), **at),
+            "C": joint(
+                "revolute",
+                frame("b"),
+                frame("c"),
+                start={"w": 1.0, "fixed": True},
+                lock={**LOCK, "engaged": engaged},
+                **at,
+            ),
+        },
+        constraints={"g": {"type": "gear", "joint": "A", "with": "B", "ratio": 1.0, "efficiency": efficiency}},
+    )
+
+
+@pytest.mark.parametrize("integrator", ["erk", "cvode", "moreau-jean"])
+@pytest.mark.parametrize("efficiency", [0.4, 0.9])
+@pytest.mark.parametrize("engaged", [True, False])
+def test_losses_of_gears_do_not_feel_the_impulses(integrator: str, efficiency: float, engaged: bool) -> None:
+    """A self-locking gear is set in motion by the impact as one without losses, and turns on without a load."""
+    solver = {"step": 1e-3} if integrator == "moreau-jean" else {}
+    plant = started(geared(efficiency, engaged), integrator, 1e-9, **solver)
+    if not engaged:
+        plant.step_to(0.01)
+        plant.set_input("C.lock.engagement", 1.0)
+    plant.step_to(0.02)
+    common = MOMENTS["c"] / sum(MOMENTS.values())
+    assert_close("A.w", plant.output("A.w"), common, 1e-12, "rounding")
+    plant.step_to(0.05)
+    assert_close("A.w", plant.output("A.w"), common, 1e-12, "rounding")
+    assert_close("C.w", plant.output("C.w"), 0, 1e-12, "rounding")
