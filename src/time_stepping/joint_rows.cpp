@@ -207,6 +207,22 @@ bool JointRows::any_stops(const double* v1) const {
   });
 }
 
+bool JointRows::find_engaged(const double* v, double residual, char* found) const {
+  const double slow = std::max(rest_speed, left_tolerances * residual);
+  bool any = false;
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    if (!rows_[i].is_latch) continue;
+    const int joint = switching_.lock(rows_[i].lock).latched_joint;
+    const bool moves = std::ranges::any_of(rows_, [&](const Row& other) {
+      return other.is_latch && switching_.lock(other.lock).latched_joint == joint &&
+             std::abs(switching_.speed(other.lock, v)) > slow;
+    });
+    if (moves) found[i] = 1;
+    any = any || moves;
+  }
+  return any;
+}
+
 // What has stopped at a bound is in contact with it. At rest, a limit pushes, and what pulls is friction.
 void JointRows::remember(double h, const double* v1, const double* x, std::span<const Cone> cones,
                          std::vector<LockForces>& out) const {

@@ -66,6 +66,9 @@ class JointRows {
   void add_reached_limits(const double* x, std::span<const Cone> cones, std::vector<int>& out) const;
   // Whether anything that slides is at rest with these velocities.
   bool any_stops(const double* v1) const;
+  // By row: found <- 1 for those of latches whose joints move by more than solutions with this residual leave: they
+  // have been engaged since the last step, which would have ended the motion. Returns whether there are any.
+  bool find_engaged(const double* v, double residual, char* found) const;
 
   // out: by lock, the mean forces over the step with the impulses x, and the modes at its end, with velocities v1.
   void remember(double h, const double* v1, const double* x, std::span<const Cone> cones,

@@ -19,9 +19,6 @@ constexpr double missed_tolerances = 10;
 // five digits of how the light one does, so that no later step finds its impulses either. Below it, what solvers miss
 // is shown by their residual.
 constexpr double hiding_ratio = 1e11;
-// Tangential velocities that solutions leave where points stick, in units of the residual that users permit: they add
-// up over steps in which it is not exceeded.
-constexpr double left_tolerances = 10;
 // Openings up to this are rounding of gaps, and what solvers leave of velocities [natural units of length].
 constexpr double opening_rounding = touch_tolerance / 1000;
 // Gap up to which the force of the last step is still said to act at a point, relative to the smallest shape.
@@ -84,14 +81,12 @@ void TimeStepper::add_wrench(const NearPoint& point, const Spatial::Force& on_b,
   out[static_cast<std::size_t>(point.link_a)] -= wrench;
 }
 
-// What solvers leave of velocities that should be zero: a part of the largest one.
-double TimeStepper::left_speed() const { return std::max(rest_speed, left_tolerances * velocity_tolerance()); }
-
 void TimeStepper::remember(double h) {
   for (Spatial::Force& wrench : state_.wrenches) wrench = {};
   for (ContactSum& contact : state_.sums) contact = {};
   rows_.speeds(v1_.data(), free_speeds_.data());
-  const double slow = left_speed();
+  // Solvers leave a part of the largest velocity.
+  const double slow = std::max(rest_speed, left_tolerances * velocity_tolerance());
   last_contacts_.swap(state_.contacts);
   state_.contacts.clear();
   for (std::size_t i = 0; i < points_.size(); ++i) {

@@ -49,44 +49,28 @@ double TimeStepper::approach(std::size_t cone) const {
 // throw back what strikes another. A latch that is engaged in motion strikes, too.
 void TimeStepper::find_strikes(double h) {
   strikes_.assign(cones_.size(), 0);
-  strikes_any_ = has_compression_ = false;
+  has_compression_ = false;
+  strikes_any_ = joints_.find_engaged(v0_.data(), velocity_tolerance(), strikes_.data() + points_.size());
   const auto reaches = [&](std::size_t i, double time) {
     return gap_of(i).sign != 0 && gap_of(i).gap - time * approach(i) <= touch_tolerance;
   };
   const double fall = steps_of_fall * h * loads_.gravity.norm();
   bool any_poisson = false;
   for (std::size_t i = points_.size(); i < cones_.size(); ++i) {
-    const Restitution::Struck at = restitution_of(i);
-    any_poisson = any_poisson || (at.poisson && at.restitution > 0);
+    any_poisson = any_poisson || (restitution_of(i).poisson && restitution_of(i).restitution > 0);
   }
   for (std::size_t i = 0; i < cones_.size() && !strikes_any_; ++i) {
-    strikes_any_ = engages(i);
     const Restitution::Struck at = restitution_of(i);
     const double least = at.restitution > 0 ? rest_speed : std::max(rest_speed, fall);
     const bool strikes = at.restitution > 0 || cones_[i].size() > 1 || any_poisson || joints_.have_loads();
-    strikes_any_ = strikes_any_ || (strikes && at.approach > least && reaches(i, h / 2));
+    strikes_any_ = strikes && at.approach > least && reaches(i, h / 2);
   }
   if (!strikes_any_) return;
   for (std::size_t i = 0; i < cones_.size(); ++i) {
-    const bool reached = reaches(i, (0.5 + together) * h);
-    strikes_[i] = reached || engages(i) ? 1 : 0;
-    if (reached) restitution_.add(restitution_of(i));
+    if (reaches(i, (0.5 + together) * h)) strikes_[i] = 1;
+    if (strikes_[i] != 0) restitution_.add(restitution_of(i));
   }
   if (restitution_.needs_compression()) find_compression();
-}
-
-// Whether it is of the latch of a joint that moves, by more than what solvers leave: an engaged one has ended its motion.
-bool TimeStepper::engages(std::size_t cone) const {
-  if (cone < points_.size() || !joints_[cone - points_.size()].is_latch) return false;
-  const SwitchingForces& forces = dynamics_.switching_forces();
-  const int joint = forces.lock(joints_[cone - points_.size()].lock).latched_joint;
-  const double slow = left_speed();
-  for (std::size_t i = 0; i < joints_.count(); ++i) {
-    const JointRows::Row& row = joints_[i];
-    if (!row.is_latch || forces.lock(row.lock).latched_joint != joint) continue;
-    if (std::abs(speeds_[static_cast<std::size_t>(cones_[points_.size() + i].first)]) > slow) return true;
-  }
-  return false;
 }
 
 // Whether it was struck without restitution and does not leave, at the speeds free_speeds_ after the step.

@@ -11,6 +11,10 @@ namespace gelenk {
 inline constexpr double negligible_change = 1e-11;
 inline constexpr double residual_floor = 1e-3;
 
+// Velocities that solutions leave where points stick or latches hold, in units of the residual that users permit: they
+// add up over steps in which it is not exceeded.
+inline constexpr double left_tolerances = 10;
+
 // Of a cone problem.
 inline constexpr int most_cone_iterations = 200;
 // Velocities that solutions miss, relative to the largest, beyond which they are none.

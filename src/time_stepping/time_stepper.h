@@ -120,7 +120,6 @@ class TimeStepper final : public ContactReadings {
   Eigen::Vector3d slip(std::size_t point, const std::vector<double>& speeds) const;
   double approach(std::size_t cone) const;
   void find_strikes(double h);
-  bool engages(std::size_t cone) const;
   bool remains_struck(std::size_t cone) const;
   void find_compression();
   bool is_impossible() const;
@@ -134,7 +133,6 @@ class TimeStepper final : public ContactReadings {
   void guess(double h);
   double fastest() const;
   double velocity_tolerance() const;
-  double left_speed() const;
   void solve_impulses();
   void solve(const std::vector<Cone>& cones, std::vector<double>& x);
   bool may_remain_at_rest() const;

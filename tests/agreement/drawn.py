@@ -3,7 +3,8 @@
 
 A scene consists of one to three parts: a chain of joints, a closed loop, geared shafts, a wheel with a brake,
 a thrown body, a body driven by its position. Joints have dry friction, clutches, limits, one-way clutches,
-stops and springs, some of them locks; bodies touch the ground. Inputs jump, or follow polynomials whose derivatives are given.
+stops and springs, some of them locks; bodies touch the ground. Inputs jump, or follow polynomials whose
+derivatives are given.
 """
 
 from __future__ import annotations

@@ -189,7 +189,8 @@ class Differentiator:
             times, self.outputs, self._inputs, self._parameters, np.array(values),
             {name: units[name] for name in self.outputs},
             table[:, :, :n], table[:, :, n : n + m], table[:, :, n + m :],
-            np.array([p.C for p in points]), D[:, :, :m], D[:, :, m:], self._neighbors.start(),
+            np.array([p.C for p in points]), D[:, :, :m], D[:, :, m:],
+            self._neighbors.start(points[0].movable),
         )  # fmt: skip
 
     def _values(self) -> Array:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from gelenk import _core
 from gelenk.errors import AssemblyError, SceneError, SceneWarning, UsageError
 from gelenk.model.scene import Scene
+from gelenk.simulation.derivatives import LOCKED_ROUNDING
 from gelenk.simulation.simulation import Simulation
 
 type Array = NDArray[np.float64]
@@ -97,14 +98,28 @@ class Neighbors:
         labels = [name for name, side in zip(names, self._sides, strict=True) for _ in side.plants]
         self._labels = labels
 
-    def start(self) -> Array:
+    def start(self, movable: Array) -> Array:
         """Return the derivatives of the states at the start, shape (states, parameters).
 
         They contain those of the closed loops.
+
+        Args:
+            movable: changes of the states by their changes; none of a speed that friction, a limit or a lock
+                keeps zero.
+
+        Raises:
+            UsageError: a parameter is such a speed. Another value would end by an impact or by friction.
         """
         found = np.empty((len(self._states), len(self._names)))
+        held = np.abs(movable).max(axis=1, initial=0.0) <= LOCKED_ROUNDING
         for k, side in enumerate(self._sides):
             found[:, k] = side.derivative(side.starts)[0]
+            for i in np.flatnonzero(held & (np.abs(found[:, k]) > LOCKED_ROUNDING)):
+                speed = self._leader._signals[self._states[i]].name
+                raise UsageError(
+                    f"{self._names[k]}: it changes {speed}, which friction, a limit or a lock keeps zero at "
+                    "the start, so that derivatives by it do not exist"
+                )
         return found
 
     def derivatives(self, x: Array) -> tuple[Array, Array]:

@@ -6,7 +6,7 @@ from __future__ import annotations
 import itertools
 import logging
 import warnings
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -170,20 +170,9 @@ def model_at(
     reached.check(found)
     model = _assembled(plant.name, point.time, found, inputs, outputs, states, with_idle)
     model = replace(model, friction=friction)
-    if states is None:
-        model = _without(model, {name for q in found.locked for name in (q, found.rates[q])})
     sizes = len(model.states), len(model.inputs), len(model.outputs)
     log.info("%s: linearized at t = %g s, %d states, %d inputs, %d outputs", model.name, model.time, *sizes)
     return model
-
-
-def _without(model: LinearModel, locked: Collection[str]) -> LinearModel:
-    """Remove states: the coordinates that friction or a limit keeps at rest, and their velocities."""
-    kept = np.array([i for i, name in enumerate(model.states) if name not in locked], int)
-    return replace(
-        model, states=tuple(model.states[i] for i in kept), x0=model.x0[kept], rates=model.rates[kept],
-        A=model.A[np.ix_(kept, kept)], B=model.B[kept], C=model.C[:, kept],
-    )  # fmt: skip
 
 
 def _assembled(
@@ -213,6 +202,7 @@ def _assembled(
     found = found.without(undetermined)
     minimal = MinimalRealization(found.in_own_units())
     check_complete(minimal)
+    minimal.leave_locked()
     spins = [] if with_idle else minimal.idle_rotations
     if outputs is not None and states is None:
         spins = _without_effect(minimal, spins, _indices(y, found.readings))

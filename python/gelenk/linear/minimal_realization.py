@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from gelenk.errors import GelenkError, UsageError
 from gelenk.linear.held_states import holds, independent, permitted, unchanged
 from gelenk.model.values import check_names, unknown
-from gelenk.simulation.derivatives import Derivatives, Quaternion
+from gelenk.simulation.derivatives import LOCKED_ROUNDING, Derivatives, Quaternion
 
 Array = NDArray[np.float64]
 
@@ -119,7 +119,7 @@ class MinimalRealization:
         by_coordinates, by_velocities, by_elements = permitted(
             self._projector(), [name in coordinates for name in names], [name in elements for name in names]
         )
-        locked = [names.index(name) for name in coordinates if name in self.of.locked]
+        locked = [names.index(name) for name in coordinates if name in self.locked]
         by_coordinates = unchanged(by_coordinates, locked)
         chosen = independent(by_coordinates, names, coordinates, lambda _name: True)
         speeds = {self.speed(name) for name in chosen}
@@ -144,6 +144,22 @@ class MinimalRealization:
         x, y, z, s = (self.of.values[n] for n in of.Q)
         G = 0.5 * np.array([[s, -z, y], [z, s, -x], [-y, x, s], [-x, -y, -z]])
         return _Rotation(of, [self._row[n] for n in of.Q], [self._row[n] for n in of.w], G)
+
+    @property
+    def locked(self) -> set[str]:
+        """Names of the coordinates that friction, a limit or a lock holds, and of their velocities."""
+        out = {name for q in self.of.locked for name in (q, self.of.rates[q])}
+        for rotation in self._rotations:
+            # What is at rest keeps no velocity that it is given.
+            if np.abs(self.of.C[rotation.w]).max(initial=0.0) <= LOCKED_ROUNDING:
+                out |= {*rotation.of.theta, *rotation.of.w}
+        return out
+
+    def leave_locked(self) -> None:
+        """Leave out the states that are locked, which remain what they are."""
+        locked = self.locked
+        kept = [i for i, name in enumerate(self.names) if name not in locked]
+        self.names, self.C = tuple(self.names[i] for i in kept), self.C[:, kept]
 
     @property
     def incomplete_joints(self) -> list[str]:
@@ -251,6 +267,11 @@ def chosen_states(
         return [name for name in minimal.names if name not in idle]
     known = minimal.candidates
     check_names(wanted, known, "state", lambda name: _no_state(name, known, minimal.of.quaternions))
+    if held := [name for name in wanted if name in minimal.locked]:
+        raise UsageError(
+            f"states: {', '.join(held)}: found what friction, a limit or a lock holds at the operating "
+            "point, expected states that can change"
+        )
     elements = [name for name in minimal.names if minimal.is_of_element(name)]
     wanted = [name for name in wanted if name not in elements]  # which are all states
     of_motion = [name for name in minimal.names if name not in elements]

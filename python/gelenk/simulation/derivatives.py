@@ -16,6 +16,10 @@ from gelenk.model.values import elements
 
 Array = NDArray[np.float64]
 
+LOCKED_ROUNDING = (
+    1e-10  # of the change of a velocity by itself where friction, a limit or a lock permits none
+)
+
 
 @dataclass(frozen=True)
 class Quaternion:
@@ -61,7 +65,7 @@ class Derivatives:
         values: values of inputs and readings at the operating point.
         rates: name of a reading -> name of the reading that is its time derivative.
         quaternions: quaternions of joints; not all of their components need be readings.
-        locked: coordinates among the states that friction or a limit keeps at rest.
+        locked: coordinates among the states that friction, a limit or a lock keeps at rest; no quaternions.
         units: units of inputs and readings.
         order: minimal number of states of the mechanism; None if unknown.
         scales: the mechanism's own units.

@@ -28,7 +28,7 @@ from gelenk.file_reading import existing
 from gelenk.model.scales import Scales
 from gelenk.model.scene import Scene, load
 from gelenk.model.values import Value, number
-from gelenk.simulation.derivatives import Derivatives, Quaternion, quaternions_of, rates_of
+from gelenk.simulation.derivatives import LOCKED_ROUNDING, Derivatives, Quaternion, quaternions_of, rates_of
 from gelenk.simulation.fmi3 import Slave3
 from gelenk.simulation.fmu_description import (
     annotations_of,
@@ -48,7 +48,6 @@ log = logging.getLogger(__name__)
 
 _WARNING = 1  # fmi2Warning; larger statuses are failures
 _DISCARD = 2  # fmi2Discard: the values are not available
-LOCKED_ROUNDING = 1e-10  # of the change of a velocity with itself where friction or a limit permits none
 
 
 class FmuPlant(Plant):

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
 from mechanisms import Scene, body, frame, joint, rod, scene
@@ -16,7 +18,7 @@ def closed_chain() -> Scene:
     """Five rods between two points of the ground, with a lock in each joint of the tree."""
     bodies, joints = {}, {}
     parent, heading = frame("ground", (*CORNERS[0], 0)), 0.0
-    for i, (a, b) in enumerate(zip(CORNERS, CORNERS[1:], strict=False)):
+    for i, (a, b) in enumerate(itertools.pairwise(CORNERS)):
         x, y = np.subtract(b, a)
         length, angle = float(np.hypot(x, y)), float(np.arctan2(y, x))
         bodies[f"b{i}"] = rod(1 + 0.3 * i, length)
@@ -75,7 +77,9 @@ def geared(efficiency: float, engaged: bool) -> Scene:
                 **at,
             ),
         },
-        constraints={"g": {"type": "gear", "joint": "A", "with": "B", "ratio": 1.0, "efficiency": efficiency}},
+        constraints={
+            "g": {"type": "gear", "joint": "A", "with": "B", "ratio": 1.0, "efficiency": efficiency}
+        },
     )
 
 
@@ -83,7 +87,7 @@ def geared(efficiency: float, engaged: bool) -> Scene:
 @pytest.mark.parametrize("efficiency", [0.4, 0.9])
 @pytest.mark.parametrize("engaged", [True, False])
 def test_losses_of_gears_do_not_feel_the_impulses(integrator: str, efficiency: float, engaged: bool) -> None:
-    """A self-locking gear is set in motion by the impact as one without losses, and turns on without a load."""
+    """A self-locking gear is set in motion as one without losses, and turns on without a load."""
     solver = {"step": 1e-3} if integrator == "moreau-jean" else {}
     plant = started(geared(efficiency, engaged), integrator, 1e-9, **solver)
     if not engaged:

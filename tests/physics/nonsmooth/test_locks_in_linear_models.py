@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Linear models, equilibria, equations and batches of mechanisms with engaged and released locks."""
+"""Linear models, equilibria, derivatives and equations of mechanisms with engaged and released locks."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import warned
 from mechanisms import GRAVITY, Scene, body, frame, joint, scene
 from models.locks import LOCK, started
 from models.running import assert_close
@@ -134,3 +135,86 @@ def test_scenes_with_locks_are_written_as_they_were_read() -> None:
     assert gelenk.load(written).to_dict() == written
     names = [s.name for s in started(source).outputs if ".lock." in s.name]
     assert names == [*(f"B.lock.{k}[{i}]" for k in ("f", "tau") for i in (1, 2, 3)), "B.lock.mode"]
+
+
+@warned.MOVING
+@pytest.mark.parametrize("lock", [{"engaged": True}, LOCK])
+@pytest.mark.parametrize(
+    "kind", ["spherical", "universal", "cylindrical", "planar", "free", "screw", "prismatic"]
+)
+def test_models_of_joints_of_all_types_are_those_of_a_weld(kind: str, lock: dict[str, Any]) -> None:
+    """Rotations of quaternion joints are no states, either; modes have the shapes of all bodies."""
+    source = links(lock)
+    ends = frame("a", (0.6, 0, 0)), frame("b")
+    pitch: dict[str, Any] = {"pitch": 0.1} if kind == "screw" else {}
+    source["joints"]["B"] = joint(kind, *ends, lock=lock, **pitch)
+    values = {} if "engaged" in lock else ENGAGED
+    welded = links(lock)
+    welded["joints"]["B"] = joint("weld", *ends)
+    model, expected = linear_model(source, input_values=values), linear_model(welded)
+    assert model.states == expected.states == ("A.phi", "A.w")
+    np.testing.assert_allclose(model.A, expected.A, atol=1e-13)
+    poles, reference = (
+        np.sort_complex([mode.eigenvalue for mode in gelenk.modes(s, at={"A.w": 0.0}, input_values=u).modes])
+        for s, u in ((source, values), (welded, {}))
+    )
+    np.testing.assert_allclose(poles, reference, atol=1e-12)
+
+
+def test_what_is_held_is_no_state_that_can_be_named() -> None:
+    with pytest.raises(
+        gelenk.UsageError, match=r"states: B\.phi: found what friction, a limit or a lock holds"
+    ):
+        linear_model(links(LOCK), states=["A.phi", "B.phi"], input_values=ENGAGED)
+    assert linear_model(links(LOCK), states=["A.phi"], input_values=ENGAGED).states == ("A.phi", "A.w")
+
+
+@warned.MOVING
+def test_modes_beside_friction_at_rest() -> None:
+    """Those of one pendulum, too: whichever law holds the elbow."""
+    source = links(LOCK)
+    source["joints"]["B"] = source["joints"]["B"] | {"friction": {"coulomb": 100.0}}
+    del source["joints"]["B"]["lock"]
+    held = gelenk.modes(source, at={"A.w": 0.0})
+    locked = gelenk.modes(links(LOCK), at={"A.w": 0.0}, input_values=ENGAGED)
+    np.testing.assert_allclose(
+        [mode.eigenvalue for mode in held.modes], [mode.eigenvalue for mode in locked.modes], atol=1e-12
+    )
+
+
+TIMES = {"stop": 1.0, "step": 0.02}
+ENDS = ("A.phi", "B.phi", "A.w")
+
+
+@pytest.mark.parametrize("by", ["A.phi_start", "B.phi_start", "B.w_start"])
+@pytest.mark.parametrize("rises", [True, False])
+def test_derivatives_across_an_engagement_are_central_differences(by: str, rises: bool) -> None:
+    """At a communication point, by a jump of the input; within a step, by one that rises."""
+    inputs: Any = {"B.lock.engagement": (lambda t: 0.9 * t) if rises else (lambda t: float(t >= 0.5))}
+    source = gelenk.load({**links(LOCK, (0.4, -1.0)), "solver": {"integrator": "erk"}})
+    found = gelenk.sensitivity(source, [by], outputs=list(ENDS), inputs=inputs, **TIMES)
+    value = source.parameters[by]
+    ends = [
+        [
+            gelenk.simulate(source, inputs=inputs, parameters={by: value + side * STEP}, **TIMES)[n][-1]
+            for n in ENDS
+        ]
+        for side in (-1, 1)
+    ]
+    expected = (np.array(ends[1]) - ends[0]) / (2 * STEP)
+    assert_close("by", [found.derivative(n, by=by)[-1] for n in ENDS], expected, 1e-5, "central differences")
+
+
+@pytest.mark.parametrize("held_by", ["lock", "friction"])
+def test_no_derivatives_by_a_speed_that_is_held_at_the_start(held_by: str) -> None:
+    """Otherwise it would appear as that of a motion when the joint is released."""
+    source = links({"input": "engagement", "engaged": True})
+    if held_by == "friction":
+        del source["joints"]["B"]["lock"]
+        source["joints"]["B"]["friction"] = {"coulomb": 100.0}
+    with pytest.raises(
+        gelenk.UsageError, match=r"B\.w_start: it changes B\.w, which friction, a limit or a lock"
+    ):
+        gelenk.sensitivity(source, ["B.w_start"], outputs=["A.phi"], stop=0.1, step=0.02)
+    found = gelenk.sensitivity(source, ["B.phi_start"], outputs=["B.phi"], stop=0.1, step=0.02)
+    assert found.derivative("B.phi", by="B.phi_start")[-1] == pytest.approx(1, rel=1e-9)
