@@ -118,11 +118,12 @@ void ContactMotion::count(RunCounts& counts) const {
       std::ranges::count_if(equations.closed(), [&](int of) { return !equations.candidates()[of].is_given(); });
 }
 
-LawAudit ContactMotion::law_audit() {
+LawAudit ContactMotion::law_audit(std::span<const double> v) {
   LawAudit out;
   if (!steps_used_ || !steps_.are_available()) return out;
   const TimeStepper::Missed& missed = steps_.stepper().missed();
   out.add(missed.excess, {BrokenLaw::Kind::contact_approaches, missed.contact, missed.speed});
+  out.add(audit_latches(dynamics_.switching_forces(), steps_.lock_forces(), v));
   return out;
 }
 

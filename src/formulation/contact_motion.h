@@ -4,6 +4,7 @@
 
 #include <array>
 #include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -53,8 +54,8 @@ class ContactMotion final : public ImpulseEquations {
   // What outputs of contacts show.
   ContactReadings& readings() { return readings_; }
   void count(RunCounts& counts) const;
-  // Of the time steps since the last begin_part(), while steps are used.
-  LawAudit law_audit();
+  // Of the time steps since the last begin_part(), while steps are used; v: the velocities after the last one.
+  LawAudit law_audit(std::span<const double> v);
 
   // At the start of a run.
   void start();

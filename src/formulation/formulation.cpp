@@ -311,7 +311,7 @@ bool Formulation::holds_by_modes() const {
 }
 
 LawAudit Formulation::law_audit(const double* y) {
-  LawAudit out = contacts_.law_audit();
+  LawAudit out = contacts_.law_audit({y + mechanism_.nq, dv_.size()});
   if (!holds_by_modes()) return out;
   if (contacts_.located() != nullptr) out = contacts_.located()->outputs().audit();
   if (!modes_.locks().any_at_rest()) return out;

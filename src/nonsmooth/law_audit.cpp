@@ -11,12 +11,20 @@ namespace {
 constexpr double slacks = 1e4;
 // Speeds up to this, relative to the largest or 1, may have either sign by rounding.
 constexpr double sign_rounding = 1e-8;
+// The same after time steps: far more than solvers leave of speeds.
+constexpr double stepped_rounding = 1e-4;
 // A limit acts within this multiple of what counts as contact with it (some 1e-12); and may be passed by this one,
 // which is as small as errors of positions at common tolerances, by which loops and prescribed motions move it.
 constexpr double distances = 1e4;
 constexpr double passed_distances = 1e6;
 
 using Kind = BrokenLaw::Kind;
+
+double fastest_of(std::span<const double> v) {
+  double out = 1;
+  for (const double speed : v) out = std::max(out, std::abs(speed));
+  return out;
+}
 
 void audit_friction(const SwitchingForces& switching_forces, int i, double friction, double speed, bool moves,
                     double slack, LawAudit& audit) {
@@ -53,9 +61,20 @@ void audit_limit(const SwitchingForces& switching_forces, int i, double force, d
 
 }  // namespace
 
+LawAudit audit_latches(const SwitchingForces& switching_forces, std::span<const LockForces> last,
+                       std::span<const double> v) {
+  const double permitted = stepped_rounding * fastest_of(v);
+  LawAudit audit;
+  for (int i = 0; i < switching_forces.locks(); ++i) {
+    if (!last[static_cast<std::size_t>(i)].is_latched) continue;
+    const double speed = switching_forces.speed(i, v.data());
+    audit.add(std::abs(speed) / permitted, {Kind::latch_moves, switching_forces.lock(i).latch, speed});
+  }
+  return audit;
+}
+
 LawAudit audit_locks(const SwitchingForces& switching_forces, std::span<const double> forces, const double* v, int nv) {
-  double fastest = 1;
-  for (int k = 0; k < nv; ++k) fastest = std::max(fastest, std::abs(v[k]));
+  const double fastest = fastest_of({v, static_cast<std::size_t>(nv)});
   LawAudit audit;
   for (int i = 0; i < switching_forces.locks(); ++i) {
     const SwitchingForces::Lock& lock = switching_forces.lock(i);

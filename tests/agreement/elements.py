@@ -156,12 +156,18 @@ class Elements:
             out["damping"] = force * self.number(0.01, 1)
 
     def locks(self, trial: Trial) -> None:
-        """Locks of some joints, engaged and released at knots, but not of those that a motion moves."""
+        """Locks of some joints, engaged and released at knots.
+
+        Not of those that a motion moves, nor of vertical guides of wheels: nothing determines which part of
+        a load these and the ground bear.
+        """
         driven = {c["joint"] for c in self.constraints.values() if c["type"] == "motion"}
         free = [name for name in trial.scene["joints"] if name not in driven]
         chosen = [name for name in free if self.chance(0.4)] or [self.one_of(free)] if free else []
         for name in chosen:
             course = self.held((0.0, 1.0, 1.0, 0.3, 20.0, -1.0))
+            if name.endswith("z"):
+                continue
             trial.scene["joints"][name]["lock"] = {"input": "engagement"}
             if course.values[0][0] > 0.5 and self.chance(0.7):
                 trial.scene["joints"][name]["lock"]["engaged"] = True

@@ -202,7 +202,8 @@ def _assembled(
     found = found.without(undetermined)
     minimal = MinimalRealization(found.in_own_units())
     check_complete(minimal)
-    minimal.leave_locked()
+    if minimal.locked.isdisjoint(states or ()):
+        minimal.leave_locked()
     spins = [] if with_idle else minimal.idle_rotations
     if outputs is not None and states is None:
         spins = _without_effect(minimal, spins, _indices(y, found.readings))

@@ -267,11 +267,6 @@ def chosen_states(
         return [name for name in minimal.names if name not in idle]
     known = minimal.candidates
     check_names(wanted, known, "state", lambda name: _no_state(name, known, minimal.of.quaternions))
-    if held := [name for name in wanted if name in minimal.locked]:
-        raise UsageError(
-            f"states: {', '.join(held)}: found what friction, a limit or a lock holds at the operating "
-            "point, expected states that can change"
-        )
     elements = [name for name in minimal.names if minimal.is_of_element(name)]
     wanted = [name for name in wanted if name not in elements]  # which are all states
     of_motion = [name for name in minimal.names if name not in elements]

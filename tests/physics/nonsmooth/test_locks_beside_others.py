@@ -11,6 +11,8 @@ from mechanisms import Scene, body, frame, joint, rod, scene
 from models.locks import LOCK, started
 from models.running import assert_close
 
+import gelenk
+
 CORNERS = ((0.54, 0.84), (-0.81, 0.59), (-0.97, -0.22), (-0.28, -0.96), (0.85, -0.53), (1.2, 0.1))  # m
 
 
@@ -99,3 +101,27 @@ def test_losses_of_gears_do_not_feel_the_impulses(integrator: str, efficiency: f
     plant.step_to(0.05)
     assert_close("A.w", plant.output("A.w"), common, 1e-12, "rounding")
     assert_close("C.w", plant.output("C.w"), 0, 1e-12, "rounding")
+
+
+@pytest.mark.parametrize("integrator", ["erk", "moreau-jean"])
+def test_no_scheme_passes_over_a_lock_of_what_a_motion_moves(integrator: str) -> None:
+    """Time steps find no impulses, and say so; released, the run goes on."""
+    turning = scene(
+        {"a": body(1, inertia=(0.5,) * 3), "b": body(1, (0.2, 0, 0), (0.2,) * 3)},
+        {
+            "A": joint("revolute", frame("ground"), frame("a"), lock=LOCK),
+            "B": joint("revolute", frame("a", (0.5, 0, 0)), frame("b")),
+        },
+        constraints={"M": {"type": "motion", "joint": "A", "polynomial": [0, 1.0, 0.5]}},
+    )
+    solver = {"step": 1e-3} if integrator == "moreau-jean" else {}
+    plant = started(turning, integrator, 1e-8, **solver)
+    plant.step_to(0.1)
+    plant.set_input("A.lock.engagement", 1.0)
+    with pytest.raises(
+        gelenk.StepError, match=r"A is locked, where no force can|A\.lock: it is engaged, and the"
+    ):
+        plant.step_to(0.2)
+    plant.set_input("A.lock.engagement", 0.0)
+    plant.step_to(0.2)
+    assert_close("A", plant.output("A.phi"), 0.2 + 0.5 * 0.2**2, 1e-9, "the motion")

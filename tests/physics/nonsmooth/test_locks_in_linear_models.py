@@ -161,11 +161,10 @@ def test_models_of_joints_of_all_types_are_those_of_a_weld(kind: str, lock: dict
     np.testing.assert_allclose(poles, reference, atol=1e-12)
 
 
-def test_what_is_held_is_no_state_that_can_be_named() -> None:
-    with pytest.raises(
-        gelenk.UsageError, match=r"states: B\.phi: found what friction, a limit or a lock holds"
-    ):
-        linear_model(links(LOCK), states=["A.phi", "B.phi"], input_values=ENGAGED)
+def test_what_is_held_is_a_state_if_it_is_named() -> None:
+    named = linear_model(links(LOCK), states=["A.phi", "B.phi"], input_values=ENGAGED)
+    assert named.states == ("A.phi", "B.phi", "A.w", "B.w")
+    np.testing.assert_array_equal(named.A[[1, 3]], 0)
     assert linear_model(links(LOCK), states=["A.phi"], input_values=ENGAGED).states == ("A.phi", "A.w")
 
 
