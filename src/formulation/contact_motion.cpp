@@ -123,7 +123,8 @@ LawAudit ContactMotion::law_audit(std::span<const double> v) {
   if (!steps_used_ || !steps_.are_available()) return out;
   const TimeStepper::Missed& missed = steps_.stepper().missed();
   out.add(missed.excess, {BrokenLaw::Kind::contact_approaches, missed.contact, missed.speed});
-  out.add(audit_latches(dynamics_.switching_forces(), steps_.lock_forces(), v));
+  const JointRows::Moving& moving = steps_.stepper().joints().moving_latch();
+  if (moving.lock >= 0) out.add(audit_latch(dynamics_.switching_forces(), moving.lock, moving.speed, v));
   return out;
 }
 

@@ -11,7 +11,7 @@ namespace {
 constexpr double slacks = 1e4;
 // Speeds up to this, relative to the largest or 1, may have either sign by rounding.
 constexpr double sign_rounding = 1e-8;
-// The same after time steps: far more than solvers leave of speeds.
+// The same in time steps: far more than solvers leave of speeds.
 constexpr double stepped_rounding = 1e-4;
 // A limit acts within this multiple of what counts as contact with it (some 1e-12); and may be passed by this one,
 // which is as small as errors of positions at common tolerances, by which loops and prescribed motions move it.
@@ -61,15 +61,10 @@ void audit_limit(const SwitchingForces& switching_forces, int i, double force, d
 
 }  // namespace
 
-LawAudit audit_latches(const SwitchingForces& switching_forces, std::span<const LockForces> last,
-                       std::span<const double> v) {
-  const double permitted = stepped_rounding * fastest_of(v);
+LawAudit audit_latch(const SwitchingForces& switching_forces, int lock, double speed, std::span<const double> v) {
   LawAudit audit;
-  for (int i = 0; i < switching_forces.locks(); ++i) {
-    if (!last[static_cast<std::size_t>(i)].is_latched) continue;
-    const double speed = switching_forces.speed(i, v.data());
-    audit.add(std::abs(speed) / permitted, {Kind::latch_moves, switching_forces.lock(i).latch, speed});
-  }
+  audit.add(std::abs(speed) / (stepped_rounding * fastest_of(v)),
+            {Kind::latch_moves, switching_forces.lock(lock).latch, speed});
   return audit;
 }
 

@@ -58,8 +58,7 @@ class LawAudit {
 // Of the forces along joints. `switching_forces`: at the state, with velocities v (nv) and with inputs set. forces: by
 // force with modes, in the user's signs, as output.
 LawAudit audit_locks(const SwitchingForces& switching_forces, std::span<const double> forces, const double* v, int nv);
-// Of engaged locks of joints after a time step, whose other laws bound its impulses. last: by lock, as in that step.
-LawAudit audit_latches(const SwitchingForces& switching_forces, std::span<const LockForces> last,
-                       std::span<const double> v);
+// Of an engaged lock of a joint in a time step, whose impulses have left its coordinate this speed; v: all velocities.
+LawAudit audit_latch(const SwitchingForces& switching_forces, int lock, double speed, std::span<const double> v);
 
 }  // namespace gelenk

@@ -225,8 +225,9 @@ bool JointRows::find_engaged(const double* v, double residual, char* found) cons
 
 // What has stopped at a bound is in contact with it. At rest, a limit pushes, and what pulls is friction.
 void JointRows::remember(double h, const double* v1, const double* x, std::span<const Cone> cones,
-                         std::vector<LockForces>& out) const {
+                         std::vector<LockForces>& out) {
   std::ranges::fill(out, LockForces{});
+  moving_latch_ = {};
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     const Row& row = rows_[i];
     const double force = x[cones[i].first] / h;
@@ -236,6 +237,7 @@ void JointRows::remember(double h, const double* v1, const double* x, std::span<
     if (row.is_latch) {
       at.latch = force;
       at.is_latched = true;
+      if (!(std::abs(speed) < std::abs(moving_latch_.speed))) moving_latch_ = {row.lock, speed};
     } else if (row.side == 0) {
       at.friction = force;
       at.motion = rests ? 0 : speed > 0 ? 1 : -1;

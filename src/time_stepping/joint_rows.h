@@ -71,8 +71,14 @@ class JointRows {
   bool find_engaged(const double* v, double residual, char* found) const;
 
   // out: by lock, the mean forces over the step with the impulses x, and the modes at its end, with velocities v1.
-  void remember(double h, const double* v1, const double* x, std::span<const Cone> cones,
-                std::vector<LockForces>& out) const;
+  void remember(double h, const double* v1, const double* x, std::span<const Cone> cones, std::vector<LockForces>& out);
+  // The engaged latch of which the impulses have left the largest speed in the last step, as where a prescribed motion
+  // moves its joint: closing loops afterwards changes speeds by errors of the step alone. lock: -1 without a latch.
+  struct Moving {
+    int lock = -1;
+    double speed = 0;
+  };
+  const Moving& moving_latch() const { return moving_latch_; }
 
  private:
   void add_latch(int lock, ContactRows& rows, std::vector<Cone>& cones);
@@ -88,6 +94,7 @@ class JointRows {
   std::vector<int> beside_;  // by lock: another one of the same coordinate, that of a one-way clutch; -1: there is none
   std::vector<Row> rows_;
   bool are_undefined_ = false;
+  Moving moving_latch_;
 };
 
 }  // namespace gelenk

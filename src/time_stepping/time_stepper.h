@@ -81,6 +81,7 @@ class TimeStepper final : public ContactReadings {
     double excess = 0;  // relative to the speed that is permitted
   };
   const Missed& missed() const { return missed_; }
+  const JointRows& joints() const { return joints_; }
   // Where to append the problems that are solved; null: nowhere.
   void record(std::vector<RecordedProblem>* to) { recorded_ = to; }
   // At the start of each part of a communication step; continues: of a later one.

@@ -7,7 +7,7 @@ import itertools
 
 import numpy as np
 import pytest
-from mechanisms import Scene, body, frame, joint, rod, scene
+from mechanisms import Scene, body, four_bar, frame, joint, rod, scene
 from models.locks import LOCK, started
 from models.running import assert_close
 
@@ -125,3 +125,19 @@ def test_no_scheme_passes_over_a_lock_of_what_a_motion_moves(integrator: str) ->
     plant.set_input("A.lock.engagement", 0.0)
     plant.step_to(0.2)
     assert_close("A", plant.output("A.phi"), 0.2 + 0.5 * 0.2**2, 1e-9, "the motion")
+
+
+@pytest.mark.parametrize("locked", "ABCD")
+def test_time_steps_stop_a_loop_in_motion(locked: str) -> None:
+    """In the step of the impact, closing the loop leaves speeds of first order; later, none."""
+    turning = four_bar()
+    turning["joints"]["A"]["start"]["w"] = 15.0
+    turning["joints"][locked]["lock"] = LOCK
+    plant = started(turning, "moreau-jean", 1e-8, step=1e-3)
+    plant.step_to(0.1)
+    before = plant.diagnostics["energy.kinetic"]
+    plant.set_input(f"{locked}.lock.engagement", 1.0)
+    plant.step_to(0.101)
+    assert plant.diagnostics["energy.kinetic"] < 1e-4 * before
+    plant.step_to(0.2)
+    assert_close("w", [plant.output(f"{name}.w") for name in "ABCD"], 0, 1e-9, "what solvers leave")
