@@ -181,7 +181,7 @@ def test_modes_beside_friction_at_rest() -> None:
     )
 
 
-TIMES = {"stop": 1.0, "step": 0.02}
+TIMES: dict[str, Any] = {"stop": 1.0, "step": 0.02}
 ENDS = ("A.phi", "B.phi", "A.w")
 
 
@@ -192,7 +192,7 @@ def test_derivatives_across_an_engagement_are_central_differences(by: str, rises
     inputs: Any = {"B.lock.engagement": (lambda t: 0.9 * t) if rises else (lambda t: float(t >= 0.5))}
     source = gelenk.load({**links(LOCK, (0.4, -1.0)), "solver": {"integrator": "erk"}})
     found = gelenk.sensitivity(source, [by], outputs=list(ENDS), inputs=inputs, **TIMES)
-    value = source.parameters[by]
+    value = float(source.parameters[by])
     ends = [
         [
             gelenk.simulate(source, inputs=inputs, parameters={by: value + side * STEP}, **TIMES)[n][-1]
