@@ -17,12 +17,6 @@ constexpr double shared_fraction = 1e-8;
 // Slip that an impact causes and friction stops within this is none [natural units]: the rounding of positions, as of
 // rebounds.
 constexpr double shortest_slip = 2e-12;
-// After an impact of a prescribed motion that jumps, speeds up to this are rest, in units of the fastest: more than
-// what closing the loops again leaves in joints that the impact does not move. And this part of the tolerance of the
-// integration: derivatives of a position that a master sends are rounded, and so small a jump must not end the hold of
-// static friction.
-constexpr double unmoved_tolerance = 1e-10;
-constexpr double unmoved_part = 0.1;
 
 }  // namespace
 
@@ -96,9 +90,8 @@ void JointChanges::begin_run(bool keeps_latches) {
 }
 
 void JointChanges::stop_unmoved(const double* y, const LockModes::State& before) {
-  const double unmoved = std::max(unmoved_tolerance, unmoved_part * modes_.tolerance());
   for (int i = 0; i < modes_.count(); ++i) {
-    if (before.rests(i) && modes_.is_slow(i, y + modes_.nq_, unmoved))
+    if (before.rests(i) && modes_.is_unmoved(i, y + modes_.nq_))
       modes_.triggered_[static_cast<std::size_t>(i)] = LockModes::by_friction;
   }
 }
@@ -153,7 +146,6 @@ std::string JointChanges::text_of_stop(int lock) const {
 
 void JointChanges::finish(double* y) {
   if (empty()) return;
-  forget_events();
   if (modes_.any_at_rest_ || any_wrong_speed(y)) stop(y);
 }
 

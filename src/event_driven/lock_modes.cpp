@@ -16,6 +16,12 @@ using Eigen::VectorXd;
 
 // Speeds up to this fraction of the largest, or of 1, are rest: the rounding of a speed that changes its sign.
 constexpr double rest_tolerance = 1e-12;
+// After an impact of a prescribed motion that jumps, speeds up to this are rest, in units of the fastest: more than
+// what closing the loops again leaves in joints that the impact does not move. And this part of the tolerance of the
+// integration: derivatives of a position that a master sends are rounded, and so small a jump must not end the hold of
+// static friction.
+constexpr double unmoved_tolerance = 1e-10;
+constexpr double unmoved_part = 0.1;
 // Limits that depend on loads depend on how the holding forces are distributed, which depends on the limits.
 constexpr int most_distributions = 60;
 constexpr double distribution_tolerance = 1e-13;  // change of the forces, relative to the largest
@@ -259,12 +265,20 @@ bool LockModes::found_event(int indicator) {
   return true;
 }
 
-// Whether by rounding the coordinate rests at a speed that is not zero, or begins to move at one of the other sign.
+// Whether nothing but rounding, or a jump of a prescribed motion within the rounding of its derivatives, has moved it.
+bool LockModes::is_unmoved(int lock, const double* v) const {
+  return is_slow(lock, v, std::max(unmoved_tolerance, unmoved_part * tolerance_));
+}
+
+// Whether by rounding the coordinate rests at a speed that is not zero, or begins to move at one of the other sign. The
+// direction of what an event has let go follows from its acceleration: with a speed of the other sign it would be let
+// go in the same direction again and again, in steps as short as rounding.
 bool LockModes::has_wrong_speed(int lock, const double* v) const {
   const double speed = forces_.speed(lock, v);
   if (rests(lock)) return speed != 0;
   if (forces_.lock(lock).one_way && touched_side(lock) * speed > 0) return is_slow(lock, v);
-  return has_friction(lock) && modes_.motions[lock] * speed < 0 && is_slow(lock, v);
+  if (!has_friction(lock) || modes_.motions[lock] * speed >= 0) return false;
+  return is_slow(lock, v) || (triggered_[at_index(lock)] == by_friction && is_unmoved(lock, v));
 }
 
 bool LockModes::any_wrong_speed(const double* v) const {

@@ -96,6 +96,7 @@ class LockModes {
   bool is_latched(int lock) const { return any_latch_ && forces_.hold_coordinate(lock); }
   bool is_slow(int lock, const double* v) const;
   bool is_slow(int lock, const double* v, double tolerance) const;
+  bool is_unmoved(int lock, const double* v) const;
   double resolution() const;  // of displacements that do not matter
   int touched_side(int lock) const;
   void find_holding_forces(double t, const double* y);

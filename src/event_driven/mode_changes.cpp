@@ -56,11 +56,11 @@ void ModeChanges::restart(double t, double* y, const LockModes::State& before) {
   if (joints_.empty()) return;
   joints_.stop_unmoved(y, before);
   start_joints(t, y, true);
-  joints_.forget_events();
   if (joints_.any_wrong_speed(y)) {
     equations_.accelerations_at(t, y, vdot_.data());
     joints_.stop(y);
   }
+  joints_.forget_events();
   joints_.record_changes(t, before);
 }
 

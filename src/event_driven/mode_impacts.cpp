@@ -139,6 +139,7 @@ bool ModeChanges::end_series(const BeforeImpact& before, ImpactEquations& impact
 void ModeChanges::stop_joints(double* y) {
   const double* const v = y + mechanism_.nq;
   std::copy_n(v, unstopped_.size(), unstopped_.begin());
+  joints_.forget_events();  // what they let go has been decided on
   const int stopped = joints_.first_to_stop(y);
   joints_.finish(y);
   const double rebound = fastest_rebound(stopped_height * lowest_rebound * touch_tolerance, struck_acceleration_);

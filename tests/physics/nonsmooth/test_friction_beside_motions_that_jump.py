@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import pytest
@@ -105,3 +106,44 @@ def test_what_a_jump_moves_slides_and_says_so(tolerance: float, jump: float, sli
     assert any(text.startswith("pivot.phi slips") and t == STEP for t, text in plant.events) == slides
     assert (plant.output("pivot.friction.mode") != 0) == slides
     assert (plant.output("pivot.w") != 0) == slides
+
+
+@pytest.mark.parametrize("jump", [5e-10, -5e-10])
+@pytest.mark.parametrize("integrator", ["auto", "erk", "dirk", "cvode", "ida"])
+def test_what_a_small_jump_moves_one_way_and_a_force_the_other_starts_from_rest(
+    integrator: str, jump: float
+) -> None:
+    """Where friction ends at the same time: steps of cvode, and of dirk, became as short as rounding.
+
+    The block on the slide is at rest, held by friction against a force of 1 N. At STEP the friction ends,
+    and the slide jumps by less than a tenth of the tolerance, so that the block moves a little, forwards or
+    backwards, before it is accelerated forwards. From rest, each method makes less than 100 steps to the next
+    communication point, of up to 7 stages with 2 or 3 iterations: 2,000 evaluations are enough. Steps as
+    short as rounding take any number of them.
+    """
+    source = scene(
+        {"slide": {"mass": 1.0}, "block": {"mass": 1.0}},
+        {
+            "drive": joint("prismatic", frame("ground"), frame("slide"), axis=(1, 0, 0)),
+            "track": joint(
+                "prismatic", frame("slide"), frame("block"), axis=(1, 0, 0),
+                friction={"coulomb": 2.0, "input": "engagement"},
+                start={"s": 0.0, "v": 0.0, "fixed": True}, stiffness=10.0,
+            ),
+        },
+        gravity=[0, 0, 0],
+        constraints={"m": {"type": "motion", "joint": "drive", "input": "position"}},
+        motors={"push": {"joint": "track"}},
+        solver={"integrator": integrator, "max_evaluations": 2000},
+    )  # fmt: skip
+    plant = gelenk.Simulation(source)
+    plant.set_input("track.friction.engagement", 1.0)
+    plant.set_input("push.f", 1.0)
+    plant.initialize(0.0, 1e-8)
+    set_motion(plant, 0.0, 0.0)
+    plant.step_to(STEP)
+    assert plant.output("track.v") == 0
+    set_motion(plant, 0.0, jump)
+    plant.set_input("track.friction.engagement", 0.0)
+    plant.step_to(2 * STEP)
+    assert plant.output("track.v") == pytest.approx(math.sin(math.sqrt(10) * STEP) / math.sqrt(10), abs=1e-7)
