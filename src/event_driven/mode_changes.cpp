@@ -159,7 +159,7 @@ void ModeChanges::determine(double t, double* y) {
   latches_.switch_found();
   const bool breaks_away = joints_.breaks_away();
   strike(t, y, {}, joints_before);
-  if (!decide(t, y, Recording::doubts) && breaks_away) joints_.force_away();
+  if (!decide_or_seize(t, y) && breaks_away) joints_.force_away();
   refuse_ends(t);
   finish(y);
   stop_returning(t, y, joints_before);
@@ -232,8 +232,23 @@ bool ModeChanges::seize(double t, double* y, bool is_doubtful) {
 bool ModeChanges::decide(double t, const double* y, Recording records, ModeDecisions::Asked asked) {
   ModeDecisions::Modes next = decisions_.decide(t, y, asked, triggered_);
   dynamics_.set_position(y);
+  if (asked == ModeDecisions::Asked::joints) return decisions_.joints().enter(t, std::move(next.joints), records);
+  return enter(t, std::move(next), records);
+}
+
+// The same after an impact. A mesh in motion may seize together with a bound that has just been reached: no modes agree
+// while it moves, since each load of the bound makes friction press the joint on against it.
+bool ModeChanges::decide_or_seize(double t, double* y) {
+  ModeDecisions::Modes next = decisions_.decide(t, y, ModeDecisions::Asked::all, triggered_);
+  dynamics_.set_position(y);
+  const int force = decisions_.seizing(t, y);
+  if (force < 0) return enter(t, std::move(next), Recording::doubts);
+  strike(t, y, {joints_.stop_friction(force)}, joints_.state());
+  return decide(t, y, Recording::doubts);
+}
+
+bool ModeChanges::enter(double t, ModeDecisions::Modes next, Recording records) {
   const bool changed = decisions_.joints().enter(t, std::move(next.joints), records);
-  if (asked == ModeDecisions::Asked::joints) return changed;
   if (records != Recording::nothing) record_doubt(t);
   return enter_contacts(std::move(next.contacts), records) || changed;
 }

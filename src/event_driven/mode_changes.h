@@ -87,6 +87,8 @@ class ModeChanges {
                       bool found, int other);
 
   bool decide(double t, const double* y, Recording records, ModeDecisions::Asked asked = ModeDecisions::Asked::all);
+  bool decide_or_seize(double t, double* y);
+  bool enter(double t, ModeDecisions::Modes next, Recording records);
   void record_doubt(double t);
   bool enter_contacts(std::vector<CandidateMode> next, Recording records);
   void record_contact_changes(double t, const std::vector<CandidateMode>& before);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <utility>
 
 #include "kinematics/loads.h"
@@ -50,6 +51,7 @@ ModeDecisions::ModeDecisions(const Context& context)
 
 ModeDecisions::Modes ModeDecisions::decide(double t, const double* y, Asked asked,
                                            const std::vector<Trigger>& triggered) {
+  agrees_with_loads_ = true;
   if (dynamics_.switching_forces().loads().empty() || modes_.empty()) return find(t, y, asked, triggered);
   return find_with_loads(t, y, asked, triggered);
 }
@@ -127,7 +129,29 @@ ModeDecisions::Modes ModeDecisions::find_with_loads(double t, const double* y, A
     known = now;
   }
   joints_.doubt_all();
+  agrees_with_loads_ = false;
   return next;
+}
+
+// The load of the present solution does not decide: where only forces that nothing can exert keep joints at rest, it
+// may be zero.
+int ModeDecisions::seizing(double t, const double* y) {
+  if (agrees_with_loads_) return -1;
+  LoadDependence& loads = dynamics_.switching_forces().loads();
+  const auto count = static_cast<std::size_t>(loads.signed_count());
+  const auto signs = std::make_unique<bool[]>(count);
+  const LockModes::State present = modes_.state();
+  set_joints(joints_.all_at_rest(t, y));
+  int out = -1;
+  for (const bool positive : {true, false}) {
+    std::fill_n(signs.get(), count, positive);
+    loads.hold_signs(signs.get());
+    joints_.find_loads(t, y);
+    out = std::max(out, loads.seized());
+  }
+  loads.hold_signs(nullptr);
+  set_joints(present);
+  return out;
 }
 
 // The candidates that touch and remain closed if forces keep them so, at the state of the last solve() with the

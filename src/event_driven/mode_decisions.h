@@ -34,6 +34,10 @@ class ModeDecisions {
   ContactDecision::Outcome outcome() const { return outcome_; }
   int decided_candidate() const { return decided_candidate_; }
   JointDecisions& joints() { return joints_; }
+  // Where no modes agreed with the loads of friction in the last decide(), at the same state: the index, among all
+  // forces with modes, of a friction in motion that seizes if what might be at rest is, under a load of either sign;
+  // -1: there is none, or modes agreed.
+  int seizing(double t, const double* y);
 
   // Whether everything that is kept at rest can remain so, by any distribution of redundant forces. The loads of
   // friction are those of the last solve().
@@ -64,6 +68,7 @@ class ModeDecisions {
   ContactEquations& contact_equations_;
   JointDecisions joints_;
   ContactDecision decision_;
+  bool agrees_with_loads_ = true;
   int decided_candidate_ = -1;
   ContactDecision::Outcome outcome_ = ContactDecision::Outcome::found;
   std::vector<double> vdot_;

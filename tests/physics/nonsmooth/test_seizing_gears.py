@@ -154,6 +154,44 @@ def test_a_worm_at_rest_bears_the_load_of_what_sets_out(
     assert plant.output("free.w") == pytest.approx(driving / rotor * 0.02, rel=1e-6)
 
 
+@pytest.mark.parametrize("side", [1, -1])
+@pytest.mark.parametrize("friction", [0.0, 0.1])
+@pytest.mark.parametrize("integrator", ["auto", "erk", "dirk", "cvode", "ida", "moreau-jean"])
+def test_it_seizes_together_with_a_limit_that_is_met(integrator: str, friction: float, side: int) -> None:
+    """No motion was found after the impact: the rotor left its bound and met it again without end.
+
+    A rotor of 0.2 kg m2 on the wheel meets its bound at 1 rad/s, and turns all. A motor turns it back with
+    1 N m, and the wheel on; this load brakes the wheel of 0.4 kg m2 with 1 N m / (SEIZING - 0.4 kg m2) =
+    9.6 rad/s2, but the rotor with 5 rad/s2, so that it remains at the bound, where no force holds it. Wheel
+    and rotor together are more than SEIZING: worm, wheel and rotor stop at once, and the rotor goes back.
+    """
+    rotor, distance, back = 0.2, 1e-3, 1.0
+    of = worm(0.4, 0.0)
+    of["joints"]["worm"]["friction"] = {"coulomb": 0.0}
+    of["bodies"]["c"] = body(1.0, inertia=(rotor,) * 3)
+    bounds = {"upper": distance, "lower": -1.0} if side > 0 else {"upper": 1.0, "lower": -distance}
+    of["joints"]["rotor"] = joint(
+        "revolute", frame("b"), frame("c"), axis=[1, 0, 0],
+        friction={"coulomb": friction}, limit=bounds | {"restitution": 0.0},
+        start={"phi": 0.0, "w": side * 1.0, "fixed": True},
+    )  # fmt: skip
+    of["motors"]["back"] = {"joint": "rotor"}
+    step = 1e-5
+    of["solver"] = {"integrator": integrator, "step": step, "max_evaluations": 100_000}
+    plant = gelenk.Simulation(of)
+    plant.set_input("back.tau", -side * back)
+    plant.initialize(tolerance=1e-9)
+    deceleration = (back + friction) / rotor
+    meets = distance * (1 + distance * deceleration / 2)  # s, to the second order
+    plant.step_to(0.02)
+    assert plant.output("worm.w") == pytest.approx(0, abs=1e-12)
+    # rad/s: an error of the time of the impact; time steps notice it at the end of one, and stop in the next
+    most = 2.1 * step * back / rotor if integrator == "moreau-jean" else 1e-6 * deceleration
+    assert plant.output("rotor.w") == pytest.approx(
+        -side * (back - friction) / rotor * (0.02 - meets), abs=most
+    )
+
+
 # Of 1 kg m2 and less, driven on both sides, in motion or at rest: many seize, or could rest as well as move.
 DRIVES = 150
 
