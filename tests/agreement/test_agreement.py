@@ -34,7 +34,8 @@ MOST_REFUSED = 2  # of a block
 # time steps; joints that friction holds beside what slides elsewhere; joints and a contact that break away
 # together; a series of impacts between three limits that contracts faster than it slows down; a lock that is
 # released beside another one after a state is restored; steps whose gears with losses felt its impulse;
-# friction that ends as a motion jumps within rounding, against the force; a gear that seizes together with a limit.
+# friction that ends as a motion jumps within rounding, against the force; a gear that seizes together with a
+# limit.
 ONCE_WRONG = (
     12407, 6039, 2403, 4327, 3373, 5005, 4515, 5134, 6967, 9529, 5881, 9709, 10491,
     12282, 12585, 12264, 15886, 18255, 30110, 32247, 32553, 13780,
