@@ -21,7 +21,7 @@ namespace {
 constexpr Eigen::Index newton_first = 300;   // unknowns, up to which Newton's method with a matrix comes first
 constexpr Eigen::Index newton_at_all = 900;  // unknowns, up to which it is used: some tenths of a second per step
 constexpr Eigen::Index swept_first = 60;     // unknowns, from which sweeps come first where the tolerance is loose
-constexpr double loose = 1e-9;               // tolerance, relative to the largest velocity
+constexpr double loose_tolerance = 3e-8;     // relative to the largest velocity
 constexpr int newton_steps = 100;
 constexpr int fixed_point_steps = 200;  // between attempts at the exact problem
 constexpr int spectral_steps = 30;
@@ -59,7 +59,8 @@ class HybridSolver final : public IterativeConeSolver {
 
   void run_dense(ConeIteration& at) {
     newton_.reserve(at.size(), at.cones().size());
-    const bool sweeps_are_enough = at.exact() && at.size() >= swept_first && at.tolerance() > loose * fastest(at);
+    const bool sweeps_are_enough =
+        at.exact() && at.size() >= swept_first && at.tolerance() > loose_tolerance * fastest(at);
     if (sweeps_are_enough && solve_by_sweeps(at)) return;
     bool newton = at.size() <= newton_first;
     for (; !at.done(); newton = !newton) {
