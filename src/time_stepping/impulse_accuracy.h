@@ -6,7 +6,7 @@ namespace gelenk {
 
 struct ImpulseAccuracy {
   double relative = 0;  // to the largest of the relative velocities: solver.cone_tolerance
-  double absolute = 0;  // [m/s] or [rad/s]; the larger one counts
+  double absolute = 0;  // [m/s] or [rad/s], of what moves; the larger one counts
 };
 
 }  // namespace gelenk

@@ -13,6 +13,8 @@
 namespace gelenk {
 namespace {
 
+// Of the relative velocities before a step, by which impulses may err at most: what is at rest has accurate forces.
+constexpr double part_of_motion = 1e-3;
 // Penetration that is removed within a step, relative to the smaller shape: the displacement is linear in the
 // coordinates.
 constexpr double max_correction = 0.1;
@@ -182,7 +184,11 @@ double TimeStepper::fastest() const {
   return fastest;
 }
 
-double TimeStepper::velocity_tolerance() const { return std::max(accuracy_.relative * fastest(), accuracy_.absolute); }
+double TimeStepper::velocity_tolerance() const {
+  double moves = 0;
+  for (const double speed : speeds_) moves = std::max(moves, std::abs(speed));
+  return std::max(accuracy_.relative * fastest(), std::min(accuracy_.absolute, part_of_motion * moves));
+}
 
 void TimeStepper::solve_impulses() {
   if (has_compression_) {

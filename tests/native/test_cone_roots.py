@@ -6,6 +6,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 import pytest
 from mechanisms import Array
 
@@ -159,7 +160,7 @@ def test_parts_that_do_not_act_on_each_other_are_solved_apart(
     def cones(n: int) -> list[Any]:
         return [units.Cone.contact(3 * i, MU) for i in range(n // 3)]
 
-    def solved(rows: Array, b: Array) -> Any:
+    def solved(rows: npt.NDArray[np.int_], b: Array) -> Any:
         start = [0.0] * len(rows)
         if with_root:
             W = block_diagonal([stack_root(n) for n in boxes])[rows]
