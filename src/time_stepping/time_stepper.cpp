@@ -24,6 +24,12 @@ constexpr double less = 1 - 1e-6;
 // Rows for which memory is taken at the start: some MB.
 constexpr std::size_t max_reserved_rows = 200;
 
+// The largest size of these speeds and of `least`.
+double largest(const std::vector<double>& speeds, double least) {
+  for (const double speed : speeds) least = std::max(least, std::abs(speed));
+  return least;
+}
+
 }  // namespace
 
 TimeStepper::TimeStepper(const Mechanism& mechanism, Dynamics& dynamics, const Loads& loads, ImpulseAccuracy accuracy)
@@ -177,16 +183,10 @@ void TimeStepper::guess(double h) {
 }
 
 // Residual of velocities that a solution may leave.
-double TimeStepper::fastest() const {
-  double fastest = residual_floor;
-  for (const double speed : speeds_) fastest = std::max(fastest, std::abs(speed));
-  for (const double speed : free_speeds_) fastest = std::max(fastest, std::abs(speed));
-  return fastest;
-}
+double TimeStepper::fastest() const { return largest(free_speeds_, largest(speeds_, residual_floor)); }
 
 double TimeStepper::velocity_tolerance() const {
-  double moves = 0;
-  for (const double speed : speeds_) moves = std::max(moves, std::abs(speed));
+  const double moves = largest(speeds_, 0);
   return std::max(accuracy_.relative * fastest(), std::min(accuracy_.absolute, part_of_motion * moves));
 }
 

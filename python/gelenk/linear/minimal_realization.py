@@ -156,8 +156,8 @@ class MinimalRealization:
         return out
 
     def leave_locked(self) -> None:
-        """Leave out the states that are locked, which remain what they are."""
-        locked = self.locked
+        """Leave out the states that are locked, which remain what they are, but for idle rotations."""
+        locked = self.locked.difference(*self.idle_rotations)
         kept = [i for i, name in enumerate(self.names) if name not in locked]
         self.names, self.C = tuple(self.names[i] for i in kept), self.C[:, kept]
 
