@@ -159,7 +159,8 @@ void IndependentParts::join_by_root(const ConeProblem& problem) {
   for (std::size_t c = 0; c < problem.cones.size(); ++c) {
     const Cone& cone = problem.cones[c];
     const auto first = static_cast<std::size_t>(root.first[static_cast<std::size_t>(cone.first)]);
-    const auto end = static_cast<std::size_t>(root.first[static_cast<std::size_t>(cone.first + cone.size())]);
+    const auto beyond = static_cast<std::size_t>(cone.first) + static_cast<std::size_t>(cone.size());
+    const auto end = static_cast<std::size_t>(root.first[beyond]);
     for (std::size_t k = first; k < end; ++k) {
       int& other = cone_of_row_[static_cast<std::size_t>(root.row[k])];
       if (other >= 0) sets_.join(other, static_cast<int>(c));
