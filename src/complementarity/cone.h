@@ -201,6 +201,8 @@ std::unique_ptr<ConeSolver> make_cone_solver(std::string_view name);
 
 // One function per solver.
 std::unique_ptr<ConeSolver> make_hybrid_cone_solver();
+// The same without solving independent parts apart: for decisions, whose tolerances refer to all that is decided on.
+std::unique_ptr<ConeSolver> make_whole_cone_solver();
 std::unique_ptr<ConeSolver> make_spectral_cone_solver();
 std::unique_ptr<ConeSolver> make_accelerated_cone_solver();
 std::unique_ptr<ConeSolver> make_newton_cone_solver();

@@ -160,8 +160,10 @@ class HybridSolver final : public IterativeConeSolver {
 
 }  // namespace
 
+std::unique_ptr<ConeSolver> make_whole_cone_solver() { return std::make_unique<HybridSolver>(); }
+
 std::unique_ptr<ConeSolver> make_hybrid_cone_solver() {
-  return std::make_unique<IndependentParts>(std::make_unique<HybridSolver>());
+  return std::make_unique<IndependentParts>(make_whole_cone_solver());
 }
 
 }  // namespace gelenk
