@@ -103,7 +103,21 @@ struct ConeRoot {
   std::span<const int> first;
   std::span<const int> row;
   std::span<const double> value;
+
+  struct Column {
+    std::span<const int> row;
+    std::span<const double> value;
+  };
+  Column column(int j) const {
+    const auto begin = static_cast<std::size_t>(first[static_cast<std::size_t>(j)]);
+    const std::size_t size = static_cast<std::size_t>(first[static_cast<std::size_t>(j) + 1]) - begin;
+    return {row.subspan(begin, size), value.subspan(begin, size)};
+  }
 };
+
+// Unknowns up to which an operator with a root has a matrix, too. Beyond, it would cost more than it saves; sparse
+// methods are as fast with a hundred unknowns, but their factors ask for memory in every step.
+inline constexpr int most_with_matrix_and_root = 200;
 
 // G: symmetric and positive semidefinite.
 class ConeOperator {
@@ -201,8 +215,6 @@ std::unique_ptr<ConeSolver> make_cone_solver(std::string_view name);
 
 // One function per solver.
 std::unique_ptr<ConeSolver> make_hybrid_cone_solver();
-// The same without solving independent parts apart: for decisions, whose tolerances refer to all that is decided on.
-std::unique_ptr<ConeSolver> make_whole_cone_solver();
 std::unique_ptr<ConeSolver> make_spectral_cone_solver();
 std::unique_ptr<ConeSolver> make_accelerated_cone_solver();
 std::unique_ptr<ConeSolver> make_newton_cone_solver();

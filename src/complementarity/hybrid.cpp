@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The default. Parts that do not act on each other are solved apart. With a matrix, up to about a hundred contacts:
-// semismooth Newton, led by some steps of the spectral projected gradient where it stalls. Larger problems with a
+// The default. With a matrix, up to about a hundred contacts: semismooth Newton, led by some steps of the spectral
+// projected gradient where it stalls; after Gauss-Seidel sweeps where the tolerance is loose. Larger problems with a
 // sparse root of G: Newton's method and the augmented Lagrangian method in the space of velocities in turn, or
 // Gauss-Seidel sweeps in loose heaps and where factors fill in. Without a root: the accelerated gradient, with Newton's
 // method up to some hundred contacts if there is a matrix.
@@ -11,7 +11,6 @@
 #include "complementarity/accelerated_gradient.h"
 #include "complementarity/augmented_lagrangian.h"
 #include "complementarity/gauss_seidel.h"
-#include "complementarity/independent_parts.h"
 #include "complementarity/newton.h"
 #include "complementarity/spectral_gradient.h"
 
@@ -160,10 +159,6 @@ class HybridSolver final : public IterativeConeSolver {
 
 }  // namespace
 
-std::unique_ptr<ConeSolver> make_whole_cone_solver() { return std::make_unique<HybridSolver>(); }
-
-std::unique_ptr<ConeSolver> make_hybrid_cone_solver() {
-  return std::make_unique<IndependentParts>(make_whole_cone_solver());
-}
+std::unique_ptr<ConeSolver> make_hybrid_cone_solver() { return std::make_unique<HybridSolver>(); }
 
 }  // namespace gelenk

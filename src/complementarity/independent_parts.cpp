@@ -9,9 +9,6 @@
 namespace gelenk {
 namespace {
 
-// Unknowns of a part up to which it has a matrix, where the whole has only a root (as DelassusOperator chooses).
-constexpr int most_with_matrix = 200;
-
 // Whether they follow each other without gaps, as ConeProblem asks.
 bool fits(const ConeProblem& problem) {
   int next = 0;
@@ -28,7 +25,7 @@ void PartOfOperator::restrict(const ConeOperator& whole, std::span<const int> un
   size_ = static_cast<int>(unknowns.size());
   first_.clear();
   const double* const all = whole.dense();
-  is_dense_ = all != nullptr || size_ <= most_with_matrix;
+  is_dense_ = all != nullptr || size_ <= most_with_matrix_and_root;
   if (is_dense_) numbers_.resize(unknowns.size() * unknowns.size());
   if (all == nullptr) {
     take_root(whole.root(), unknowns);
@@ -45,14 +42,8 @@ void PartOfOperator::restrict(const ConeOperator& whole, std::span<const int> un
 // Without the rows that none of the unknowns reaches.
 void PartOfOperator::take_root(const ConeRoot& of, std::span<const int> unknowns) {
   number_of_row_.assign(static_cast<std::size_t>(of.rows), -1);
-  const auto entries = [&](int unknown) {
-    const auto begin = static_cast<std::size_t>(of.first[static_cast<std::size_t>(unknown)]);
-    const auto end = static_cast<std::size_t>(of.first[static_cast<std::size_t>(unknown) + 1]);
-    return std::pair(begin, end);
-  };
   for (const int unknown : unknowns) {
-    const auto [begin, end] = entries(unknown);
-    for (std::size_t k = begin; k < end; ++k) number_of_row_[static_cast<std::size_t>(of.row[k])] = 0;
+    for (const int row : of.column(unknown).row) number_of_row_[static_cast<std::size_t>(row)] = 0;
   }
   rows_ = 0;
   for (int& number : number_of_row_) {
@@ -62,11 +53,9 @@ void PartOfOperator::take_root(const ConeRoot& of, std::span<const int> unknowns
   value_.clear();
   first_.assign(1, 0);
   for (const int unknown : unknowns) {
-    const auto [begin, end] = entries(unknown);
-    for (std::size_t k = begin; k < end; ++k) {
-      row_.push_back(number_of_row_[static_cast<std::size_t>(of.row[k])]);
-      value_.push_back(of.value[k]);
-    }
+    const ConeRoot::Column column = of.column(unknown);
+    for (const int row : column.row) row_.push_back(number_of_row_[static_cast<std::size_t>(row)]);
+    value_.insert(value_.end(), column.value.begin(), column.value.end());
     first_.push_back(static_cast<int>(row_.size()));
   }
   image_.resize(static_cast<std::size_t>(rows_));
@@ -79,16 +68,14 @@ ConeRoot PartOfOperator::root() const {
 
 // Of columns of the root, whose rows ascend.
 double PartOfOperator::product(int i, int j) const {
-  auto a = static_cast<std::size_t>(first_[static_cast<std::size_t>(i)]);
-  auto b = static_cast<std::size_t>(first_[static_cast<std::size_t>(j)]);
-  const auto end_a = static_cast<std::size_t>(first_[static_cast<std::size_t>(i) + 1]);
-  const auto end_b = static_cast<std::size_t>(first_[static_cast<std::size_t>(j) + 1]);
+  const ConeRoot::Column a = root().column(i);
+  const ConeRoot::Column b = root().column(j);
   double sum = 0;
-  while (a < end_a && b < end_b) {
-    if (row_[a] == row_[b]) {
-      sum += value_[a++] * value_[b++];
+  for (std::size_t k = 0, l = 0; k < a.row.size() && l < b.row.size();) {
+    if (a.row[k] == b.row[l]) {
+      sum += a.value[k++] * b.value[l++];
     } else {
-      ++(row_[a] < row_[b] ? a : b);
+      ++(a.row[k] < b.row[l] ? k : l);
     }
   }
   return sum;
@@ -108,15 +95,16 @@ void PartOfOperator::apply(const double* x, double* y) const {
     return;
   }
   std::ranges::fill(image_, 0.0);
-  const auto each_entry = [&](int j, auto&& take) {
-    const auto end = static_cast<std::size_t>(first_[static_cast<std::size_t>(j) + 1]);
-    for (auto k = static_cast<std::size_t>(first_[static_cast<std::size_t>(j)]); k < end; ++k)
-      take(image_[static_cast<std::size_t>(row_[k])], value_[k]);
-  };
-  for (int j = 0; j < size_; ++j) each_entry(j, [&](double& at, double value) { at += value * x[j]; });
   for (int j = 0; j < size_; ++j) {
+    const ConeRoot::Column column = root().column(j);
+    for (std::size_t k = 0; k < column.row.size(); ++k)
+      image_[static_cast<std::size_t>(column.row[k])] += column.value[k] * x[j];
+  }
+  for (int j = 0; j < size_; ++j) {
+    const ConeRoot::Column column = root().column(j);
     y[j] = 0;
-    each_entry(j, [&](double at, double value) { y[j] += value * at; });
+    for (std::size_t k = 0; k < column.row.size(); ++k)
+      y[j] += column.value[k] * image_[static_cast<std::size_t>(column.row[k])];
   }
 }
 
@@ -158,13 +146,12 @@ void IndependentParts::join_by_root(const ConeProblem& problem) {
   cone_of_row_.assign(static_cast<std::size_t>(root.rows), -1);
   for (std::size_t c = 0; c < problem.cones.size(); ++c) {
     const Cone& cone = problem.cones[c];
-    const auto first = static_cast<std::size_t>(root.first[static_cast<std::size_t>(cone.first)]);
-    const auto beyond = static_cast<std::size_t>(cone.first) + static_cast<std::size_t>(cone.size());
-    const auto end = static_cast<std::size_t>(root.first[beyond]);
-    for (std::size_t k = first; k < end; ++k) {
-      int& other = cone_of_row_[static_cast<std::size_t>(root.row[k])];
-      if (other >= 0) sets_.join(other, static_cast<int>(c));
-      other = static_cast<int>(c);
+    for (int unknown = cone.first; unknown < cone.first + cone.size(); ++unknown) {
+      for (const int row : root.column(unknown).row) {
+        int& other = cone_of_row_[static_cast<std::size_t>(row)];
+        if (other >= 0) sets_.join(other, static_cast<int>(c));
+        other = static_cast<int>(c);
+      }
     }
   }
 }
@@ -215,8 +202,7 @@ ConeResult IndependentParts::solve_part(const ConeProblem& problem, const ConeOp
 }
 
 ConeResult IndependentParts::solve(const ConeProblem& problem, const ConeOptions& options, double* x) {
-  if (options.observer != nullptr || problem.cones.size() < 2 || !fits(problem) || !divide(problem))
-    return of_parts_->solve(problem, options, x);
+  if (problem.cones.size() < 2 || !fits(problem) || !divide(problem)) return of_parts_->solve(problem, options, x);
   found_.assign(x, x + problem.G.size());
   ConeResult out{.converged = true};
   const std::span<const std::pair<int, int>> all(by_part_);

@@ -44,8 +44,7 @@ class IndependentParts final : public ConeSolver {
  public:
   explicit IndependentParts(std::unique_ptr<ConeSolver> of_parts) : of_parts_(std::move(of_parts)) {}
 
-  // The result has the largest residual and number of iterations of all parts, and the sum of their products. A problem
-  // that is observed is solved as a whole.
+  // The result has the largest residual and number of iterations of all parts, and the sum of their products.
   ConeResult solve(const ConeProblem& problem, const ConeOptions& options, double* x) override;
 
  private:

@@ -69,7 +69,7 @@ void symmetrize(Eigen::MatrixXd& G) { G = Eigen::MatrixXd((G + G.transpose()) / 
 }  // namespace
 
 ContactDecision::ContactDecision(ContactEquations& equations)
-    : equations_(equations), solver_(make_whole_cone_solver()) {}
+    : equations_(equations), solver_(make_cone_solver(cone_solver_kinds().front().name)) {}
 
 // What has let go has no force, at first.
 void ContactDecision::set_cones() {

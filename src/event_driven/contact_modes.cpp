@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "kinematics/loads.h"
+#include "nonsmooth/rounding.h"
 
 namespace gelenk {
 namespace {
@@ -35,9 +36,7 @@ ContactModes::ContactModes(const Context& context)
 }
 
 double ContactModes::slow(const double* v) const {
-  double fastest = 1;
-  for (int k = 0; k < mechanism_.nv; ++k) fastest = std::max(fastest, std::abs(v[k]));
-  return rest_speed * fastest;
+  return rest_speed * fastest_of({v, static_cast<std::size_t>(mechanism_.nv)});
 }
 
 void ContactModes::go_to(const double* y) {

@@ -76,8 +76,7 @@ bool JointImpacts::is_lost(const Struck& at, double speed, const double* vdot, c
 void JointImpacts::finish(double t, const double* y, const std::vector<Struck>& struck,
                           const std::vector<double>& rebounds, bool found, int other) {
   const double* v = y + modes_.nq_;
-  double fastest = 1;
-  for (int k = 0; k < modes_.nv_; ++k) fastest = std::max(fastest, std::abs(v[k]));
+  const double fastest = fastest_of({v, static_cast<std::size_t>(modes_.nv_)});
   bool any_latched = false;
   for (std::size_t i = 0; i < struck.size(); ++i) {
     const Struck& at = struck[i];

@@ -68,9 +68,7 @@ double LockModes::resolution() const { return resolved_fraction * tolerance_; }
 
 bool LockModes::is_slow(int lock, const double* v) const { return is_slow(lock, v, rest_tolerance); }
 bool LockModes::is_slow(int lock, const double* v, double tolerance) const {
-  double fastest = 1;
-  for (int k = 0; k < nv_; ++k) fastest = std::max(fastest, std::abs(v[k]));
-  return std::abs(forces_.speed(lock, v)) <= tolerance * fastest;
+  return std::abs(forces_.speed(lock, v)) <= tolerance * fastest_of({v, static_cast<std::size_t>(nv_)});
 }
 
 bool LockModes::keeps_mode(int force, const double* v) const {

@@ -13,7 +13,7 @@ namespace {
 constexpr double accuracy_factor = 0.1;
 constexpr double finest_accuracy = 1e-6;
 constexpr double coarsest_accuracy = 1e-3;
-// By how much what impulses leave of velocities may move something in a second, in units of the accuracy of a pair.
+// Residual velocities of the impulses, by how far they move something in a second, in units of the accuracy of a pair.
 constexpr double drift_fraction = 0.01;
 // Except for stability, pairs are not shorter than solver.step halved this many times, nor, down to the second number,
 // so short that a communication step would need more pairs than this, since its cost is bounded
@@ -31,9 +31,9 @@ constexpr int pairs_between_checks = 50;
 constexpr double calm_fraction = 1.0 / 16;
 constexpr int calm_pairs = 4;
 constexpr int calm_after_failure = 64;
-// Where velocities jump within a pair, so do accelerations, as of bodies that turn: what is left of velocities is in
-// error in proportion to the length of the steps. It counts for the positions that follow in this time [s], in which
-// the estimate for the run may grow by ten times the accuracy of a pair.
+// Where velocities jump within a pair, so do the accelerations of bodies that turn, and the error of the velocities is
+// of the order of the step. It counts by what it adds to positions within this time [s], in which the estimate for the
+// run may grow by ten times the accuracy of a pair.
 constexpr double time_after_jump = 0.1;
 // The estimate for the run: time between two reviews and its share [steps of solver.step]; factors of the share beyond
 // which the steps are halved, below which they are doubled; halvings for this reason; and the part of all shares so far
@@ -242,7 +242,8 @@ void ControlledSteps::review() {
   const double stepped = memory_.elapsed + t_ - memory_.since;
   const bool is_lost = memory_.error > beyond_recovery * share * (stepped + steps_per_share * step_);
   int& halvings = memory_.halvings_for_share;
-  // By the velocities in which the runs differed already, as after an impact, which shorter steps do not amend.
+  // What follows from velocities in which the runs differed already, as after an impact: shorter steps do not reduce
+  // it.
   const double carried = memory_.rate_reviewed * (t_ - memory_.reviewed);
   if (is_lost || growth < least_growth * permitted) {
     halvings = std::max(0, halvings - 1);

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "nonsmooth/rounding.h"
+
 namespace gelenk {
 namespace {
 
@@ -19,12 +21,6 @@ constexpr double distances = 1e4;
 constexpr double passed_distances = 1e6;
 
 using Kind = BrokenLaw::Kind;
-
-double fastest_of(std::span<const double> v) {
-  double out = 1;
-  for (const double speed : v) out = std::max(out, std::abs(speed));
-  return out;
-}
 
 void audit_friction(const SwitchingForces& switching_forces, int i, double friction, double speed, bool moves,
                     double slack, LawAudit& audit) {

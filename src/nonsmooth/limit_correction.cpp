@@ -6,6 +6,7 @@
 
 #include "linear/box_complementarity.h"
 #include "math/bounds.h"
+#include "nonsmooth/rounding.h"
 
 namespace gelenk {
 namespace {
@@ -15,12 +16,6 @@ using Eigen::VectorXd;
 
 // Speeds towards a limit of less than this, relative to the largest or 1, are rounding, and no impact follows.
 constexpr double rest_fraction = 1e-12;
-
-double fastest(std::span<const double> v) {
-  double out = 1;
-  for (const double x : v) out = std::max(out, std::abs(x));
-  return out;
-}
 
 }  // namespace
 
@@ -81,7 +76,7 @@ void LimitCorrection::correct_velocity(std::span<double> v) {
   std::vector<int> locks, sides;
   std::vector<double> beyond;
   bool any = false;
-  const double rest = rest_fraction * fastest(v);
+  const double rest = rest_fraction * fastest_of(v);
   for (const Limit& limit : limits_) {
     for (const int side : {-1, 1}) {
       const SwitchingForces::Depth at = forces_.depth(limit.lock, side);

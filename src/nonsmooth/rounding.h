@@ -4,11 +4,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 namespace gelenk {
 
 // Relative motions of shapes up to this are rest [natural units of speed]: what solvers leave of zero.
 inline constexpr double rest_speed = 1e-9;
+
+// The largest size of these velocities and of `least`: by what rounding of velocities is measured.
+inline double fastest_of(std::span<const double> v, double least = 1) {
+  for (const double speed : v) least = std::max(least, std::abs(speed));
+  return least;
+}
 
 // A bound or a surface within this fraction of what counts as contact has been reached.
 inline constexpr double reached_fraction = 1e-2;

@@ -22,7 +22,7 @@ class DelassusOperator final : public ConeOperator {
   // Call when the rows have changed.
   void update() {
     const int n = rows_.count();
-    is_dense_ = n <= (root().first.empty() ? max_dense_rows : max_dense_rows_with_root);
+    is_dense_ = n <= (root().first.empty() ? max_dense_rows : most_with_matrix_and_root);
     if (!is_dense_) return;
     numbers_.resize(static_cast<std::size_t>(n) * static_cast<std::size_t>(n));
     unit_.assign(static_cast<std::size_t>(n), 0.0);
@@ -68,10 +68,9 @@ class DelassusOperator final : public ConeOperator {
   }
 
  private:
-  // Rows up to which it is a matrix: larger ones cost more than they save. Sparse methods, which bodies without loops
-  // permit, are as fast with a hundred rows, but their factors ask for memory in every step.
+  // Rows up to which it is a matrix if there is no root, as bodies with loops have none: larger ones cost more than
+  // they save.
   static constexpr int max_dense_rows = 400;
-  static constexpr int max_dense_rows_with_root = 200;
 
   Eigen::Map<const Eigen::MatrixXd> matrix() const { return {numbers_.data(), size(), size()}; }
 

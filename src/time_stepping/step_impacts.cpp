@@ -56,8 +56,10 @@ void TimeStepper::find_strikes(double h) {
   };
   const double fall = steps_of_fall * h * loads_.gravity.norm();
   bool any_poisson = false;
-  for (std::size_t i = points_.size(); i < cones_.size(); ++i)
-    any_poisson = any_poisson || (restitution_of(i).poisson && restitution_of(i).restitution > 0);
+  for (std::size_t i = points_.size(); i < cones_.size(); ++i) {
+    const Restitution::Struck at = restitution_of(i);
+    any_poisson = any_poisson || (at.poisson && at.restitution > 0);
+  }
   for (std::size_t i = 0; i < cones_.size() && !strikes_any_; ++i) {
     const Restitution::Struck at = restitution_of(i);
     const double least = at.restitution > 0 ? rest_speed : std::max(rest_speed, fall);

@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "complementarity/independent_parts.h"
 #include "complementarity/redundant_impulses.h"
 #include "kinematics/loads.h"
 #include "math/bounds.h"
+#include "nonsmooth/rounding.h"
 #include "time_stepping/given_friction.h"
 #include "time_stepping/step_limits.h"
 
@@ -24,12 +26,6 @@ constexpr double less = 1 - 1e-6;
 // Rows for which memory is taken at the start: some MB.
 constexpr std::size_t max_reserved_rows = 200;
 
-// The largest size of these speeds and of `least`.
-double largest(const std::vector<double>& speeds, double least) {
-  for (const double speed : speeds) least = std::max(least, std::abs(speed));
-  return least;
-}
-
 }  // namespace
 
 TimeStepper::TimeStepper(const Mechanism& mechanism, Dynamics& dynamics, const Loads& loads, ImpulseAccuracy accuracy)
@@ -41,7 +37,7 @@ TimeStepper::TimeStepper(const Mechanism& mechanism, Dynamics& dynamics, const L
       finder_(mechanism, loads.contacts.size()),
       rotation_(mechanism),
       operator_(rows_),
-      solver_(make_cone_solver(cone_solver_kinds().front().name)),
+      solver_(std::make_unique<IndependentParts>(make_cone_solver(cone_solver_kinds().front().name))),
       joints_(dynamics.switching_forces(), mechanism.nv),
       v0_(static_cast<std::size_t>(mechanism.nv)),
       v1_(v0_.size()),
@@ -182,11 +178,11 @@ void TimeStepper::guess(double h) {
   }
 }
 
-// Residual of velocities that a solution may leave.
-double TimeStepper::fastest() const { return largest(free_speeds_, largest(speeds_, residual_floor)); }
+double TimeStepper::fastest() const { return fastest_of(free_speeds_, fastest_of(speeds_, residual_floor)); }
 
+// Residual of velocities that a solution may leave.
 double TimeStepper::velocity_tolerance() const {
-  const double moves = largest(speeds_, 0);
+  const double moves = fastest_of(speeds_, 0);
   return std::max(accuracy_.relative * fastest(), std::min(accuracy_.absolute, part_of_motion * moves));
 }
 

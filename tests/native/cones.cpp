@@ -4,8 +4,10 @@
 #include <Eigen/Core>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "complementarity/independent_parts.h"
 #include "complementarity/projection.h"
 #include "units.h"
 
@@ -84,10 +86,12 @@ class Solved {
   long allocations = 0;  // during the solution
 };
 
-// A solver and the options of its calls.
+// A solver, of independent parts one by one if asked to, and the options of its calls.
 class Solver {
  public:
-  explicit Solver(const std::string& name) : solver_(gelenk::make_cone_solver(name)) {}
+  Solver(const std::string& name, bool in_parts) : solver_(gelenk::make_cone_solver(name)) {
+    if (in_parts) solver_ = std::make_unique<gelenk::IndependentParts>(std::move(solver_));
+  }
 
   Solved solve(const Table& rows, const Numbers& b, const std::vector<Cone>& cones, const Numbers& start,
                double tolerance, int max_iterations, bool exact, bool matrix_free) {
@@ -158,7 +162,7 @@ void bind_cones(nb::module_& m) {
       .def_prop_ro("converged", [](const Solved& of) { return of.result.converged; })
       .def_ro("allocations", &Solved::allocations);
   nb::class_<Solver>(m, "ConeSolver")
-      .def(nb::init<const std::string&>(), nb::arg("name"))
+      .def(nb::init<const std::string&, bool>(), nb::arg("name"), nb::arg("in_parts") = false)
       .def("solve", &Solver::solve, nb::arg("G"), nb::arg("b"), nb::arg("cones"), nb::arg("start"),
            nb::arg("tolerance") = 1e-10, nb::arg("max_iterations") = 1000, nb::arg("exact") = true,
            nb::arg("matrix_free") = false)

@@ -161,14 +161,13 @@ def test_parts_that_do_not_act_on_each_other_are_solved_apart(
         return [units.Cone.contact(3 * i, MU) for i in range(n // 3)]
 
     def solved(rows: npt.NDArray[np.int_], b: Array) -> Any:
+        solver = units.ConeSolver("hybrid", in_parts=True)
         start = [0.0] * len(rows)
         if with_root:
             W = block_diagonal([stack_root(n) for n in boxes])[rows]
-            return units.ConeSolver("hybrid").solve_root(
-                W.tolist(), list(b[rows]), cones(len(rows)), start, **options
-            )
+            return solver.solve_root(W.tolist(), list(b[rows]), cones(len(rows)), start, **options)
         G = block_diagonal([G for G, _ in problems])[np.ix_(rows, rows)]
-        return units.ConeSolver("hybrid").solve(G.tolist(), list(b[rows]), cones(len(rows)), start, **options)
+        return solver.solve(G.tolist(), list(b[rows]), cones(len(rows)), start, **options)
 
     together = solved(rows, b)
     tower = np.repeat(np.arange(len(boxes)), [12 * n for n in boxes])

@@ -16,9 +16,8 @@ from gelenk.model.values import elements
 
 Array = NDArray[np.float64]
 
-LOCKED_ROUNDING = (
-    1e-10  # of the change of a velocity by itself where friction, a limit or a lock permits none
-)
+# Of the change of a velocity by itself where friction, a limit or a lock permits none.
+LOCKED_ROUNDING = 1e-10
 
 
 @dataclass(frozen=True)
