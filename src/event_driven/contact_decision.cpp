@@ -66,6 +66,15 @@ bool begins_to_move(const CandidateMode& before, const CandidateMode& after, std
 
 void symmetrize(Eigen::MatrixXd& G) { G = Eigen::MatrixXd((G + G.transpose()) / 2); }
 
+// Of a force within its bounds, although the joint is accelerated: 1, -1: it moves in this direction; 0: it does not.
+// All that the force can change of the acceleration may be less than the tolerance of the problem, as of friction where
+// a linkage reverses the joint: in such a position almost nothing moves it.
+int moving_away(const Cone& cone, double acceleration, double rounding) {
+  if (std::abs(acceleration) <= rounding) return 0;
+  if (acceleration > 0) return std::isfinite(cone.lower) ? 1 : 0;
+  return std::isfinite(cone.upper) ? -1 : 0;
+}
+
 }  // namespace
 
 ContactDecision::ContactDecision(ContactEquations& equations)
@@ -108,6 +117,7 @@ void ContactDecision::answer_locks() {
     lock.direction = 0;
     if (x_[row] >= cone.upper - slack) lock.direction = -1;
     if (x_[row] <= cone.lower + slack && (lock.direction == 0 || a[row] > 0)) lock.direction = 1;
+    if (lock.direction == 0) lock.direction = moving_away(cone, a[row], limit_fraction * scale_);
     // What exceeds its limit by more than rounding leaves, however fast others are accelerated.
     const double noticed = std::min(lock.noticed, limit_fraction * scale_);
     const double least =
