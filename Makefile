@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # make demo     build into .venv, export a four-bar, simulate its FMU, plot the results
 # make extras   fetch the optional packages: sweeps, tables, import of URDF files, films
-# make test     check formatting, run the linters and the tests that take five minutes on two processors in all
+# make test     check formatting, run the linters and the tests that take a quarter of an hour on two processors in all
 # make tidy     run clang-tidy on everything, as CI does; FILES=src/event_driven: on these files only, each on its own
 # make lint     the checks of make test and make tidy, without running any tests
 # make format   format all code
 # make pytest   run the tests only; one file: make pytest TESTS=tests/test_layout.py
-# make thorough run the longer tests that CI also runs, five minutes on two processors: many seeds, killed writers, random scenes in all ways
+# make thorough run the longer tests that CI also runs, seven minutes on two processors: many seeds, killed writers, random scenes in all ways
 # make studies  run the tests that take half an hour; weekly
 # make reductions  measure the gain of each reduction: tables of docs/reductions.md
 # make charts   measure the methods: charts and tables of docs/work-precision.md and docs/stability.md
