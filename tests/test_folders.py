@@ -95,7 +95,7 @@ def test_each_folder_is_compiled_in_one_way() -> None:
     assert all(not a & b for a, b in [*pairwise(lists), (lists[0], lists[2])])
     folders = [*FOLDERS, *(ROOT / "src").glob("*/*/")]
     compiled = {str(folder.relative_to(ROOT)) for folder in folders if any(folder.glob("*.cpp"))}
-    python = {"python/bindings", "src/equations", "src/recording", "src/lanes", "src/batch"}  # in no FMU
+    python = {"python/bindings", "src/equations", "src/batch"}  # in no FMU
     assert set.union(*lists) == compiled - {"fmu", "fmu/fmi2", "fmu/fmi3", *python}
 
 

@@ -27,12 +27,14 @@ BELOW["complementarity"] = {"linear", "util"}
 BELOW["kinematics"] = {"mechanism", "linear", *BELOW["mechanism"]}
 BELOW["derivatives"] = {"kinematics", *BELOW["kinematics"]}
 BELOW["dynamics"] = {"derivatives", *BELOW["derivatives"]}
+BELOW["machine_code"] = {"lanes", *BELOW["lanes"]}
+BELOW["recorded"] = {"recording", "machine_code", "derivatives", *BELOW["machine_code"], *BELOW["derivatives"]}
 BELOW["contact_geometry"] = {"dynamics", "collision", *BELOW["dynamics"], *BELOW["collision"]}
 BELOW["nonsmooth"] = {"dynamics", "complementarity", *BELOW["dynamics"]}
 BELOW["event"] = {"math", "util"}
 BELOW["time_stepping"] = {"contact_geometry", "nonsmooth", *BELOW["contact_geometry"], *BELOW["nonsmooth"]}
 BELOW["event_driven"] = {"event", *BELOW["time_stepping"]}
-BELOW["formulation"] = {"event_driven", "time_stepping", *BELOW["event_driven"], *BELOW["time_stepping"]}
+BELOW["formulation"] = {"event_driven", "time_stepping", "recorded", *BELOW["event_driven"], *BELOW["recorded"]}
 BELOW["integrator"] = {"formulation", *BELOW["formulation"]}
 BELOW["assembly"] = {"dynamics", *BELOW["dynamics"]}
 BELOW["outputs"] = {"dynamics", *BELOW["dynamics"]}
@@ -45,8 +47,8 @@ BELOW["fmu/runtime"] = {"modelDescription", *BELOW["modelDescription"]}
 BELOW["fmu/export"] = {"modelDescription", "scene_schema", "inspection", *BELOW["modelDescription"]}
 BELOW["fmu"] = BELOW["fmu/page"] = {"fmu/runtime", *BELOW["fmu/runtime"]}
 BELOW["fmu/fmi2"] = BELOW["fmu/fmi3"] = {"fmu", *BELOW["fmu"]}
-BELOW["equations"] = {"recording", "simulation", *BELOW["simulation"]}
-BELOW["batch"] = {"equations", "lanes", "scene_file", *BELOW["equations"], *BELOW["scene_file"]}
+BELOW["equations"] = {"simulation", *BELOW["simulation"]}
+BELOW["batch"] = {"equations", "scene_file", *BELOW["equations"], *BELOW["scene_file"]}
 BELOW["bindings"] = {"fmu/runtime", "fmu/export", "runs", "batch"} | BELOW["fmu/export"] | BELOW["batch"]
 
 FOLDERS = {room: ROOT / "src" / room for room in BELOW} | {

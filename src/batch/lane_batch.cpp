@@ -34,7 +34,7 @@ LaneBatch::LaneBatch(const Scene& scene, int lanes, double step, const std::vect
       lanes_(lanes),
       stride_((lanes + block_lanes - 1) / block_lanes * block_lanes),
       step_(step),
-      pivots_(choose_pivots(scene_.traced())),
+      pivots_(pivots_of(scene_.traced())),
       programs_(equations(), pivots_, scene_.numbers()) {
   const auto rows = [&](int count) {
     return std::vector<double>(static_cast<std::size_t>(count) * static_cast<std::size_t>(stride_));

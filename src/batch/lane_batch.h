@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "batch/block_steps.h"
+#include "batch/pivots_of_scene.h"
 #include "batch/varied_scene.h"
 #include "scene/scene.h"
 
@@ -75,7 +76,7 @@ class LaneBatch {
   VariedScene scene_;
   int lanes_, stride_;
   double step_;
-  Pivots pivots_;
+  PivotsOfScene pivots_;
   StepPrograms programs_;
   std::vector<double> state_, start_, input_, numbers_;  // rows
   std::vector<Block> blocks_;

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "batch/numbers.h"
+#include "recorded/term_parts.h"
 
 namespace gelenk {
 namespace {
@@ -30,35 +31,6 @@ Terms terms(const Elimination::Numbers& of) {
 Terms joined(Terms a, const Terms& b) {
   a.insert(a.end(), b.begin(), b.end());
   return a;
-}
-
-// The largest parts of terms that depend on none of the variables for which `depends` holds, and are no constants.
-Terms independent_parts(const Graph& graph, const Terms& of, const std::function<bool(int)>& depends) {
-  std::vector<bool> varies(static_cast<std::size_t>(graph.size()), false);
-  for (Term term = 0; term < graph.size(); ++term) {
-    const Node& node = graph[term];
-    const auto at = static_cast<std::size_t>(term);
-    varies[at] = node.operation == Operation::variable && depends(node.index);
-    for (const Term operand : node.of)
-      varies[at] = varies[at] || (operand >= 0 && varies[static_cast<std::size_t>(operand)]);
-  }
-  std::set<Term> out;
-  std::vector<bool> is_seen(varies.size(), false);
-  Terms waiting = of;
-  while (!waiting.empty()) {
-    const Term term = waiting.back();
-    waiting.pop_back();
-    if (is_seen[static_cast<std::size_t>(term)]) continue;
-    is_seen[static_cast<std::size_t>(term)] = true;
-    if (!varies[static_cast<std::size_t>(term)]) {
-      if (!graph.is_constant(term)) out.insert(term);
-      continue;
-    }
-    for (const Term operand : graph[term].of) {
-      if (operand >= 0) waiting.push_back(operand);
-    }
-  }
-  return {out.begin(), out.end()};
 }
 
 std::vector<bool> parts_of(const Graph& graph, const Terms& of) {
@@ -113,7 +85,7 @@ struct StepTerms {
 };
 
 StepTerms::StepTerms(Graph& graph, const SceneEquations& equations, const Pivots& pivots) {
-  const Elimination elimination(equations, pivots);
+  const Elimination elimination({equations.v.size(), equations.M, equations.J}, pivots);
   const auto of_rows = [&](const Terms& all) {
     Elimination::Numbers out;
     for (const int row : pivots.rows) out.push_back(Recorded::of(all[static_cast<std::size_t>(row)]));

@@ -4,9 +4,9 @@
 
 #include <vector>
 
-#include "batch/elimination.h"
 #include "equations/scene_equations.h"
 #include "lanes/program.h"
+#include "recorded/elimination.h"
 
 namespace gelenk {
 

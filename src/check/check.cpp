@@ -96,6 +96,7 @@ void check_settings(const Scene& scene, Faults& faults, bool partial) {
   }
   check_word(scene.solver.formulation, words::formulations, "solver.formulation", faults, partial);
   check_word(scene.solver.integrator, words::integrators, "solver.integrator", faults, partial);
+  check_word(scene.solver.equations, words::equations, "solver.equations", faults, partial);
   check_word(scene.solver.start, words::starts, "solver.start", faults, partial);
   check_integrator_of_formulation(scene.solver, faults);
   check_cone_tolerance(scene.solver, faults);

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "dynamics/dynamics.h"
-#include "equations/recorded_island.h"
+#include "recorded/recorded_island.h"
 #include "kinematics/visit.h"
 #include "mechanism/mechanism.h"
 #include "preparation/loads.h"

@@ -22,6 +22,11 @@ class SingularityMonitor {
 
   void serialize(Archive& archive);
 
+  // Whether an approach is followed, for which all evaluations have to be recorded.
+  bool is_followed() const { return near_ || !armed_; }
+  // The largest ratio is at least this one.
+  void expect(double ratio) { best_pivot_ratio_ = std::max(best_pivot_ratio_, ratio); }
+
   long count() const { return count_; }
   double last() const { return last_; }  // s: approximate time of the last crossing
 

@@ -8,7 +8,7 @@ namespace gelenk {
 
 // Counts since the start of a run; those of contacts are of the last step, or the last communication step.
 struct RunCounts : ModeCounts {
-  long steps = 0, rejected_steps = 0, evaluations = 0, jacobians = 0, events = 0, singular_positions = 0;
+  long steps = 0, rejected_steps = 0, evaluations = 0, jacobians = 0, traced = 0, events = 0, singular_positions = 0;
   long contact_points = 0, cone_iterations = 0, scheme = 0;
   double cone_residual = 0;  // natural units of speed
   double step_error = 0;     // of steps with impulses of `auto` [rad, natural units of length]
@@ -24,6 +24,8 @@ struct RunCounts : ModeCounts {
         return evaluations;
       case Diagnostic::jacobians:
         return jacobians;
+      case Diagnostic::traced:
+        return traced;
       case Diagnostic::singular_positions:
         return singular_positions;
       case Diagnostic::events:

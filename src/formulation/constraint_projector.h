@@ -36,6 +36,8 @@ class ConstraintProjector {
   double length() const { return length_; }
 
  protected:
+  // Factors of the present position have been found otherwise.
+  void has_other_factors() { has_factors_ = true; }
   virtual void refactor() { dynamics_.factorize(); }
   // Factor on the rounding error up to which a stalled iteration counts as converged.
   virtual double slack() const { return 1e3; }

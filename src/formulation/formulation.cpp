@@ -55,6 +55,7 @@ Formulation::Formulation(const FormulationContext& context)
 RunCounts Formulation::mode_counts() {
   RunCounts out{modes_.locks().counts()};
   out.jacobians = jacobian_count_;
+  out.traced = traced_count_;
   out.singular_positions = singularity_monitor_.count();
   contacts_.count(out);
   return out;
@@ -68,6 +69,13 @@ void Formulation::inputs_changed(double /*t*/, const double* /*y*/) {
 bool Formulation::rhs(double t, const double* y, double* ydot) {
   if (!all_finite(y, size())) return false;
   drives_.go_to(t, y);
+  // Those of differences leave `dynamics` at y.
+  if (!takes_differences_ && row_domain_.is_everywhere() && !singularity_monitor_.is_followed() &&
+      evaluate_recorded(y, ydot)) {
+    dynamics_.count_evaluations(1);
+    ++traced_count_;
+    return all_finite(ydot, size());
+  }
   return evaluate(t, y, ydot);
 }
 
@@ -153,7 +161,9 @@ bool Formulation::jacobian(double t, const double* y, double* J) {
   const int nq = mechanism_.nq;
   ydot_.resize(size());
   count_jacobian();
-  if (!rhs(t, y, ydot_.data())) return false;
+  if (!all_finite(y, size())) return false;
+  drives_.go_to(t, y);
+  if (!evaluate(t, y, ydot_.data())) return false;
   Eigen::Map<Eigen::MatrixXd> out(J, size(), size());
   if (contacts_.located() != nullptr && !contacts_.located()->equations().closed().empty())
     return jacobian_by_differences(t, y, out);
@@ -338,7 +348,7 @@ void Formulation::serialize(Archive& archive) {
   events_.serialize(archive);
   modes_.serialize(archive);
   contacts_.serialize(archive);
-  archive.serialize(jacobian_count_);
+  archive.serialize(jacobian_count_, traced_count_);
   if (!archive.reading()) return;
   takes_differences_ = false;
   projector().discard_factors();

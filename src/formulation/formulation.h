@@ -40,6 +40,7 @@ struct FormulationOptions {
   double baumgarte_beta = 0;      // 1/s; 0: equal to alpha
   int corrections = 0;            // projection iterations after each step; 0: until converged
   bool locates_contacts = false;  // contacts of shapes change at events, not in steps
+  bool records_equations = false;  // evaluates them by a program where that is possible
   // Largest pivot ratio of the constraint Jacobian that is known where a run starts (MobilityAnalysis); must outlive
   // the formulation; null: unknown.
   const double* best_pivot_ratio = nullptr;
@@ -75,6 +76,9 @@ class Formulation : public Equations, private ModeEquations {
   RunCounts mode_counts();
   ContactMotion& contacts() { return contacts_; }
 
+  // Call before a run that begins at (t, y), and once numbers of the loads or inertias have changed.
+  virtual void record_equations(double /*t*/, const double* /*y*/) {}
+  virtual void loads_changed() {}
   // Limits the number of solutions of the equations of motion from now on; LONG_MAX: unlimited.
   void set_evaluation_budget(long evaluations);
   // Starts or restarts the run at (t, y). cut_q: the angles of the cut joints are unwrapped to the nearest values.
@@ -103,6 +107,8 @@ class Formulation : public Equations, private ModeEquations {
  protected:
   // Evaluates f at y with the present inputs. Returns false as rhs() does.
   bool evaluate(double t, const double* y, double* ydot);
+  // The same by a program, if there is one for this state.
+  virtual bool evaluate_recorded(const double* /*y*/, double* /*ydot*/) { return false; }
   // vdot at the present state of `dynamics`, with the present factors.
   virtual void solve(double t, double* vdot);
   // Adds the rates of element states that name forces to `rates`, by state; `dynamics` is at y. vdot: the accelerations
@@ -115,6 +121,9 @@ class Formulation : public Equations, private ModeEquations {
   void acceleration_jacobian(Eigen::Map<Eigen::MatrixXd>& out);
   void count_jacobian() { ++jacobian_count_; }
   virtual ConstraintProjector& projector() { return projector_; }
+
+  // The largest pivot ratio of the constraint Jacobian is at least this one.
+  void expect_pivot_ratio(double ratio) { singularity_monitor_.expect(ratio); }
 
   const Mechanism& mechanism_;
   Dynamics& dynamics_;
@@ -160,6 +169,7 @@ class Formulation : public Equations, private ModeEquations {
   RevolutionCounter revolutions_;
   SingularityMonitor singularity_monitor_;
   long jacobian_count_ = 0;
+  long traced_count_ = 0;
   long last_evaluation_ = LONG_MAX;
   bool takes_differences_ = false;
   bool reads_outputs_ = false;  // targets are as outputs show them

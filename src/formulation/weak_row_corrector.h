@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "formulation/constraint_projector.h"
+#include "formulation/recorded_motion.h"
 
 namespace gelenk {
 
@@ -18,16 +19,31 @@ class WeakRowCorrector final : public ConstraintProjector {
   WeakRowCorrector(const Mechanism& mechanism, Dynamics& dynamics, const double* best_pivot_ratio)
       : ConstraintProjector(mechanism, dynamics), best_known_pivot_ratio_(best_pivot_ratio) {}
 
+  // The factors are those of the last evaluation of `of`, which are not near a singular configuration.
+  void use_factors_of(RecordedMotion& of) {
+    recorded_ = &of;
+    best_pivot_ratio_ = std::max(best_pivot_ratio_, of.usual_pivot_ratio());
+    has_other_factors();
+    if (regular_) return;
+    regular_ = true;
+    set_weak(0);
+  }
+  void min_norm_displacement(const double* residual, double* dv) override {
+    recorded_ != nullptr ? recorded_->displace(residual, dv) : ConstraintProjector::min_norm_displacement(residual, dv);
+  }
   // Whether the last factors are not near a singular configuration.
   bool is_regular() const { return regular_; }
   // Pivot ratio relative to the largest one.
   double pivot_fraction() const { return dynamics_.pivot_ratio() / best_pivot_ratio_; }
   // The same, also by what was known before the run; 0: weak rows have not been corrected in full.
   double singular_distance() const {
+    if (recorded_ != nullptr) return 1;
     const double best = std::max(best_pivot_ratio_, best_known());
     return regular_ && best > 0 ? dynamics_.pivot_ratio() / best : 0;
   }
-  bool below(double pivot_fraction) const { return dynamics_.pivot_ratio() < pivot_fraction * best_pivot_ratio_; }
+  bool below(double pivot_fraction) const {
+    return recorded_ == nullptr && dynamics_.pivot_ratio() < pivot_fraction * best_pivot_ratio_;
+  }
   // At the start of a run: determines from earlier knowledge whether that is near a singular configuration.
   void assess_start() {
     if (!(dynamics_.pivot_ratio() < regular_fraction * best_known())) return;
@@ -65,6 +81,7 @@ class WeakRowCorrector final : public ConstraintProjector {
  private:
   double best_known() const { return best_known_pivot_ratio_ == nullptr ? 0 : *best_known_pivot_ratio_; }
   void refactor() override {
+    recorded_ = nullptr;
     dynamics_.factorize();
     best_pivot_ratio_ = std::max(best_pivot_ratio_, dynamics_.pivot_ratio());
     update_singularity_status();
@@ -73,6 +90,7 @@ class WeakRowCorrector final : public ConstraintProjector {
   double slack() const override { return regular_ ? ConstraintProjector::slack() : 1e8; }
 
   const double* best_known_pivot_ratio_;
+  RecordedMotion* recorded_ = nullptr;  // of which the factors are
   double best_pivot_ratio_ = 0;  // largest in the run, or known before it if it starts near a singular configuration
   bool regular_ = true;
   bool is_near_miss_ = false;

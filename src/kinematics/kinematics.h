@@ -20,6 +20,7 @@ class Kinematics {
 
   // Sets s, ds/dt and d2s/dt2 of each coordinate constraint, effective from the next set_position().
   virtual void set_targets(const double* targets) = 0;
+  virtual const std::vector<double>& targets() const = 0;
   // Computes poses of links in their parents, and the position errors Phi.
   virtual void set_position(const double* q) = 0;
   // Computes velocities, J v - b (row_rates) and gamma, at that position.

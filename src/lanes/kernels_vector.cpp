@@ -6,6 +6,7 @@
 
 #include "expression/functions.h"
 #include "lanes/kernels.h"
+#include "lanes/library_function.h"
 #include "lanes/sine.h"
 
 // What is not the same on every processor is chosen when a program runs.
@@ -20,22 +21,11 @@ constexpr int W = lanes_per_block;
 
 double* numbers(double* memory, int slot) { return memory + static_cast<std::ptrdiff_t>(slot) * W; }
 
-double of_arguments(const Instruction& i, double x, double y) {
-  switch (i.function) {
-    case expression::Operation::atan2:
-      return std::atan2(x, y);
-    case expression::Operation::power:
-      return std::pow(x, y);
-    default:
-      return expression::value_at(i.function, x);
-  }
-}
-
 void by_library(const Instruction& i, double* memory) {
   const double* const x = numbers(memory, i.a);
   const double* const y = i.b < 0 ? x : numbers(memory, i.b);
   double* const to = numbers(memory, i.to);
-  for (int l = 0; l < W; ++l) to[l] = of_arguments(i, x[l], y[l]);
+  for (int l = 0; l < W; ++l) to[l] = library_function(i.function, x[l], y[l]);
 }
 
 // Angles of many turns, which are rare, by the library; so are infinite ones and NaN.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdlib>
+#include <numeric>
 
 namespace gelenk::lanes {
 namespace {
@@ -16,61 +17,16 @@ using expression::Term;
 // Temporary slots, until their number is known.
 constexpr int first_temporary = 1 << 24;
 
-std::array<int Instruction::*, 4> operands() {
-  return {&Instruction::a, &Instruction::b, &Instruction::c, &Instruction::d};
-}
-
-int operand_count(const Instruction& i) {
-  switch (i.code) {
-    case Code::copy:
-    case Code::negate:
-    case Code::add_constant:
-    case Code::subtract_from_constant:
-    case Code::scale:
-    case Code::divide_constant:
-    case Code::sine:
-    case Code::cosine:
-    case Code::sine_cosine:
-    case Code::square_root:
-      return 1;
-    case Code::multiply_add:
-    case Code::multiply_subtract:
-    case Code::subtract_multiply:
-    case Code::choose:
-      return 3;
-    case Code::multiply_add_multiply:
-    case Code::multiply_subtract_multiply:
-      return 4;
-    case Code::function:
-      return i.b >= 0 ? 2 : 1;
-    default:
-      return 2;
-  }
-}
-
-bool has_third_alone(const Instruction& i) {
-  return i.code == Code::scale_add || i.code == Code::scale_subtract || i.code == Code::subtract_scale;
-}
-
-template <class Use>
-void each_operand(Instruction& i, Use use) {
-  const auto of = operands();
-  for (int k = 0; k < operand_count(i); ++k) {
-    const bool is_third = has_third_alone(i) && k == 1;
-    use(i.*of[static_cast<std::size_t>(is_third ? 2 : k)]);
-  }
-}
-
 // Translates terms to instructions on numbered values, which then get slots.
 class Compiler {
  public:
-  Compiler(const Graph& graph, const Slots& given, const std::vector<Output>& outputs, Frame& frame)
+  Compiler(const Graph& graph, const Slots& given, const std::vector<Output>& outputs, Frame& frame, Order order)
       : graph_(graph), frame_(frame), value_of_(static_cast<std::size_t>(graph.size()), -1), uses_(value_of_.size()) {
     for (const auto& [term, slot] : given) value_of_[static_cast<std::size_t>(term)] = fixed(slot);
     count_uses(outputs);
     for (const auto& [term, slot] : outputs) translate(term);
     for (const auto& [term, slot] : outputs) put(term, slot);
-    gather();
+    order == Order::alike ? gather() : advance_calls();
   }
 
   std::vector<Instruction> allocated();
@@ -116,6 +72,7 @@ class Compiler {
   int circular(Term term);
   void put(Term term, int slot);
   void gather();
+  void advance_calls();
 
   const Graph& graph_;
   Frame& frame_;
@@ -331,6 +288,26 @@ void Compiler::gather() {
   code_ = std::move(out);
 }
 
+// In another order: what calls a function as soon as its arguments are known, and together.
+void Compiler::advance_calls() {
+  std::vector<int> ready(slots_.size(), 0);  // by value: after how many rounds of calls it is known
+  std::vector<int> key(code_.size());
+  for (std::size_t k = 0; k < code_.size(); ++k) {
+    int round = 0;
+    each_operand(code_[k], [&](int& x) { round = std::max(round, ready[static_cast<std::size_t>(x)]); });
+    const bool calls = calls_function(code_[k].code);
+    key[k] = 2 * round + (calls ? 1 : 0);
+    ready[static_cast<std::size_t>(code_[k].to)] = round + (calls ? 1 : 0);
+    if (code_[k].code == Code::sine_cosine) ready[static_cast<std::size_t>(code_[k].b)] = round + 1;
+  }
+  std::vector<std::size_t> order(code_.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, {}, [&](std::size_t k) { return key[k]; });
+  std::vector<Instruction> out;
+  for (const std::size_t k : order) out.push_back(code_[k]);
+  code_ = std::move(out);
+}
+
 // Temporary slots are used again after the last use of their values, but not for the result of the same instruction:
 // the kernels may then assume that what they write is not what they read.
 std::vector<Instruction> Compiler::allocated() {
@@ -378,8 +355,8 @@ bool has_lookups(const Graph& graph, const std::vector<Term>& terms) {
   });
 }
 
-Program::Program(const Graph& graph, const Slots& given, const std::vector<Output>& outputs, Frame& frame)
-    : instructions_(Compiler(graph, given, outputs, frame).allocated()) {}
+Program::Program(const Graph& graph, const Slots& given, const std::vector<Output>& outputs, Frame& frame, Order order)
+    : instructions_(Compiler(graph, given, outputs, frame, order).allocated()) {}
 
 void Program::place_temporaries(const Frame& frame) {
   const auto place = [&](int& slot) {
@@ -387,7 +364,8 @@ void Program::place_temporaries(const Frame& frame) {
   };
   for (Instruction& i : instructions_) {
     place(i.to);
-    for (int Instruction::* const operand : operands()) place(i.*operand);
+    for (int Instruction::* const operand : {&Instruction::a, &Instruction::b, &Instruction::c, &Instruction::d})
+      place(i.*operand);
   }
 }
 

@@ -20,11 +20,16 @@ using Output = std::pair<expression::Term, int>;
 // Operations that have no lanes: the first one found, or nothing.
 bool has_lookups(const expression::Graph& graph, const std::vector<expression::Term>& terms);
 
+// Of instructions: those of the same kind together, for loops over lanes; or calls of functions first, for one lane, so
+// that there is much arithmetic without calls.
+enum class Order { alike, calls_first };
+
 class Program {
  public:
   Program() = default;
   // Every variable on which the outputs depend is given. Constants, and what is temporary, get slots of the frame.
-  Program(const expression::Graph& graph, const Slots& given, const std::vector<Output>& outputs, Frame& frame);
+  Program(const expression::Graph& graph, const Slots& given, const std::vector<Output>& outputs, Frame& frame,
+          Order order = Order::alike);
 
   // Once all programs of a frame are made: temporary slots follow those with a place.
   void place_temporaries(const Frame& frame);

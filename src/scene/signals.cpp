@@ -317,6 +317,9 @@ std::vector<Signal> diagnostic_signals() {
       "tolerances explain; a step with more than 1 is refused");
   set(Diagnostic::worst_step, "solver.worst_step_evaluations", "1",
       "most evaluations of the equations of motion in one communication step since initialization");
+  set(Diagnostic::traced, "solver.traced_evaluations", "1",
+      "evaluations of the equations of motion since initialization by a program that is made for the scene "
+      "(solver.equations)");
   return signals;
 }
 

@@ -66,8 +66,9 @@ enum class Diagnostic : int {
   step_error,           // of the latter with the integrator auto: estimated error of positions [rad, m]
   law_excess,           // at present, of forces beyond their laws; 1: as much as is permitted
   worst_step,           // the most evaluations in one communication step since initialize()
+  traced,               // of the evaluations: those by a program that was made for the scene
 };
-inline constexpr int diagnostic_count = 21;
+inline constexpr int diagnostic_count = 22;
 
 // Returns the diagnostics in the order of Diagnostic.
 std::vector<Signal> diagnostic_signals();

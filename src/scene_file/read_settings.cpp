@@ -102,6 +102,7 @@ void read_solver(const Json& section, Reader& reader) {
   solver.formulation = fields.choice("formulation", words::formulations, solver.formulation);
   solver.integrator = fields.choice("integrator", words::integrators, solver.integrator);
   solver.start = fields.choice("start", words::starts, solver.start);
+  solver.equations = fields.choice("equations", words::equations, solver.equations);
   solver.step = fields.number("step", solver.step, "s", Range::not_negative);
   const auto count = [&](const char* field, IntRange range, int& value) {
     if (const Json* given = fields.find(field)) read_count(*given, fields.path(field), range, value, reader.faults);

@@ -320,6 +320,7 @@ std::string write_scene_json(const Scene& scene) {
   const Solver& s = scene.solver;
   out["solver"] = {{"formulation", s.formulation}, {"integrator", s.integrator}, {"step", s.step}};
   if (s.start != Solver{}.start) out["solver"]["start"] = s.start;
+  if (s.equations != Solver{}.equations) out["solver"]["equations"] = s.equations;
   if (s.max_evaluations != Solver{}.max_evaluations) out["solver"]["max_evaluations"] = s.max_evaluations;
   if (s.max_events != Solver{}.max_events) out["solver"]["max_events"] = s.max_events;
   if (s.corrections != Solver{}.corrections) out["solver"]["corrections"] = s.corrections;

@@ -169,6 +169,11 @@ Json solver() {
         {{"enum", words::starts},
          {"description",
           "Initial state of a run: the start values, or the equilibrium found from them; as_given if not given"}}},
+       {"equations",
+        {{"enum", words::equations},
+         {"description",
+          "How the equations of motion are evaluated: by the general kernels, or traced, by a program that is made for "
+          "the scene when a run begins, where that is possible; automatic: as is faster"}}},
        {"step", number("s", "Step of fixed-step methods; 0: chosen from experiment.step", Range::not_negative)},
        {"max_evaluations",
         {{"type", "integer"},

@@ -24,7 +24,7 @@ double step_of(const Scene& scene) { return scene.solver.step > 0 ? scene.solver
 FormulationOptions options_of(const Scene& scene, const double* best_pivot_ratio) {
   const Solver& solver = scene.solver;
   return {step_of(scene),     solver.baumgarte_alpha,  solver.baumgarte_beta,
-          solver.corrections, locates_contacts(scene), best_pivot_ratio};
+          solver.corrections, locates_contacts(scene), solver.equations == "traced", best_pivot_ratio};
 }
 
 }  // namespace
@@ -68,8 +68,11 @@ void Island::start_integrator(double tolerance) {
   options.rho_inf = scene_.solver.rho_inf;
   equations_->modes().locks().set_tolerance(tolerance);
   integrator_ = make_integrator(scene_.solver.integrator, *equations_, options);
-  if (is_kinematic(scene_, prepared_, *equations_))
+  if (is_kinematic(scene_, prepared_, *equations_)) {
     integrator_ = make_kinematic_steps(*equations_, std::move(integrator_));
+  } else {
+    equations_->record_equations(time_, y_.data());
+  }
   make_reading();
   integrator_->restart(time_, y_.data());
   evaluations_before_ = dynamics_->evaluations();

@@ -70,6 +70,7 @@ class Island {
   void swap_loads(Loads& loads) {
     std::swap(loads_, loads);
     dynamics_->loads_changed();
+    equations_->loads_changed();
     inputs_changed(true);
     loads_changed_ = true;
     if (has_history()) discard_history();  // a replay with the new numbers would end elsewhere

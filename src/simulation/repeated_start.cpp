@@ -115,10 +115,12 @@ void Island::begin_again(Archive& initial, const Mechanism& like, const Mobility
   prepared_.mobility = mobility;
   best_pivot_ratio_ = mobility.known_pivot_ratio();
   dynamics_->loads_changed();
+  equations_->loads_changed();
   initial.start_reading();
   serialize(initial);
   equations_->start(prepared_.cut_start, time_, y_.data());
   if (!integrator_) return;
+  if (!is_kinematic(scene_, prepared_, *equations_)) equations_->record_equations(time_, y_.data());
   integrator_->restart(time_, y_.data());
   evaluations_before_ = dynamics_->evaluations();
   // As after the trial step of a new island: what its method would keep from one step to the next is that of a restart.

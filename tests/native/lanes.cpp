@@ -3,14 +3,18 @@
 #include "expression/tape.h"
 #include "lanes/kernels.h"
 #include "lanes/program.h"
+#include "machine_code/compiled_program.h"
 
+#include <nanobind/stl/array.h>
 #include <nanobind/stl/set.h>
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <memory>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -20,6 +24,7 @@
 namespace nb = nanobind;
 using namespace gelenk::expression;
 namespace lanes = gelenk::lanes;
+namespace machine_code = gelenk::machine_code;
 
 namespace native {
 namespace {
@@ -43,8 +48,27 @@ class Lanes {
     std::vector<lanes::Output> outputs;
     for (std::size_t k = 0; k < terms_.size(); ++k) outputs.emplace_back(terms_[k], result_ + static_cast<int>(k));
     program_ = lanes::Program(graph_, given, outputs, frame_);
+    const lanes::Program calls_first(graph_, given, outputs, frame_, lanes::Order::calls_first);
     program_.place_temporaries(frame_);
+    lanes::Program of_one = calls_first;
+    of_one.place_temporaries(frame_);
+    alone_ = machine_code::CompiledProgram(of_one.instructions(), frame_.fixed());
+    machine_code::ExecutableMemory::refuse(true);
+    refused_ = machine_code::CompiledProgram(of_one.instructions(), frame_.fixed());
+    machine_code::ExecutableMemory::refuse(false);
   }
+
+  // x: by variable. encoded: by machine code, otherwise as where the system permits none.
+  Numbers alone(const Numbers& x, bool encoded) const {
+    Numbers memory(static_cast<std::size_t>(frame_.size()));
+    for (const auto& [number, value] : frame_.constants()) memory[static_cast<std::size_t>(number)] = value;
+    std::ranges::copy(x, memory.begin() + first_);
+    (encoded ? alone_ : refused_).run(memory.data());
+    // What is given is not overwritten.
+    if (!std::ranges::equal(x, std::span(memory).subspan(static_cast<std::size_t>(first_), x.size()))) return {};
+    return {memory.begin() + result_, memory.begin() + result_ + static_cast<std::ptrdiff_t>(terms_.size())};
+  }
+  std::array<bool, 2> are_encoded() const { return {alone_.is_encoded(), refused_.is_encoded()}; }
 
   // x: by variable, by lane. Returns the expressions, by lane.
   Table by_lanes(const Table& x) const {
@@ -82,6 +106,7 @@ class Lanes {
   std::vector<Term> terms_;
   lanes::Frame frame_;
   lanes::Program program_;
+  machine_code::CompiledProgram alone_, refused_;
   int first_ = 0, result_ = 0;
 };
 
@@ -90,10 +115,13 @@ class Lanes {
 void bind_lanes(nb::module_& m) {
   m.attr("lanes_per_block") = lanes::lanes_per_block;
   m.attr("lane_codes") = static_cast<int>(lanes::Code::function) + 1;
+  m.attr("has_encoder") = machine_code::has_encoder;
   m.def("use_all_lane_instructions", &lanes::use_all_instructions);
   nb::class_<Lanes>(m, "Lanes")
       .def(nb::init<const std::vector<std::string>&, const std::vector<std::string>&>())
       .def("by_lanes", &Lanes::by_lanes)
+      .def("alone", &Lanes::alone)
+      .def("are_encoded", &Lanes::are_encoded)
       .def("by_tape", &Lanes::by_tape)
       .def("codes", &Lanes::codes);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The kernels of forces on links, for numbers that record.
-#include "equations/recorded_forces.h"
+#include "recorded/recorded_forces.h"
 #include "kinematics/force_kernels_by_kind.h"
 
 namespace gelenk::kernels {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "equations/recorded_algebra.h"
+#include "recorded/recorded_algebra.h"
 #include "kinematics/loads.h"
 
 namespace gelenk::kernels {

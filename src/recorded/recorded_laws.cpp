@@ -2,7 +2,7 @@
 // Relations and surfaces for numbers that record.
 #include "element/constraints/relation_law_impl.h"
 #include "element/constraints/surface_law_impl.h"
-#include "equations/recorded_algebra.h"
+#include "recorded/recorded_algebra.h"
 
 namespace gelenk {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Rods for numbers that record.
-#include "equations/recorded_algebra.h"
+#include "recorded/recorded_algebra.h"
 #include "joint/rod_impl.h"
 
 namespace gelenk {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "equations/recorded_island.h"
+#include "recorded/recorded_island.h"
 
 #include <cstddef>
 
 #include "derivatives/residual_evaluator.h"
-#include "equations/recorded_algebra.h"
-#include "equations/recorded_forces.h"
+#include "recorded/recorded_algebra.h"
+#include "recorded/recorded_forces.h"
 #include "kinematics/coordinate_rows.h"
 #include "kinematics/friction_loads.h"
 #include "kinematics/kernels.h"

@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "recorded/equation_program.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "lanes/sine.h"
+#include "recorded/elimination.h"
+#include "recorded/recorded_island.h"
+#include "recorded/term_parts.h"
+
+namespace gelenk {
+namespace {
+
+using expression::Graph;
+using expression::Term;
+using recording::Recorded;
+using Numbers = std::vector<Recorded>;
+
+// Indices of variables: residuals that a displacement removes.
+constexpr int first_residual = 1 << 21;
+// Larger mechanisms are not recorded: the operations of an elimination without sparsity of the kernels' kind grow with
+// the cube of the velocities.
+constexpr int most_velocities = 40;
+constexpr std::size_t most_links = 40;
+// Instructions beyond which kernels are faster, as they keep to loops in the first cache.
+constexpr std::size_t most_operations = 6000;
+
+// Fractions of the usual size of pivots below which the kernels take over: at pivots of constraint equations that are
+// small, errors grow, and accelerations in a singular configuration are not those of the equations
+// (formulation/projection.cpp); masses, seen from a joint, vary a lot.
+constexpr double least_constraint_pivot = 0.3;
+constexpr double least_mass_pivot = 1e-8;
+
+std::vector<Term> terms(const Numbers& of) {
+  std::vector<Term> out;
+  for (const Recorded& x : of) out.push_back(x.term());
+  return out;
+}
+
+void add(const std::vector<Term>& of, int first, std::vector<lanes::Output>& to) {
+  for (const Term term : of) to.emplace_back(term, first++);
+}
+
+Numbers of_rows(const Numbers& all, const Pivots& pivots) {
+  Numbers out;
+  for (const int row : pivots.rows) out.push_back(all[static_cast<std::size_t>(row)]);
+  return out;
+}
+
+// Forces along cut joints, and what is named there, depend on their full turns, which change during a run.
+bool depends_on_turns(const Loads& loads) {
+  return std::ranges::any_of(loads.cuts, [](const JointLoads& on) { return !on.empty(); }) ||
+         std::ranges::any_of(loads.named, [](const NamedQuantity& of) { return of.cut >= 0 || of.reading; });
+}
+
+}  // namespace
+
+bool EquationProgram::is_possible(const Mechanism& mechanism, const Loads& loads) {
+  if (mechanism.nv == 0 || mechanism.nv > most_velocities || mechanism.links.size() > most_links) return false;
+  if (mechanism.touches() || !loads.resets.empty() || loads.rates_read_forces() || loads.motions_follow_signals())
+    return false;
+  if (std::ranges::any_of(mechanism.coordinate_rows,
+                          [](const CoordinateRow& row) { return row.relation || row.has_losses(); }))
+    return false;
+  return !depends_on_turns(loads);
+}
+
+std::unique_ptr<EquationProgram> EquationProgram::make(const Mechanism& mechanism, const Loads& loads,
+                                                       const std::vector<double>& cut_reference,
+                                                       const Pivots& pivots) {
+  if (!is_possible(mechanism, loads)) return nullptr;
+  try {
+    std::unique_ptr<EquationProgram> out(new EquationProgram(mechanism, loads, cut_reference, pivots));
+    return out->evaluate_.empty() ? nullptr : std::move(out);
+  } catch (const recording::HiddenBranch&) {
+    return nullptr;
+  }
+}
+
+EquationProgram::EquationProgram(const Mechanism& mechanism, const Loads& loads,
+                                 const std::vector<double>& cut_reference, const Pivots& pivots)
+    : pivots_(pivots), signals_(loads.first_named()), nv_(mechanism.nv) {
+  const int nq = mechanism.nq;
+  targets_ = 3 * static_cast<int>(mechanism.coordinate_rows.size());
+  size_ = nq + nv_ + loads.states();
+  Graph graph;
+  const recording::Recording recording(graph);
+  lanes::Frame frame;
+  lanes::Slots known;
+  int variable = 0;
+  const auto place = [&](int count, Numbers* recorded) {
+    const int first = frame.add(count);
+    for (int k = 0; k < count; ++k) {
+      const Recorded x = Recorded::variable(variable++);
+      if (recorded != nullptr) recorded->push_back(x);
+      known.emplace(x.term(), first + k);
+    }
+    return first;
+  };
+  RecordedIsland island;
+  y_ = place(nq, &island.q);
+  place(nv_, &island.v);
+  // Element states are read among the signals.
+  frame.add(loads.states());
+  u_ = place(signals_, &island.signals);
+  target_ = place(targets_, &island.targets);
+  record(mechanism, loads, cut_reference, island);
+
+  const std::vector<Term> M = terms(island.M);
+  const std::vector<Term> J = terms(island.J);
+  const Elimination elimination({static_cast<std::size_t>(nv_), M, J}, pivots_);
+  std::vector<Term> rates = terms(island.qdot);
+  for (const Numbers& more : {elimination.accelerations(of_rows(island.gamma, pivots_), island.h), island.rates}) {
+    const std::vector<Term> all = terms(more);
+    rates.insert(rates.end(), all.begin(), all.end());
+  }
+  Numbers residual;
+  for (int i = 0; i < static_cast<int>(pivots_.rows.size()); ++i)
+    residual.push_back(Recorded::variable(first_residual + i));
+  const std::vector<Term> displacement =
+      residual.empty() ? std::vector<Term>{} : terms(elimination.displacement(residual));
+  const std::vector<Term> reciprocals = terms(elimination.reciprocal_pivots());
+  const std::vector<Term> reciprocal_masses = terms(elimination.reciprocal_masses());
+  std::vector<Term> factors =
+      independent_parts(graph, displacement, [](int index) { return index >= first_residual; });
+  for (const std::vector<Term>& of : {reciprocals, reciprocal_masses}) {
+    for (const Term term : of) {
+      if (!graph.is_constant(term) && std::ranges::find(factors, term) == factors.end()) factors.push_back(term);
+    }
+  }
+  std::vector<Term> all = rates;
+  all.insert(all.end(), factors.begin(), factors.end());
+  if (lanes::has_lookups(graph, all)) return;
+
+  rate_ = frame.add(size_);
+  residual_ = frame.add(static_cast<int>(residual.size()));
+  displacement_ = frame.add(nv_);
+  const int first_factor = frame.add(static_cast<int>(factors.size()));
+  std::vector<lanes::Output> evaluated;
+  add(rates, rate_, evaluated);
+  add(factors, first_factor, evaluated);
+  lanes::Program evaluate(graph, known, evaluated, frame, lanes::Order::calls_first);
+  lanes::Slots of_factors;
+  for (std::size_t k = 0; k < factors.size(); ++k) of_factors.emplace(factors[k], first_factor + static_cast<int>(k));
+  for (std::size_t k = 0; k < residual.size(); ++k)
+    of_factors.emplace(residual[k].term(), residual_ + static_cast<int>(k));
+  std::vector<lanes::Output> displaced;
+  add(displacement, displacement_, displaced);
+  lanes::Program displace(graph, of_factors, displaced, frame, lanes::Order::calls_first);
+  if (evaluate.instructions().size() > most_operations) return;
+
+  evaluate.place_temporaries(frame);
+  displace.place_temporaries(frame);
+  memory_.resize(static_cast<std::size_t>(frame.size()));
+  for (const auto& [slot, value] : frame.constants()) memory_[static_cast<std::size_t>(slot)] = value;
+  const auto guard = [&](const std::vector<Term>& of, bool is_mass) {
+    for (const Term term : of) {
+      const auto found = std::ranges::find(factors, term);
+      if (found == factors.end()) continue;
+      reciprocals_.push_back(first_factor + static_cast<int>(found - factors.begin()));
+      is_mass_.push_back(is_mass);
+    }
+  };
+  guard(reciprocals, false);
+  guard(reciprocal_masses, true);
+  limits_.assign(reciprocals_.size(), 0);
+  operations_ = static_cast<int>(evaluate.instructions().size());
+  evaluate_ = machine_code::CompiledProgram(evaluate.instructions(), frame.fixed());
+  displace_ = machine_code::CompiledProgram(displace.instructions(), frame.fixed());
+}
+
+bool EquationProgram::evaluate(const double* y, const double* u, const double* targets, double* ydot) {
+  std::copy_n(y, size_, at(y_));
+  std::copy_n(u, signals_, at(u_));
+  std::copy_n(targets, targets_, at(target_));
+  evaluate_.run(memory_.data());
+  bool is_regular = true;
+  for (std::size_t k = 0; k < reciprocals_.size(); ++k)
+    is_regular = std::abs(memory_[static_cast<std::size_t>(reciprocals_[k])]) <= limits_[k] && is_regular;
+  if (!is_regular) return false;
+  std::copy_n(at(rate_), size_, ydot);
+  return true;
+}
+
+bool EquationProgram::take_usual_pivots() {
+  for (std::size_t k = 0; k < reciprocals_.size(); ++k) {
+    const double usual = std::abs(memory_[static_cast<std::size_t>(reciprocals_[k])]);
+    limits_[k] = usual / (is_mass_[k] ? least_mass_pivot : least_constraint_pivot);
+  }
+  return std::ranges::all_of(limits_, [](double limit) { return std::isfinite(limit); });
+}
+
+void EquationProgram::displace(const double* residual, double* dv) {
+  for (std::size_t i = 0; i < pivots_.rows.size(); ++i)
+    *at(residual_ + static_cast<int>(i)) = residual[pivots_.rows[i]];
+  displace_.run(memory_.data());
+  std::copy_n(at(displacement_), nv_, dv);
+}
+
+}  // namespace gelenk

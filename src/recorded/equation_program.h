@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The equations of motion of one island as a program: recorded from the kernels once, with the numbers of the scene as
+// constants. What is alike in every evaluation, such as products with zero, is left out, and so is everything that
+// searches: pivots are chosen when the program is made. Where one of them becomes small, or the motion is beyond what was
+// recorded, evaluate() returns false, and the kernels take over. The answer depends on its arguments alone.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "kinematics/loads.h"
+#include "lanes/program.h"
+#include "machine_code/compiled_program.h"
+#include "mechanism/mechanism.h"
+#include "recorded/pivots.h"
+
+namespace gelenk {
+
+class EquationProgram {
+ public:
+  // The present mechanism and loads, with pivots at a position where they have their usual size. Null: these equations
+  // cannot be recorded, or are faster by the kernels. cut_reference: coordinates of the cut joints.
+  static std::unique_ptr<EquationProgram> make(const Mechanism& mechanism, const Loads& loads,
+                                               const std::vector<double>& cut_reference, const Pivots& pivots);
+  // Whether make() may be worth trying.
+  static bool is_possible(const Mechanism& mechanism, const Loads& loads);
+
+  // ydot of y = (q, v, element states). u: signals that are not named (kinematics/loads.h); targets: as
+  // Kinematics::set_targets(). Returns false where the kernels have to do it.
+  bool evaluate(const double* y, const double* u, const double* targets, double* ydot);
+  // Takes the pivots of the last evaluate(), whatever that returned, as those of usual size. Returns false if they are
+  // not finite.
+  bool take_usual_pivots();
+  // The least pivots with which it returns true; for saved states.
+  std::vector<double>& limits() { return limits_; }
+  const Pivots& pivots() const { return pivots_; }
+  // With the factors of the last evaluate() that returned true: the smallest displacement dv (nv) in the mass metric
+  // that removes the residual (by constraint equation) to first order.
+  void displace(const double* residual, double* dv);
+
+  // Instructions of an evaluation.
+  int operations() const { return operations_; }
+  bool is_encoded() const { return evaluate_.is_encoded(); }
+
+ private:
+  EquationProgram(const Mechanism& mechanism, const Loads& loads, const std::vector<double>& cut_reference,
+                  const Pivots& pivots);
+  double* at(int slot) { return memory_.data() + slot; }
+
+  Pivots pivots_;
+  std::vector<double> memory_;
+  int size_ = 0, signals_ = 0, targets_ = 0, nv_ = 0;
+  int y_ = 0, u_ = 0, target_ = 0, rate_ = 0, residual_ = 0, displacement_ = 0;  // first slots
+  std::vector<int> angles_;       // slots of coordinates
+  std::vector<int> reciprocals_;  // slots of reciprocal pivots
+  std::vector<bool> is_mass_;     // by reciprocal pivot
+  std::vector<double> limits_;    // largest reciprocal pivots
+  int operations_ = 0;
+  machine_code::CompiledProgram evaluate_, displace_;
+};
+
+}  // namespace gelenk
