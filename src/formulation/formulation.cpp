@@ -70,8 +70,7 @@ bool Formulation::rhs(double t, const double* y, double* ydot) {
   if (!all_finite(y, size())) return false;
   drives_.go_to(t, y);
   // Those of differences leave `dynamics` at y.
-  if (!takes_differences_ && row_domain_.is_everywhere() && !singularity_monitor_.is_followed() &&
-      evaluate_recorded(y, ydot)) {
+  if (!takes_differences_ && !singularity_monitor_.is_followed() && evaluate_recorded(y, ydot)) {
     dynamics_.count_evaluations(1);
     ++traced_count_;
     return all_finite(ydot, size());

@@ -159,8 +159,14 @@ void Projection::inputs_changed(double t, const double* y) {
 void Projection::record_equations(double t, const double* y) {
   if (!program_) return;
   drives_.go_to(t, y);
-  program_->record(revolutions().coordinates(), y, drives_, rows_);
-  expect_pivot_ratio(program_->usual_pivot_ratio());
+  try {
+    program_->record(revolutions().coordinates(), y, drives_);
+    dynamics_.set_position(y);
+    if (mechanism_.rows > 0) rows_.refactorize();
+  } catch (const SingularMass&) {  // reported by the first step that needs its inertia
+    program_->loads_changed();
+  }
+  if (program_->is_used()) expect_pivot_ratio(program_->usual_pivot_ratio());
 }
 
 void Projection::serialize(Archive& archive) {
@@ -364,6 +370,10 @@ bool Projection::close_contacts(double* y) {
 void Projection::accepted(double t, const double* y) {
   Formulation::accepted(t, y);
   if (mechanism_.cuts.empty() || mechanism_.rows == 0) return;
+  if (rows_.may_become_weak()) {
+    dynamics_.set_position(y);
+    rows_.refactorize();
+  }
   if (rows_.below(near_fraction)) return record_acceleration(t, y);
   approach_.clear();
   rows_.set_near_miss(false);

@@ -13,13 +13,15 @@ void RecordedMotion::make(const std::vector<double>& cut_reference, const Pivots
   is_current_ = true;
 }
 
-void RecordedMotion::record(const std::vector<double>& cut_reference, const double* y, const Drives& drives,
-                            ConstraintProjector& projector) {
+void RecordedMotion::record(const std::vector<double>& cut_reference, const double* y, const Drives& drives) {
   is_used_ = false;
   if (dynamics_.switching_forces().count() > 0 || dynamics_.kinks().count() > 0 ||
       !EquationProgram::is_possible(mechanism_, loads_))
     return;
   const Eigen::Index nv = mechanism_.nv;
+  // Not that of the run, which remembers the pivots that it has seen.
+  ConstraintProjector projector(mechanism_, dynamics_);
+  dynamics_.set_singular_threshold(0);
   std::vector<std::vector<double>> positions;
   std::vector<RowMatrix> J;
   RowMatrix M(nv, nv);
@@ -31,7 +33,6 @@ void RecordedMotion::record(const std::vector<double>& cut_reference, const doub
     std::vector<double> q(y, y + mechanism_.nq);
     for (double& x : q)
       x += around * (2 * static_cast<double>(random()) / static_cast<double>(std::mt19937::max()) - 1);
-    projector.discard_factors();
     if (!projector.close_position(q.data())) continue;
     dynamics_.set_velocity(at_rest.data() + mechanism_.nq);
     dynamics_.assemble(drives.u().data(), M.data(), f.data());
@@ -39,7 +40,6 @@ void RecordedMotion::record(const std::vector<double>& cut_reference, const doub
     positions.push_back(std::move(q));
     if (mechanism_.rows == 0) break;
   }
-  projector.discard_factors();
   if (positions.empty()) return;
   std::size_t usual = 0;
   const Pivots pivots = choose_pivots(J, usual);

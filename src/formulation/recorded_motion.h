@@ -18,10 +18,9 @@ class RecordedMotion {
   RecordedMotion(const Mechanism& mechanism, const Loads& loads, Dynamics& dynamics)
       : mechanism_(mechanism), loads_(loads), dynamics_(dynamics) {}
 
-  // Records the equations for a run that begins at y, with the present targets. Pivots are chosen there, or near it if that is a
-  // singular configuration. Leaves `dynamics` at another position.
-  void record(const std::vector<double>& cut_reference, const double* y, const Drives& drives,
-              ConstraintProjector& projector);
+  // Records the equations for a run that begins at y, with the present targets. Pivots are chosen there, or near it if
+  // that is a singular configuration. Leaves `dynamics` at another position, with factors of which no row is weak.
+  void record(const std::vector<double>& cut_reference, const double* y, const Drives& drives);
   // Call when numbers of the loads or inertias have changed: the kernels evaluate until the next record(), so that no
   // step has to wait for that.
   void loads_changed() { is_current_ = is_used_ = false; }
@@ -32,9 +31,9 @@ class RecordedMotion {
   }
   void displace(const double* residual, double* dv) { program_->displace(residual, dv); }
   bool is_used() const { return is_used_; }
+  double pivot_fraction() const { return program_->pivot_fraction(); }
   // Pivot ratio of the constraint Jacobian (Dynamics::pivot_ratio()) where pivots have their usual size; 0: unknown.
   double usual_pivot_ratio() const { return usual_pivot_ratio_; }
-  // After a record(): is_wanted in the scene.
   void serialize(Archive& archive, const std::vector<double>& cut_reference);
 
  private:

@@ -16,7 +16,6 @@ class RowDomain {
 
   // Whether the constraint equations are defined at the present position of `dynamics`.
   bool is_defined() const;
-  bool is_everywhere() const { return cuts_.empty(); }
   // Describes why constraint equations are not defined near there; empty: they are.
   std::string undefined_reason() const;
 

@@ -13,6 +13,9 @@ namespace gelenk {
 class WeakRowCorrector final : public ConstraintProjector {
  public:
   static constexpr double regular_fraction = 0.1;  // below it, rows are weak
+  // Of a program's pivots: accelerations are recorded below half the largest pivot ratio (projection.cpp), which a
+  // program does not know.
+  static constexpr double fraction_to_look = 0.8;
   static constexpr double default_weak_fraction = 0.003;
 
   // best_pivot_ratio: largest ratio known before the run, read when it is needed; null: unknown.
@@ -31,6 +34,8 @@ class WeakRowCorrector final : public ConstraintProjector {
   void min_norm_displacement(const double* residual, double* dv) override {
     recorded_ != nullptr ? recorded_->displace(residual, dv) : ConstraintProjector::min_norm_displacement(residual, dv);
   }
+  // Whether these are not far from where rows become weak.
+  bool may_become_weak() const { return recorded_ != nullptr && recorded_->pivot_fraction() < fraction_to_look; }
   // Whether the last factors are not near a singular configuration.
   bool is_regular() const { return regular_; }
   // Pivot ratio relative to the largest one.

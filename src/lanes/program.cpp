@@ -346,13 +346,16 @@ std::vector<Instruction> Compiler::allocated() {
 }  // namespace
 
 bool has_lookups(const Graph& graph, const std::vector<Term>& terms) {
-  return std::ranges::any_of(terms, [&](Term term) {
-    const std::vector<bool> parts = graph.parts_of(term);
-    for (Term at = 0; at <= term; ++at) {
-      if (parts[static_cast<std::size_t>(at)] && graph[at].operation == Operation::lookup) return true;
+  std::vector<bool> is_part(static_cast<std::size_t>(graph.size()), false);
+  for (const Term term : terms) is_part[static_cast<std::size_t>(term)] = true;
+  for (Term term = graph.size() - 1; term >= 0; --term) {
+    if (!is_part[static_cast<std::size_t>(term)]) continue;
+    if (graph[term].operation == Operation::lookup) return true;
+    for (const Term operand : graph[term].of) {
+      if (operand >= 0) is_part[static_cast<std::size_t>(operand)] = true;
     }
-    return false;
-  });
+  }
+  return false;
 }
 
 Program::Program(const Graph& graph, const Slots& given, const std::vector<Output>& outputs, Frame& frame, Order order)

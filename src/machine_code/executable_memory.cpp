@@ -17,6 +17,9 @@ namespace gelenk::machine_code {
 namespace {
 
 std::atomic<bool> is_refused{false};
+// Systems permit some 65,000 mappings in a process, which others need, too.
+constexpr int most_mappings = 16384;
+std::atomic<int> mappings{0};
 
 #ifdef _WIN32
 
@@ -60,7 +63,9 @@ void unmap(void* first, std::size_t size) { munmap(first, size); }
 }  // namespace
 
 ExecutableMemory::ExecutableMemory(std::span<const std::uint8_t> code) : size_(code.size()) {
-  if (!code.empty() && !is_refused.load()) first_ = copied(code);
+  if (code.empty() || is_refused.load()) return;
+  if (++mappings <= most_mappings) first_ = copied(code);
+  if (first_ == nullptr) --mappings;
 }
 
 void ExecutableMemory::swap(ExecutableMemory& other) noexcept {
@@ -69,8 +74,10 @@ void ExecutableMemory::swap(ExecutableMemory& other) noexcept {
 }
 
 void ExecutableMemory::release() {
-  if (first_ != nullptr) unmap(first_, size_);
+  if (first_ == nullptr) return;
+  unmap(first_, size_);
   first_ = nullptr;
+  --mappings;
 }
 
 void ExecutableMemory::refuse(bool on) { is_refused.store(on); }

@@ -123,9 +123,11 @@ EquationProgram::EquationProgram(const Mechanism& mechanism, const Loads& loads,
       residual.empty() ? std::vector<Term>{} : terms(elimination.displacement(residual));
   const std::vector<Term> reciprocals = terms(elimination.reciprocal_pivots());
   const std::vector<Term> reciprocal_masses = terms(elimination.reciprocal_masses());
+  std::vector<Term> reciprocal_distances;
+  for (const Recorded& distance : island.distances) reciprocal_distances.push_back((Recorded(1) / distance).term());
   std::vector<Term> factors =
       independent_parts(graph, displacement, [](int index) { return index >= first_residual; });
-  for (const std::vector<Term>& of : {reciprocals, reciprocal_masses}) {
+  for (const std::vector<Term>& of : {reciprocals, reciprocal_masses, reciprocal_distances}) {
     for (const Term term : of) {
       if (!graph.is_constant(term) && std::ranges::find(factors, term) == factors.end()) factors.push_back(term);
     }
@@ -155,17 +157,17 @@ EquationProgram::EquationProgram(const Mechanism& mechanism, const Loads& loads,
   displace.place_temporaries(frame);
   memory_.resize(static_cast<std::size_t>(frame.size()));
   for (const auto& [slot, value] : frame.constants()) memory_[static_cast<std::size_t>(slot)] = value;
-  const auto guard = [&](const std::vector<Term>& of, bool is_mass) {
-    for (const Term term : of) {
+  const auto guard = [&](const std::vector<Term>& all_of_kind, Guard::Of of) {
+    for (const Term term : all_of_kind) {
       const auto found = std::ranges::find(factors, term);
       if (found == factors.end()) continue;
-      reciprocals_.push_back(first_factor + static_cast<int>(found - factors.begin()));
-      is_mass_.push_back(is_mass);
+      guards_.push_back({first_factor + static_cast<int>(found - factors.begin()), of});
     }
   };
-  guard(reciprocals, false);
-  guard(reciprocal_masses, true);
-  limits_.assign(reciprocals_.size(), 0);
+  guard(reciprocals, Guard::Of::constraint);
+  guard(reciprocal_masses, Guard::Of::mass);
+  guard(reciprocal_distances, Guard::Of::distance);
+  limits_.assign(guards_.size(), 0);
   operations_ = static_cast<int>(evaluate.instructions().size());
   evaluate_ = machine_code::CompiledProgram(evaluate.instructions(), frame.fixed());
   displace_ = machine_code::CompiledProgram(displace.instructions(), frame.fixed());
@@ -177,18 +179,32 @@ bool EquationProgram::evaluate(const double* y, const double* u, const double* t
   std::copy_n(targets, targets_, at(target_));
   evaluate_.run(memory_.data());
   bool is_regular = true;
-  for (std::size_t k = 0; k < reciprocals_.size(); ++k)
-    is_regular = std::abs(memory_[static_cast<std::size_t>(reciprocals_[k])]) <= limits_[k] && is_regular;
+  double smallest = 1 / least_constraint_pivot;
+  for (std::size_t k = 0; k < guards_.size(); ++k) {
+    const double reciprocal = std::abs(*at(guards_[k].slot));
+    is_regular = reciprocal <= limits_[k] && is_regular;
+    if (guards_[k].of == Guard::Of::constraint && reciprocal * smallest > limits_[k]) smallest = limits_[k] / reciprocal;
+  }
   if (!is_regular) return false;
+  pivot_fraction_ = least_constraint_pivot * smallest;
   std::copy_n(at(rate_), size_, ydot);
   return true;
 }
 
-bool EquationProgram::take_usual_pivots() {
-  for (std::size_t k = 0; k < reciprocals_.size(); ++k) {
-    const double usual = std::abs(memory_[static_cast<std::size_t>(reciprocals_[k])]);
-    limits_[k] = usual / (is_mass_[k] ? least_mass_pivot : least_constraint_pivot);
+double EquationProgram::largest_reciprocal(Guard::Of of, double usual) {
+  switch (of) {
+    case Guard::Of::constraint:
+      return usual / least_constraint_pivot;
+    case Guard::Of::mass:
+      return usual / least_mass_pivot;
+    default:
+      return 1;
   }
+}
+
+bool EquationProgram::take_usual_pivots() {
+  for (std::size_t k = 0; k < guards_.size(); ++k)
+    limits_[k] = largest_reciprocal(guards_[k].of, std::abs(*at(guards_[k].slot)));
   return std::ranges::all_of(limits_, [](double limit) { return std::isfinite(limit); });
 }
 

@@ -31,6 +31,8 @@ class EquationProgram {
   // Takes the pivots of the last evaluate(), whatever that returned, as those of usual size. Returns false if they are
   // not finite.
   bool take_usual_pivots();
+  // The smallest pivot of a constraint equation in the last evaluate(), relative to its usual size.
+  double pivot_fraction() const { return pivot_fraction_; }
   // The least pivots with which it returns true; for saved states.
   std::vector<double>& limits() { return limits_; }
   const Pivots& pivots() const { return pivots_; }
@@ -51,10 +53,15 @@ class EquationProgram {
   std::vector<double> memory_;
   int size_ = 0, signals_ = 0, targets_ = 0, nv_ = 0;
   int y_ = 0, u_ = 0, target_ = 0, rate_ = 0, residual_ = 0, displacement_ = 0;  // first slots
-  std::vector<int> angles_;       // slots of coordinates
-  std::vector<int> reciprocals_;  // slots of reciprocal pivots
-  std::vector<bool> is_mass_;     // by reciprocal pivot
-  std::vector<double> limits_;    // largest reciprocal pivots
+  // What has to remain regular, by its reciprocal.
+  struct Guard {
+    int slot = 0;
+    enum class Of : char { constraint, mass, distance } of = Of::constraint;
+  };
+  static double largest_reciprocal(Guard::Of of, double usual);
+  std::vector<Guard> guards_;
+  std::vector<double> limits_;  // largest reciprocals
+  double pivot_fraction_ = 1;
   int operations_ = 0;
   machine_code::CompiledProgram evaluate_, displace_;
 };

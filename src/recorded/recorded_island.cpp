@@ -30,6 +30,12 @@ void record_matrices(const Mechanism& mechanism, const Loads& loads, RecordedIsl
   kernels::positions(model, island.q.data(), ws);
   kernels::loop_positions(model, ws);
   kernels::coordinate_row_positions(model, island.q.data(), island.targets, ws);
+  for (std::size_t c = 0; c < model.cuts.size(); ++c) {
+    visit_joint<A>(model.cuts[c].joint, [&](const auto& joint) {
+      if constexpr (requires { joint.template distance_from_undefined<Recorded>(ws.X_FM[c]); })
+        island.distances.push_back(joint.template distance_from_undefined<Recorded>(ws.X_FM[c]));
+    });
+  }
   const int nv = model.nv;
   FullMatrix M(model);
   kernels::mass_matrix(model, ws, M);

@@ -16,6 +16,7 @@ struct RecordedIsland {
   Numbers q, v, signals, targets;                  // given; signals: those of kinematics/loads.h that are not named
   Numbers M, J, h, gamma, Phi, rate, qdot, rates;  // M, J: row by row
   recording::Recorded kinetic, potential;
+  Numbers distances;  // from poses at which constraint equations are undefined: below 1 near one
 };
 
 // Fills in what is not given. Friction along joints slides in the direction of the speed; all other forces with modes

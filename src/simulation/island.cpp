@@ -24,7 +24,7 @@ double step_of(const Scene& scene) { return scene.solver.step > 0 ? scene.solver
 FormulationOptions options_of(const Scene& scene, const double* best_pivot_ratio) {
   const Solver& solver = scene.solver;
   return {step_of(scene),     solver.baumgarte_alpha,  solver.baumgarte_beta,
-          solver.corrections, locates_contacts(scene), solver.equations == "traced", best_pivot_ratio};
+          solver.corrections, locates_contacts(scene), solver.equations != "general", best_pivot_ratio};
 }
 
 }  // namespace

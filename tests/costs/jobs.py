@@ -133,16 +133,18 @@ def cube_at_rest() -> Scene:
 
 RK4 = {"integrator": "rk4", "step": 1e-3}
 
-METHODS: dict[str, dict[str, Any]] = {"rk4": RK4, "auto": {}}
+# By the kernels: only they evaluate what has friction, and without it a program would.
+KERNELS = {"equations": "general"}
+METHODS: dict[str, dict[str, Any]] = {"rk4": RK4 | KERNELS, "auto": KERNELS}
 
 # Pairs of jobs: with friction in motion, and without.
 FRICTION = {
-    "rk4": tuple(Job(planar_four_bar(f), 500, solver=RK4) for f in (0.01, 0.0)),
-    "auto": tuple(Job(planar_four_bar(f), 1000) for f in (0.01, 0.0)),
+    name: tuple(Job(planar_four_bar(f), rounds, solver=METHODS[name]) for f in (0.01, 0.0))
+    for name, rounds in (("rk4", 500), ("auto", 1000))
 }
 
 # The same with joints at rest.
-AT_REST = tuple(Job(plant, 300, solver=RK4) for plant in (braked_arm, arm))
+AT_REST = tuple(Job(plant, 300, solver=RK4 | KERNELS) for plant in (braked_arm, arm))
 
 # rk4: four evaluations and a projection a step, so that its instructions are those of the kernels.
 # What happens between smooth steps: the same four-bar at rest, and one that falls onto a limit.
@@ -158,8 +160,10 @@ RESTING = tuple(
 JOBS = {
     "four-bar, rk4": Job(shipped("four_bar"), 500, solver=RK4),
     "four-bar, auto": Job(shipped("four_bar"), 1000),
+    "four-bar, rk4, by the kernels": Job(shipped("four_bar"), 500, solver=RK4 | KERNELS),
     "slider-crank, rk4": Job(shipped("slider_crank"), 500, solver=RK4),
     "arm, rk4": Job(arm, 300, solver=RK4),
+    "arm, rk4, by the kernels": Job(arm, 300, solver=RK4 | KERNELS),
     "arm, auto": Job(arm, 500),
     "arm, dirk: Newton matrices": Job(arm, 20, 1e-2, {"integrator": "dirk"}),
     "chain of 32, rk4": Job(lambda: chain(32), 50, solver=RK4),

@@ -15,9 +15,10 @@
 // `axis`, a Direction, if there is one. Equations without position error have Phi = 0. Optional functions:
 //   prepared()            the same with what its equations need besides its fields
 //   holds_position(i)     whether equation i constrains a position, not only its rate; by default true
-//   undefined(X_FM)       whether the equations are undefined at this pose; if given, also the following two:
+//   undefined(X_FM)       whether the equations are undefined at this pose; if given, also the following three:
 //   undefined_start()     the fault of a start at such a pose
 //   near_undefined(X_FM)  the reason why a run ends near such a pose, with the placeholder {body}; empty elsewhere
+//   distance_from_undefined<T>(X_FM)  a smooth number that is below 1 near such a pose
 //
 // output(seen, group, i): component i of an output group. seen offers coordinate_force() [N m, N],
 // contact_force(row) [N], X_WF() and X_FM().

@@ -76,8 +76,12 @@ struct Rolling : NoCoordinates {
     return {"", "the wheel flat on its plane at the start, where it has no contact point",
             "an upright or tilted wheel: check its axis and the start values of the joints that carry it"};
   }
+  static constexpr double flat_tilt = 0.05;  // rad; with a smaller tilt this is the reason why a step fails
+  template <class T>
+  static T distance_from_undefined(const typename SpatialAlgebra<T>::Pose& X_FM) {
+    return (X_FM.R(0, 2) * X_FM.R(0, 2) + X_FM.R(1, 2) * X_FM.R(1, 2)) / T(flat_tilt * flat_tilt);
+  }
   static std::string_view near_undefined(const Pose3& X_FM) {
-    constexpr double flat_tilt = 0.05;  // rad; with a smaller tilt this is the reason why a step fails
     if (tilt(X_FM) >= flat_tilt) return {};
     return "the wheel of {body} lies flat on its plane, where it has no contact point";
   }
