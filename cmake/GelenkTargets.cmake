@@ -9,8 +9,8 @@
 # instantiate.
 set(GELENK_HOT src/math src/joint src/linear src/kinematics src/dynamics src/outputs src/integrator src/formulation src/machine_code)
 set(GELENK_WARM src/complementarity src/collision src/contact_geometry src/derivatives src/nonsmooth src/time_stepping src/event_driven
-  fmu/runtime)
-set(GELENK_COLD src/util src/expression src/recording src/lanes src/recorded src/field src/shape src/element src/element/components src/element/constraints src/event src/scene src/check src/scene_file src/scene_schema
+  src/expression src/recording src/lanes src/recorded fmu/runtime)
+set(GELENK_COLD src/util src/field src/shape src/element src/element/components src/element/constraints src/event src/scene src/check src/scene_file src/scene_schema
   src/mechanism src/assembly src/analysis src/preparation src/simulation src/runs src/inspection modelDescription fmu/export)
 if(GELENK_WASM)  # pages make no FMUs; they have no files
   list(REMOVE_ITEM GELENK_COLD src/scene_schema src/inspection fmu/export)

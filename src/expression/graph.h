@@ -9,11 +9,12 @@
 
 #include <array>
 #include <bit>
+#include <cstddef>
 #include <cstdint>
-#include <map>
 #include <memory>
 #include <optional>
 #include <tuple>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -63,9 +64,17 @@ struct Node {
   int index = 0;                       // of a variable or a lookup; exponent
   double value = 0;                    // of a constant
 
-  // Bit by bit, so that there is an order with NaN, too.
+  // Bit by bit, so that NaN equals itself.
   auto key() const { return std::tuple(operation, of, index, std::bit_cast<std::uint64_t>(value)); }
-  bool operator<(const Node& other) const { return key() < other.key(); }
+  bool operator==(const Node& other) const { return key() == other.key(); }
+  struct Hash {
+    std::size_t operator()(const Node& node) const {
+      std::uint64_t out = std::bit_cast<std::uint64_t>(node.value);
+      for (const int part : {static_cast<int>(node.operation), node.of[0], node.of[1], node.of[2], node.index})
+        out = (out ^ (out >> 29) ^ static_cast<std::uint32_t>(part)) * 0x9e3779b97f4a7c15U;
+      return static_cast<std::size_t>(out ^ (out >> 32));
+    }
+  };
 };
 
 class Graph {
@@ -115,7 +124,7 @@ class Graph {
   bool any(Term term, Predicate predicate) const;
 
   std::vector<Node> nodes_;
-  std::map<Node, Term> known_;
+  std::unordered_map<Node, Term, Node::Hash> known_;
   std::vector<Lookup> lookups_;
 };
 
