@@ -2,8 +2,11 @@
 #include "recorded/recorded_island.h"
 
 #include <cstddef>
+#include <type_traits>
+#include <variant>
 
 #include "derivatives/residual_evaluator.h"
+#include "element/constraints/cut_joint.h"
 #include "recorded/recorded_algebra.h"
 #include "recorded/recorded_forces.h"
 #include "kinematics/coordinate_rows.h"
@@ -31,9 +34,12 @@ void record_matrices(const Mechanism& mechanism, const Loads& loads, RecordedIsl
   kernels::loop_positions(model, ws);
   kernels::coordinate_row_positions(model, island.q.data(), island.targets, ws);
   for (std::size_t c = 0; c < model.cuts.size(); ++c) {
+    const auto note = [&](const auto& constraint) {
+      if constexpr (requires { constraint.template distance_from_undefined<Recorded>(ws.X_FM[c]); })
+        island.distances.push_back(constraint.template distance_from_undefined<Recorded>(ws.X_FM[c]));
+    };
     visit_joint<A>(model.cuts[c].joint, [&](const auto& joint) {
-      if constexpr (requires { joint.template distance_from_undefined<Recorded>(ws.X_FM[c]); })
-        island.distances.push_back(joint.template distance_from_undefined<Recorded>(ws.X_FM[c]));
+      if constexpr (std::is_same_v<std::decay_t<decltype(joint)>, AnyBodyConstraint>) std::visit(note, joint.is);
     });
   }
   const int nv = model.nv;

@@ -72,14 +72,17 @@ def test_programs_are_tapes_to_the_bit(units: ModuleType) -> None:
 
 
 def test_a_program_alone_has_the_bits_of_a_lane(units: ModuleType) -> None:
-    """By machine code, and where the system permits none. Large programs need more numbers than registers hold."""
+    """By machine code, and where the system permits none. Large ones need more numbers than registers hold."""
     rng = random.Random(6)
     for trial in range(200):
         count = rng.randint(1, 6) if trial % 3 else rng.randint(20, 60)
         made = units.Lanes([drawn(rng, rng.randint(1, 5)) for _ in range(count)], NAMES)
         assert made.are_encoded()[1] is False
         assert made.are_encoded()[0] is units.has_encoder
-        x = [[rng.choice([rng.uniform(-2, 2), 0.0, -0.0, 1.0]) for _ in range(units.lanes_per_block)] for _ in NAMES]
+        x = [
+            [rng.choice([rng.uniform(-2, 2), 0.0, -0.0, 1.0]) for _ in range(units.lanes_per_block)]
+            for _ in NAMES
+        ]
         expected = np.array(made.by_lanes(x))
         for lane in range(6):
             for encoded in (True, False):
@@ -91,7 +94,8 @@ def test_a_program_alone_has_the_sines_of_lanes(units: ModuleType) -> None:
     """Also of many turns, and with arithmetic before, between and after them."""
     rng = random.Random(7)
     texts = [
-        "sin(a)", "cos(b)", "sin(c)*cos(c)", "sin(a*b + cos(c - d))*c - a", "sin(cos(sin(a)))", "a*cos(b)/sin(b)",
+        "sin(a)", "cos(b)", "sin(c)*cos(c)", "sin(a*b + cos(c - d))*c - a", "sin(cos(sin(a)))",
+        "a*cos(b)/sin(b)",
     ]  # fmt: skip
     made = units.Lanes(texts, NAMES)
     for size in (1e-8, 1.0, 100.0, 1e7):

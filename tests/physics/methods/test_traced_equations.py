@@ -8,12 +8,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from costs.jobs import chain
 from mechanisms import four_bar
-from physics.loops.test_parallelograms import four_bar_chain
 from special.drawn import drawn
 
 import gelenk
 from gelenk.errors import AssemblyError, SceneError
+from physics.loops.test_parallelograms import four_bar_chain
 
 ROOT = Path(__file__).resolve().parents[3]
 SCENES = {path.stem: path for path in sorted(ROOT.glob("scenes/*.yaml"))}
@@ -24,14 +25,16 @@ ROUNDING = 1e-12
 # Those of which all parts that move by forces are smooth.
 TRACED = {
     "andrews", "balancing_robot", "bennett", "bicycle", "bricard", "cart_pole", "delta_robot", "differential",
-    "double_pendulum", "double_wishbone", "excavator", "five_bar", "four_bar", "free_body", "gears", "heavy_top",
-    "jansen_leg", "mast_arm_disc", "pendulum", "planetary_gear", "rolling_disc", "slider_crank", "stewart",
-    "windscreen_wiper",
+    "double_pendulum", "double_wishbone", "excavator", "five_bar", "four_bar", "free_body", "gears",
+    "heavy_top", "jansen_leg", "mast_arm_disc", "pendulum", "planetary_gear", "rolling_disc", "slider_crank",
+    "stewart", "windscreen_wiper",
 }  # fmt: skip
 
 
 def plant_of(scene: Any, **solver: Any) -> gelenk.Simulation:
-    plant = gelenk.Simulation(gelenk.load(scene).with_parameters({f"solver.{k}": v for k, v in solver.items()}))
+    plant = gelenk.Simulation(
+        gelenk.load(scene).with_parameters({f"solver.{k}": v for k, v in solver.items()})
+    )
     plant.initialize()
     return plant
 
@@ -73,7 +76,9 @@ def test_shipped_scenes_move_alike(name: str) -> None:
 
 @pytest.mark.filterwarnings("ignore::gelenk.StartWarning")
 @pytest.mark.filterwarnings("ignore::gelenk.SceneWarning")
-@pytest.mark.parametrize("first", [0, *(pytest.param(k, marks=pytest.mark.study) for k in range(60, 1200, 60))])
+@pytest.mark.parametrize(
+    "first", [0, *(pytest.param(k, marks=pytest.mark.study) for k in range(60, 1200, 60))]
+)
 def test_random_mechanisms_move_alike(first: int) -> None:
     """Many of them in special positions, where pivots are chosen nearby, or the kernels evaluate."""
     shares = []
@@ -139,7 +144,7 @@ def test_a_restored_run_has_the_same_bits(name: str) -> None:
 
 
 def test_tuning_hands_over_to_the_kernels_and_restoring_back() -> None:
-    """What a program was made for is gone with the first number that changes, until a run begins or is restored."""
+    """What a program was made for is gone with the first number that changes, until one is made again."""
     source = four_bar() | {"parameters": ["A.damping"]}
     before = gelenk.load(source).with_parameters({"solver.integrator": "rk4", "solver.step": 1e-3})
     after = before.with_parameters({"A.damping": 0.9})
@@ -166,3 +171,56 @@ def test_tuning_hands_over_to_the_kernels_and_restoring_back() -> None:
     plant.restore(saved)
     assert run(plant, 20, 20, 1e-3) == expected
     assert plant.diagnostics["solver.traced_evaluations"] == traced
+
+
+@pytest.mark.parametrize(("bodies", "traced"), [(1, True), (10, True), (30, False), (45, False)])
+def test_large_mechanisms_are_left_to_the_kernels(bodies: int, traced: bool) -> None:
+    """Operations of an elimination grow with the cube of the velocities, those of the kernels linearly."""
+    found, part = difference(chain(bodies), 5, 1e-3, integrator="rk4")
+    assert found < ROUNDING
+    assert part == (1 if traced else 0)
+
+
+def test_a_disc_that_falls_flat_is_left_to_the_kernels() -> None:
+    """Where it lies flat it has no contact point: the last moments before."""
+    source = gelenk.load(SCENES["rolling_disc"]).to_dict()
+    source["joints"]["base"]["start"]["w"] = 0.0
+    source["joints"]["spin"]["start"]["w"] = 0.0
+    source["joints"]["lean"]["start"]["phi"] = -1.3
+    source["joints"]["height"]["start"]["s"] = 0.3 * math.cos(1.3)
+    ends = []
+    counts: list[tuple[float, float]] = []
+    for kind in ("general", "traced"):
+        plant = plant_of(source, equations=kind, integrator="rk4", step=1e-4)
+        counts.clear()
+        tilt = math.pi / 2
+        while tilt > 0.01:
+            plant.step_to(plant.time + 1e-4)
+            tilt = math.pi / 2 - abs(plant.output("lean.phi"))
+            counts.append((tilt, plant.diagnostics["solver.traced_evaluations"]))
+        ends.append(states(plant))
+    upright = [count for tilt, count in counts if tilt > 0.25][-1]
+    flat = [count for tilt, count in counts if tilt < 0.05]
+    assert upright > 100
+    assert flat[0] == flat[-1] >= upright
+    assert ends[1] == pytest.approx(ends[0], rel=1e-9, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"joints": {"A": {"friction": {"coulomb": 0.01}}}},
+        {"joints": {"A": {"limit": {"lower": -9.0}}}},
+        {"joints": {"C": {"stiffness": 3.0}}},
+    ],
+    ids=["friction", "limit", "a spring in a joint that may close the loop"],
+)
+def test_laws_that_programs_do_not_have(change: dict[str, Any]) -> None:
+    source = four_bar()
+    for name, more in change["joints"].items():
+        source["joints"][name] |= more
+    found, part = difference(source, 40, 1e-3, integrator="rk4")
+    assert found < ROUNDING
+    assert part in (0, 1)
+    if "C" not in change["joints"]:
+        assert part == 0
