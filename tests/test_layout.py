@@ -14,9 +14,8 @@ ROOT = Path(__file__).resolve().parent.parent
 # What a room may include of ours: itself and these.
 BELOW: dict[str, set[str]] = {"util": set(), "math": set(), "linear": set(), "expression": {"util", "math"}}
 BELOW["field"] = BELOW["recording"] = BELOW["lanes"] = {"expression", *BELOW["expression"]}
-BELOW["shape"] = {"field", "math", *BELOW["field"]}
+BELOW["shape"] = BELOW["joint"] = {"field", "math", *BELOW["field"]}
 BELOW["collision"] = {"shape", *BELOW["shape"]}
-BELOW["joint"] = {"field", "math", *BELOW["field"]}
 BELOW["element"] = {"joint", *BELOW["joint"]}
 BELOW["scene"] = {"element", "shape", *BELOW["element"], *BELOW["shape"]}
 BELOW["check"] = {"scene", *BELOW["scene"]}
@@ -28,16 +27,17 @@ BELOW["kinematics"] = {"mechanism", "linear", *BELOW["mechanism"]}
 BELOW["derivatives"] = {"kinematics", *BELOW["kinematics"]}
 BELOW["dynamics"] = {"derivatives", *BELOW["derivatives"]}
 BELOW["machine_code"] = {"lanes", *BELOW["lanes"]}
-BELOW["recorded"] = {"recording", "machine_code", "derivatives", *BELOW["machine_code"], *BELOW["derivatives"]}
+BELOW["recorded"] = {"recording", "machine_code", "lanes"} | BELOW["dynamics"]
 BELOW["contact_geometry"] = {"dynamics", "collision", *BELOW["dynamics"], *BELOW["collision"]}
 BELOW["nonsmooth"] = {"dynamics", "complementarity", *BELOW["dynamics"]}
 BELOW["event"] = {"math", "util"}
 BELOW["time_stepping"] = {"contact_geometry", "nonsmooth", *BELOW["contact_geometry"], *BELOW["nonsmooth"]}
 BELOW["event_driven"] = {"event", *BELOW["time_stepping"]}
-BELOW["formulation"] = {"event_driven", "time_stepping", "recorded", *BELOW["event_driven"], *BELOW["recorded"]}
+BELOW["formulation"] = (
+    {"event_driven", "time_stepping", "recorded"} | BELOW["event_driven"] | BELOW["recorded"]
+)
 BELOW["integrator"] = {"formulation", *BELOW["formulation"]}
-BELOW["assembly"] = {"dynamics", *BELOW["dynamics"]}
-BELOW["outputs"] = {"dynamics", *BELOW["dynamics"]}
+BELOW["assembly"] = BELOW["outputs"] = {"dynamics", *BELOW["dynamics"]}
 BELOW["analysis"] = {"assembly", "event_driven", "outputs", *BELOW["assembly"], *BELOW["event_driven"]}
 BELOW["preparation"] = {"analysis", "formulation", *BELOW["analysis"], *BELOW["formulation"]}
 BELOW["simulation"] = {"integrator", "outputs", "preparation", *BELOW["integrator"], *BELOW["preparation"]}

@@ -88,8 +88,6 @@ class DynamicsOf final : public WithKinematics<A, AllOfDynamics> {
     std::copy_n(targets, targets_.size(), targets_.begin());
   }
 
-  const std::vector<double>& targets() const override { return targets_; }
-
   void factorize() override {
     const bool inertia_unchanged = bitwise_equal(loads_.added_inertia.data(), added_inertia_);
     if (factors_.holds(stages_) && inertia_unchanged) return;

@@ -21,6 +21,7 @@ class WithKinematics : public WithReadings<A, Base> {
           return link.constant_subspace || link.nv == 0;
         })) {}
 
+  const std::vector<double>& targets() const override { return this->targets_; }
   const std::vector<double>& Phi() const override { return ws_.Phi; }
   bool row_is_angle(int row) const override { return kernels::row_is_angle(model_, row, ws_); }
   const std::vector<double>& row_rates() const override { return ws_.rate; }

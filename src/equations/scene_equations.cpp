@@ -5,10 +5,10 @@
 #include <utility>
 
 #include "dynamics/dynamics.h"
-#include "recorded/recorded_island.h"
 #include "kinematics/visit.h"
 #include "mechanism/mechanism.h"
 #include "preparation/loads.h"
+#include "recorded/recorded_island.h"
 #include "scene/formulas.h"
 #include "scene/signals.h"
 #include "scene/touching_laws.h"

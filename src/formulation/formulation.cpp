@@ -7,6 +7,7 @@
 
 #include "event_driven/contact_modes.h"
 #include "event_driven/mode_changes.h"
+#include "formulation/recorded_motion.h"
 #include "kinematics/loads.h"
 
 namespace gelenk {
@@ -70,12 +71,13 @@ bool Formulation::rhs(double t, const double* y, double* ydot) {
   if (!all_finite(y, size())) return false;
   drives_.go_to(t, y);
   // Those of differences leave `dynamics` at y.
-  if (!takes_differences_ && !singularity_monitor_.is_followed() && evaluate_recorded(y, ydot)) {
-    dynamics_.count_evaluations(1);
-    ++traced_count_;
-    return all_finite(ydot, size());
-  }
-  return evaluate(t, y, ydot);
+  const bool by_program = !takes_differences_ && !singularity_monitor_.is_followed();
+  const RecordedMotion* const program = by_program ? evaluate_by_program(y, ydot) : nullptr;
+  if (program == nullptr) return evaluate(t, y, ydot);
+  singularity_monitor_.expect(program->usual_pivot_ratio());
+  dynamics_.count_evaluations(1);
+  ++traced_count_;
+  return all_finite(ydot, size());
 }
 
 bool Formulation::evaluate(double t, const double* y, double* ydot) {

@@ -34,13 +34,14 @@
 
 namespace gelenk {
 
+class RecordedMotion;
+
 struct FormulationOptions {
   double step = 1e-3;             // s: of fixed-step methods, or between outputs
   double baumgarte_alpha = 0;     // 1/s; 0: chosen from the step
   double baumgarte_beta = 0;      // 1/s; 0: equal to alpha
   int corrections = 0;            // projection iterations after each step; 0: until converged
   bool locates_contacts = false;  // contacts of shapes change at events, not in steps
-  bool records_equations = false;  // evaluates them by a program where that is possible
   // Largest pivot ratio of the constraint Jacobian that is known where a run starts (MobilityAnalysis); must outlive
   // the formulation; null: unknown.
   const double* best_pivot_ratio = nullptr;
@@ -54,6 +55,7 @@ struct FormulationContext {
   EventLog& events;
   const Loads& loads;
   FormulationOptions options{};
+  RecordedMotion* program = nullptr;  // of the equations; null: they are not evaluated by one
 };
 
 class Formulation : public Equations, private ModeEquations {
@@ -76,9 +78,6 @@ class Formulation : public Equations, private ModeEquations {
   RunCounts mode_counts();
   ContactMotion& contacts() { return contacts_; }
 
-  // Call before a run that begins at (t, y), and once numbers of the loads or inertias have changed.
-  virtual void record_equations(double /*t*/, const double* /*y*/) {}
-  virtual void loads_changed() {}
   // Limits the number of solutions of the equations of motion from now on; LONG_MAX: unlimited.
   void set_evaluation_budget(long evaluations);
   // Starts or restarts the run at (t, y). cut_q: the angles of the cut joints are unwrapped to the nearest values.
@@ -107,8 +106,6 @@ class Formulation : public Equations, private ModeEquations {
  protected:
   // Evaluates f at y with the present inputs. Returns false as rhs() does.
   bool evaluate(double t, const double* y, double* ydot);
-  // The same by a program, if there is one for this state.
-  virtual bool evaluate_recorded(const double* /*y*/, double* /*ydot*/) { return false; }
   // vdot at the present state of `dynamics`, with the present factors.
   virtual void solve(double t, double* vdot);
   // Adds the rates of element states that name forces to `rates`, by state; `dynamics` is at y. vdot: the accelerations
@@ -122,15 +119,14 @@ class Formulation : public Equations, private ModeEquations {
   void count_jacobian() { ++jacobian_count_; }
   virtual ConstraintProjector& projector() { return projector_; }
 
-  // The largest pivot ratio of the constraint Jacobian is at least this one.
-  void expect_pivot_ratio(double ratio) { singularity_monitor_.expect(ratio); }
-
   const Mechanism& mechanism_;
   Dynamics& dynamics_;
   Drives drives_;
   Jacobians jacobians_;
 
  private:
+  // Evaluates f at y with the present inputs by the program that is returned; null: there is none for this state.
+  virtual const RecordedMotion* evaluate_by_program(const double* /*y*/, double* /*ydot*/) { return nullptr; }
   // Whether accelerate() factorizes the constraint Jacobian, and whether it leaves its solution in `dynamics`.
   virtual bool factorizes_constraints() const { return true; }
   virtual bool leaves_solution() const { return true; }
@@ -140,8 +136,6 @@ class Formulation : public Equations, private ModeEquations {
   virtual void differentiate(const double* vdot, Eigen::Map<Eigen::MatrixXd>& out);
   bool jacobian_is_outdated() final;
   void displace(double* q, const double* dv) const final { dynamics_.displace(q, dv); }
-  std::string describe_dead_center();
-  std::string describe_lost_state(const double* y);
   void mode_changed() override {}
   bool bring_inputs(double t, const double* y) final;
   bool loads_move() const final { return drives_.inputs().moving() || mechanism_.driven(); }

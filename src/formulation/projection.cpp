@@ -6,7 +6,6 @@
 // configurations the accelerations in the weak direction are extrapolated from before.
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "event_driven/contact_modes.h"
 #include "formulation/branch_acceleration.h"
@@ -51,13 +50,13 @@ class Projection final : public Formulation {
   explicit Projection(const FormulationContext& context)
       : Formulation(context),
         corrections_(context.options.corrections),
+        program_(context.program),
         correction_(mechanism_.nv),
         rows_(mechanism_, dynamics_, context.options.best_pivot_ratio),
         extrapolated_(mechanism_.nv),
         vdot_before_(mechanism_.nv),
         vdot_after_(mechanism_.nv),
         recorded_inputs_(context.inputs) {
-    if (context.options.records_equations) program_.emplace(mechanism_, context.loads, dynamics_);
     jacobians_.of_rows = false;
     for (const Link& link : mechanism_.links) rounding_level_ += constraint_rounding * link.X_PJ.p.norm();
     for (auto& acceleration : accelerations_) acceleration.resize(mechanism_.nv);
@@ -69,20 +68,16 @@ class Projection final : public Formulation {
   void accepted(double t, const double* y) override;
   void start(const std::vector<double>& cut_q, double t, const double* y) override;
   void inputs_changed(double t, const double* y) override;
-  void record_equations(double t, const double* y) override;
-  void loads_changed() override {
-    if (program_) program_->loads_changed();
-  }
   void mode_changed() override { forget_accelerations(); }  // they have jumped
   void serialize(Archive& archive) override;
 
  private:
   ConstraintProjector& projector() override { return rows_; }
   void solve(double t, double* vdot) override;
-  bool evaluate_recorded(const double* y, double* ydot) override {
-    if (!program_ || !program_->evaluate(y, drives_.u().data(), ydot)) return false;
+  const RecordedMotion* evaluate_by_program(const double* y, double* ydot) override {
+    if (program_ == nullptr || !program_->evaluate(y, drives_.u().data(), ydot)) return nullptr;
     rows_.use_factors_of(*program_);
-    return true;
+    return program_;
   }
   void forget_accelerations() {
     recorded_ = 0;
@@ -102,10 +97,10 @@ class Projection final : public Formulation {
   bool may_be_compared() const { return recorded_ > (started_on_branch_ ? 1 : 0); }
 
   int corrections_;
+  RecordedMotion* program_;         // of the equations; null: the kernels evaluate all
   double rounding_level_ = 0;       // m or rad, from the mechanism's length
   std::vector<double> correction_;  // displacement of one projection step
   WeakRowCorrector rows_;
-  std::optional<RecordedMotion> program_;
 
   // Accelerations at the last times at which the constraints were regular.
   static constexpr int max_recorded = 8;
@@ -156,22 +151,9 @@ void Projection::inputs_changed(double t, const double* y) {
   start_on_branch(t, y);
 }
 
-void Projection::record_equations(double t, const double* y) {
-  if (!program_) return;
-  drives_.go_to(t, y);
-  try {
-    program_->record(revolutions().coordinates(), y, drives_);
-    dynamics_.set_position(y);
-    if (mechanism_.rows > 0) rows_.refactorize();
-  } catch (const SingularMass&) {  // reported by the first step that needs its inertia
-    program_->loads_changed();
-  }
-  if (program_->is_used()) expect_pivot_ratio(program_->usual_pivot_ratio());
-}
-
 void Projection::serialize(Archive& archive) {
   Formulation::serialize(archive);
-  if (program_) program_->serialize(archive, revolutions().coordinates());
+  if (program_ != nullptr) program_->serialize(archive, revolutions().coordinates());
   rows_.serialize(archive);
   archive.serialize_in_range(recorded_, 0, max_recorded);
   archive.serialize(started_on_branch_);

@@ -15,6 +15,16 @@ void RecordedMotion::make(const std::vector<double>& cut_reference, const Pivots
 
 void RecordedMotion::record(const std::vector<double>& cut_reference, const double* y, const Drives& drives) {
   is_used_ = false;
+  try {
+    choose(cut_reference, y, drives);
+    dynamics_.set_position(y);
+    if (mechanism_.rows > 0) dynamics_.factorize();
+  } catch (const SingularMass&) {  // reported by the first step that needs its inertia
+    loads_changed();
+  }
+}
+
+void RecordedMotion::choose(const std::vector<double>& cut_reference, const double* y, const Drives& drives) {
   if (dynamics_.switching_forces().count() > 0 || dynamics_.kinks().count() > 0 ||
       !EquationProgram::is_possible(mechanism_, loads_))
     return;

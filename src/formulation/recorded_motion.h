@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The equations of motion as a program (recorded/equation_program.h), which evaluates them in place of the kernels where
-// it can.
+// The equations of motion as a program (recorded/equation_program.h), which evaluates them in place of the kernels
+// where it can.
 #pragma once
 
 #include <memory>
@@ -19,7 +19,8 @@ class RecordedMotion {
       : mechanism_(mechanism), loads_(loads), dynamics_(dynamics) {}
 
   // Records the equations for a run that begins at y, with the present targets. Pivots are chosen there, or near it if
-  // that is a singular configuration. Leaves `dynamics` at another position, with factors of which no row is weak.
+  // that is a singular configuration. Leaves `dynamics` at y, and with no row as weak. Without effect where a body can
+  // move without inertia.
   void record(const std::vector<double>& cut_reference, const double* y, const Drives& drives);
   // Call when numbers of the loads or inertias have changed: the kernels evaluate until the next record(), so that no
   // step has to wait for that.
@@ -37,6 +38,7 @@ class RecordedMotion {
   void serialize(Archive& archive, const std::vector<double>& cut_reference);
 
  private:
+  void choose(const std::vector<double>& cut_reference, const double* y, const Drives& drives);
   void make(const std::vector<double>& cut_reference, const Pivots& pivots);
 
   const Mechanism& mechanism_;

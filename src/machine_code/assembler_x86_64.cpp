@@ -78,7 +78,8 @@ std::vector<std::uint8_t> AssemblerX86_64::finished() && {
   }
   for (const auto& [at, number] : references_) {
     const auto distance = static_cast<std::uint32_t>(place[static_cast<std::size_t>(number)] - (at + 4));
-    for (int k = 0; k < 4; ++k) code_[at + static_cast<std::size_t>(k)] = static_cast<std::uint8_t>(distance >> (8 * k));
+    for (int k = 0; k < 4; ++k)
+      code_[at + static_cast<std::size_t>(k)] = static_cast<std::uint8_t>(distance >> (8 * k));
   }
   return std::move(code_);
 }

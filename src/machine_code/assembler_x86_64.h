@@ -22,7 +22,13 @@ class AssemblerX86_64 {
 #endif
 
   // Of the operations on two operands: destination <- destination op source.
-  enum class Arithmetic : std::uint8_t { square_root = 0x51, add = 0x58, multiply = 0x59, subtract = 0x5c, divide = 0x5e };
+  enum class Arithmetic : std::uint8_t {
+    square_root = 0x51,
+    add = 0x58,
+    multiply = 0x59,
+    subtract = 0x5c,
+    divide = 0x5e
+  };
 
   // Where a number is: in a register, in memory at base + 8 * slot, or a constant among those after the code.
   struct Place {

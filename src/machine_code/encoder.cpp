@@ -63,10 +63,10 @@ class Encoder {
 
  private:
   struct Slot {
-    int reg = nothing;     // that holds its number
+    int reg = nothing;      // that holds its number
     bool in_memory = true;  // whether the slot does, too
-    int next = never;      // the instruction that reads it next
-    int reads = 0;         // still to come in the present instruction
+    int next = never;       // the instruction that reads it next
+    int reads = 0;          // still to come in the present instruction
   };
   struct Register {
     int slot = nothing;  // of which it holds the number
@@ -249,28 +249,46 @@ int Encoder::value(const Instruction& i) {
     return first;
   };
   switch (i.code) {
-    case Code::copy: return owned(i.a);
-    case Code::add: return at(i.a).reg == nothing ? combined(Arithmetic::add, owned(i.b), i.a) : combined(Arithmetic::add, owned(i.a), i.b);
-    case Code::subtract: return combined(Arithmetic::subtract, owned(i.a), i.b);
-    case Code::multiply: return product(i.a, i.b);
-    case Code::divide: return combined(Arithmetic::divide, owned(i.a), i.b);
+    case Code::copy:
+      return owned(i.a);
+    case Code::add:
+      return at(i.a).reg == nothing ? combined(Arithmetic::add, owned(i.b), i.a)
+                                    : combined(Arithmetic::add, owned(i.a), i.b);
+    case Code::subtract:
+      return combined(Arithmetic::subtract, owned(i.a), i.b);
+    case Code::multiply:
+      return product(i.a, i.b);
+    case Code::divide:
+      return combined(Arithmetic::divide, owned(i.a), i.b);
     case Code::negate: {
       const int reg = owned(i.a);
       code_.flip_sign(reg);
       return reg;
     }
-    case Code::add_constant: return with_constant(Arithmetic::add, owned(i.a));
-    case Code::subtract_from_constant: return combined(Arithmetic::subtract, owned_constant(i.k), i.a);
-    case Code::scale: return scaled(i.k, i.a);
-    case Code::divide_constant: return combined(Arithmetic::divide, owned_constant(i.k), i.a);
-    case Code::multiply_add: return combined(Arithmetic::add, product(i.a, i.b), i.c);
-    case Code::multiply_subtract: return combined(Arithmetic::subtract, product(i.a, i.b), i.c);
-    case Code::subtract_multiply: return minus(product(i.a, i.b), i.c);
-    case Code::multiply_add_multiply: return joined(Arithmetic::add);
-    case Code::multiply_subtract_multiply: return joined(Arithmetic::subtract);
-    case Code::scale_add: return combined(Arithmetic::add, scaled(i.k, i.a), i.c);
-    case Code::scale_subtract: return combined(Arithmetic::subtract, scaled(i.k, i.a), i.c);
-    case Code::subtract_scale: return minus(scaled(i.k, i.a), i.c);
+    case Code::add_constant:
+      return with_constant(Arithmetic::add, owned(i.a));
+    case Code::subtract_from_constant:
+      return combined(Arithmetic::subtract, owned_constant(i.k), i.a);
+    case Code::scale:
+      return scaled(i.k, i.a);
+    case Code::divide_constant:
+      return combined(Arithmetic::divide, owned_constant(i.k), i.a);
+    case Code::multiply_add:
+      return combined(Arithmetic::add, product(i.a, i.b), i.c);
+    case Code::multiply_subtract:
+      return combined(Arithmetic::subtract, product(i.a, i.b), i.c);
+    case Code::subtract_multiply:
+      return minus(product(i.a, i.b), i.c);
+    case Code::multiply_add_multiply:
+      return joined(Arithmetic::add);
+    case Code::multiply_subtract_multiply:
+      return joined(Arithmetic::subtract);
+    case Code::scale_add:
+      return combined(Arithmetic::add, scaled(i.k, i.a), i.c);
+    case Code::scale_subtract:
+      return combined(Arithmetic::subtract, scaled(i.k, i.a), i.c);
+    case Code::subtract_scale:
+      return minus(scaled(i.k, i.a), i.c);
     case Code::square_root: {
       const int reg = owned(i.a);
       code_.arithmetic(Arithmetic::square_root, reg, AssemblerX86_64::in_register(reg));
@@ -285,7 +303,8 @@ int Encoder::value(const Instruction& i) {
       code_.move_if_greater(of, zero, out, first);
       return out;
     }
-    default: return nothing;  // calls
+    default:
+      return nothing;  // calls
   }
 }
 

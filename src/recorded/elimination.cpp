@@ -8,7 +8,7 @@ namespace {
 
 using recording::Recorded;
 
-Recorded at(const LinearTerms& of, const std::vector<expression::Term>& matrix, int row, int column) {
+Recorded entry(const LinearTerms& of, const std::vector<expression::Term>& matrix, int row, int column) {
   return Recorded::of(matrix[static_cast<std::size_t>(row) * of.nv + static_cast<std::size_t>(column)]);
 }
 
@@ -29,7 +29,7 @@ void Elimination::factorize_constraints(const LinearTerms& equations) {
   const std::size_t n = pivots_.rows.size();
   for (std::size_t i = 0; i < n; ++i) {
     Numbers& row = LU_.emplace_back();
-    for (const int column : pivots_.columns) row.push_back(at(equations, equations.J, pivots_.rows[i], column));
+    for (const int column : pivots_.columns) row.push_back(entry(equations, equations.J, pivots_.rows[i], column));
   }
   for (std::size_t k = 0; k < n; ++k) {
     reciprocal_.push_back(Recorded(1) / LU_[k][k]);
@@ -41,7 +41,7 @@ void Elimination::factorize_constraints(const LinearTerms& equations) {
   T_.assign(n, Numbers(free_.size()));
   for (std::size_t f = 0; f < free_.size(); ++f) {
     Numbers right_side;
-    for (const int row : pivots_.rows) right_side.push_back(-at(equations, equations.J, row, free_[f]));
+    for (const int row : pivots_.rows) right_side.push_back(-entry(equations, equations.J, row, free_[f]));
     const Numbers column = dependent(right_side);
     for (std::size_t i = 0; i < n; ++i) T_[i][f] = column[i];
   }
@@ -51,7 +51,7 @@ void Elimination::factorize_constraints(const LinearTerms& equations) {
 void Elimination::factorize_mass(const LinearTerms& equations) {
   const std::size_t n = pivots_.columns.size();
   const std::size_t f = free_.size();
-  const auto M = [&](int row, int column) { return at(equations, equations.M, row, column); };
+  const auto M = [&](int row, int column) { return entry(equations, equations.M, row, column); };
   TM_d_.assign(f, Numbers(n));
   L_.assign(f, Numbers(f));
   for (std::size_t i = 0; i < f; ++i) {

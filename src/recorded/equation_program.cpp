@@ -16,7 +16,7 @@ namespace {
 using expression::Graph;
 using expression::Term;
 using recording::Recorded;
-using Numbers = std::vector<Recorded>;
+using Expressions = std::vector<Recorded>;
 
 // Indices of variables: residuals that a displacement removes.
 constexpr int first_residual = 1 << 21;
@@ -33,7 +33,7 @@ constexpr std::size_t most_operations = 6000;
 constexpr double least_constraint_pivot = 0.3;
 constexpr double least_mass_pivot = 1e-8;
 
-std::vector<Term> terms(const Numbers& of) {
+std::vector<Term> terms(const Expressions& of) {
   std::vector<Term> out;
   for (const Recorded& x : of) out.push_back(x.term());
   return out;
@@ -43,8 +43,8 @@ void add(const std::vector<Term>& of, int first, std::vector<lanes::Output>& to)
   for (const Term term : of) to.emplace_back(term, first++);
 }
 
-Numbers of_rows(const Numbers& all, const Pivots& pivots) {
-  Numbers out;
+Expressions of_rows(const Expressions& all, const Pivots& pivots) {
+  Expressions out;
   for (const int row : pivots.rows) out.push_back(all[static_cast<std::size_t>(row)]);
   return out;
 }
@@ -68,8 +68,7 @@ bool EquationProgram::is_possible(const Mechanism& mechanism, const Loads& loads
 }
 
 std::unique_ptr<EquationProgram> EquationProgram::make(const Mechanism& mechanism, const Loads& loads,
-                                                       const std::vector<double>& cut_reference,
-                                                       const Pivots& pivots) {
+                                                       const std::vector<double>& cut_reference, const Pivots& pivots) {
   if (!is_possible(mechanism, loads)) return nullptr;
   try {
     std::unique_ptr<EquationProgram> out(new EquationProgram(mechanism, loads, cut_reference, pivots));
@@ -90,7 +89,7 @@ EquationProgram::EquationProgram(const Mechanism& mechanism, const Loads& loads,
   lanes::Frame frame;
   lanes::Slots known;
   int variable = 0;
-  const auto place = [&](int count, Numbers* recorded) {
+  const auto place = [&](int count, Expressions* recorded) {
     const int first = frame.add(count);
     for (int k = 0; k < count; ++k) {
       const Recorded x = Recorded::variable(variable++);
@@ -112,11 +111,11 @@ EquationProgram::EquationProgram(const Mechanism& mechanism, const Loads& loads,
   const std::vector<Term> J = terms(island.J);
   const Elimination elimination({static_cast<std::size_t>(nv_), M, J}, pivots_);
   std::vector<Term> rates = terms(island.qdot);
-  for (const Numbers& more : {elimination.accelerations(of_rows(island.gamma, pivots_), island.h), island.rates}) {
+  for (const Expressions& more : {elimination.accelerations(of_rows(island.gamma, pivots_), island.h), island.rates}) {
     const std::vector<Term> all = terms(more);
     rates.insert(rates.end(), all.begin(), all.end());
   }
-  Numbers residual;
+  Expressions residual;
   for (int i = 0; i < static_cast<int>(pivots_.rows.size()); ++i)
     residual.push_back(Recorded::variable(first_residual + i));
   const std::vector<Term> displacement =
@@ -125,8 +124,7 @@ EquationProgram::EquationProgram(const Mechanism& mechanism, const Loads& loads,
   const std::vector<Term> reciprocal_masses = terms(elimination.reciprocal_masses());
   std::vector<Term> reciprocal_distances;
   for (const Recorded& distance : island.distances) reciprocal_distances.push_back((Recorded(1) / distance).term());
-  std::vector<Term> factors =
-      independent_parts(graph, displacement, [](int index) { return index >= first_residual; });
+  std::vector<Term> factors = independent_parts(graph, displacement, [](int index) { return index >= first_residual; });
   for (const std::vector<Term>& of : {reciprocals, reciprocal_masses, reciprocal_distances}) {
     for (const Term term : of) {
       if (!graph.is_constant(term) && std::ranges::find(factors, term) == factors.end()) factors.push_back(term);
@@ -183,7 +181,8 @@ bool EquationProgram::evaluate(const double* y, const double* u, const double* t
   for (std::size_t k = 0; k < guards_.size(); ++k) {
     const double reciprocal = std::abs(*at(guards_[k].slot));
     is_regular = reciprocal <= limits_[k] && is_regular;
-    if (guards_[k].of == Guard::Of::constraint && reciprocal * smallest > limits_[k]) smallest = limits_[k] / reciprocal;
+    if (guards_[k].of == Guard::Of::constraint && reciprocal * smallest > limits_[k])
+      smallest = limits_[k] / reciprocal;
   }
   if (!is_regular) return false;
   pivot_fraction_ = least_constraint_pivot * smallest;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The equations of motion of one island as a program: recorded from the kernels once, with the numbers of the scene as
 // constants. What is alike in every evaluation, such as products with zero, is left out, and so is everything that
-// searches: pivots are chosen when the program is made. Where one of them becomes small, or the motion is beyond what was
-// recorded, evaluate() returns false, and the kernels take over. The answer depends on its arguments alone.
+// searches: pivots are chosen when the program is made. Where one of them becomes small, or the motion is beyond what
+// was recorded, evaluate() returns false, and the kernels take over. The answer depends on its arguments alone.
 #pragma once
 
 #include <memory>
@@ -28,8 +28,8 @@ class EquationProgram {
   // ydot of y = (q, v, element states). u: signals that are not named (kinematics/loads.h); targets: as
   // Kinematics::set_targets(). Returns false where the kernels have to do it.
   bool evaluate(const double* y, const double* u, const double* targets, double* ydot);
-  // Takes the pivots of the last evaluate(), whatever that returned, as those of usual size. Returns false if they are
-  // not finite.
+  // Takes the pivots of the last evaluate(), also if that returned false, as those of usual size. Returns false if they
+  // are not finite.
   bool take_usual_pivots();
   // The smallest pivot of a constraint equation in the last evaluate(), relative to its usual size.
   double pivot_fraction() const { return pivot_fraction_; }

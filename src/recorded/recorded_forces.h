@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "recorded/recorded_algebra.h"
 #include "kinematics/loads.h"
+#include "recorded/recorded_algebra.h"
 
 namespace gelenk::kernels {
 

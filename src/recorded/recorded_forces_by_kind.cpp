@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The kernels of forces on links, for numbers that record.
-#include "recorded/recorded_forces.h"
 #include "kinematics/force_kernels_by_kind.h"
+#include "recorded/recorded_forces.h"
 
 namespace gelenk::kernels {
 

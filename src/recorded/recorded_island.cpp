@@ -7,13 +7,13 @@
 
 #include "derivatives/residual_evaluator.h"
 #include "element/constraints/cut_joint.h"
-#include "recorded/recorded_algebra.h"
-#include "recorded/recorded_forces.h"
 #include "kinematics/coordinate_rows.h"
 #include "kinematics/friction_loads.h"
 #include "kinematics/kernels.h"
 #include "kinematics/load_kernels.h"
 #include "math/choose.h"
+#include "recorded/recorded_algebra.h"
+#include "recorded/recorded_forces.h"
 
 namespace gelenk {
 namespace {

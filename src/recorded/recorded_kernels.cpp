@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The kernels, instantiated for numbers that record.
 #include "derivatives/residual_evaluator_impl.h"
-#include "recorded/recorded_algebra.h"
-#include "recorded/recorded_island.h"
 #include "kinematics/coordinate_rows.h"
 #include "kinematics/load_kernels_impl.h"
 #include "kinematics/loop_kernels_impl.h"
 #include "kinematics/model_impl.h"
 #include "kinematics/output_kernels_impl.h"
 #include "kinematics/tree_kernels_impl.h"
+#include "recorded/recorded_algebra.h"
+#include "recorded/recorded_island.h"
 
 namespace gelenk {
 

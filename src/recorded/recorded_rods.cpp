@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Rods for numbers that record.
-#include "recorded/recorded_algebra.h"
 #include "joint/rod_impl.h"
+#include "recorded/recorded_algebra.h"
 
 namespace gelenk {
 

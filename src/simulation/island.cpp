@@ -9,23 +9,14 @@
 #include "event_driven/mode_changes.h"
 #include "preparation/law_report.h"
 #include "scene/element_numbers.h"
-#include "scene/shapes.h"
 #include "scene/touching_laws.h"
+#include "simulation/solver_options.h"
 
 namespace gelenk {
 namespace {
 
 // Change of a prescribed motion or its rate that is a jump, of its magnitude or 1: more than the rounding of a master.
 constexpr double jump_tolerance = 1e-10;
-
-// Step of fixed-step methods [s].
-double step_of(const Scene& scene) { return scene.solver.step > 0 ? scene.solver.step : scene.experiment.step; }
-
-FormulationOptions options_of(const Scene& scene, const double* best_pivot_ratio) {
-  const Solver& solver = scene.solver;
-  return {step_of(scene),     solver.baumgarte_alpha,  solver.baumgarte_beta,
-          solver.corrections, locates_contacts(scene), solver.equations != "general", best_pivot_ratio};
-}
 
 }  // namespace
 
@@ -40,8 +31,10 @@ Island::Island(const Scene& scene, PreparedIsland prepared, Loads loads, Inputs&
       loads_(std::move(loads)),
       best_pivot_ratio_(prepared_.mobility.known_pivot_ratio()),
       dynamics_(make_dynamics(prepared_.mechanism, loads_, !scene.solver.reduces(Reduction::outputs))),
+      program_(prepared_.mechanism, loads_, *dynamics_),
       equations_(make_formulation(scene.solver.formulation, {prepared_.mechanism, *dynamics_, u, events_, loads_,
-                                                             options_of(scene, &best_pivot_ratio_)})),
+                                                             options_of(scene, &best_pivot_ratio_),
+                                                             traces_equations(scene.solver) ? &program_ : nullptr})),
       time_(time),
       y_(prepared_.start.q),
       vdot_(prepared_.mechanism.nv, 0.0),
@@ -68,11 +61,9 @@ void Island::start_integrator(double tolerance) {
   options.rho_inf = scene_.solver.rho_inf;
   equations_->modes().locks().set_tolerance(tolerance);
   integrator_ = make_integrator(scene_.solver.integrator, *equations_, options);
-  if (is_kinematic(scene_, prepared_, *equations_)) {
+  record_equations();
+  if (is_kinematic(scene_, prepared_, *equations_))
     integrator_ = make_kinematic_steps(*equations_, std::move(integrator_));
-  } else {
-    equations_->record_equations(time_, y_.data());
-  }
   make_reading();
   integrator_->restart(time_, y_.data());
   evaluations_before_ = dynamics_->evaluations();

@@ -11,6 +11,7 @@
 
 #include "event_driven/run_counts.h"
 #include "formulation/formulation.h"
+#include "formulation/recorded_motion.h"
 #include "integrator/integrator.h"
 #include "kinematics/loads.h"
 #include "outputs/outputs.h"
@@ -70,7 +71,7 @@ class Island {
   void swap_loads(Loads& loads) {
     std::swap(loads_, loads);
     dynamics_->loads_changed();
-    equations_->loads_changed();
+    program_.loads_changed();
     inputs_changed(true);
     loads_changed_ = true;
     if (has_history()) discard_history();  // a replay with the new numbers would end elsewhere
@@ -110,6 +111,8 @@ class Island {
     dynamics_->loads_changed();
   }
   void begin_again(Archive& initial, const Mechanism& like, const MobilityAnalysis& mobility);
+  // Before a run that begins at the present state (RecordedMotion).
+  void record_equations();
 
   // Changes the state by (dq, dv) at `time`, and closes the loops there by the smallest change in the mass metric.
   // Returns false if that fails; the island must then be placed elsewhere. Steps cannot be made afterwards.
@@ -154,6 +157,7 @@ class Island {
   Loads loads_;
   double best_pivot_ratio_;  // FormulationOptions
   std::unique_ptr<Dynamics> dynamics_;
+  RecordedMotion program_;
   EventLog events_;
   std::unique_ptr<Formulation> equations_;
   std::unique_ptr<Integrator> integrator_;  // null if nothing can move

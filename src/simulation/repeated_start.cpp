@@ -9,6 +9,7 @@
 #include "scene/settable.h"
 #include "scene/touching_laws.h"
 #include "simulation/simulation_impl.h"
+#include "simulation/solver_options.h"
 
 namespace gelenk {
 
@@ -110,17 +111,23 @@ bool RepeatedStart::starts_within_limits() const {
   });
 }
 
+void Island::record_equations() {
+  if (!traces_equations(scene_.solver) || is_kinematic(scene_, prepared_, *equations_)) return;
+  equations_->drives().go_to(time_, y_.data());
+  program_.record(equations_->revolutions().coordinates(), y_.data(), equations_->drives());
+}
+
 void Island::begin_again(Archive& initial, const Mechanism& like, const MobilityAnalysis& mobility) {
   for (std::size_t k = 0; k < like.links.size(); ++k) prepared_.mechanism.links[k].G = like.links[k].G;
   prepared_.mobility = mobility;
   best_pivot_ratio_ = mobility.known_pivot_ratio();
   dynamics_->loads_changed();
-  equations_->loads_changed();
+  program_.loads_changed();
   initial.start_reading();
   serialize(initial);
   equations_->start(prepared_.cut_start, time_, y_.data());
   if (!integrator_) return;
-  if (!is_kinematic(scene_, prepared_, *equations_)) equations_->record_equations(time_, y_.data());
+  record_equations();
   integrator_->restart(time_, y_.data());
   evaluations_before_ = dynamics_->evaluations();
   // As after the trial step of a new island: what its method would keep from one step to the next is that of a restart.

@@ -72,7 +72,7 @@ def test_programs_are_tapes_to_the_bit(units: ModuleType) -> None:
 
 
 def test_a_program_alone_has_the_bits_of_a_lane(units: ModuleType) -> None:
-    """By machine code, and where the system permits none. Large ones need more numbers than registers hold."""
+    """By machine code, and where the system permits none. Large ones need more than the registers."""
     rng = random.Random(6)
     for trial in range(200):
         count = rng.randint(1, 6) if trial % 3 else rng.randint(20, 60)
