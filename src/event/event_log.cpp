@@ -2,6 +2,7 @@
 #include "event/event_log.h"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "util/text.h"
@@ -51,6 +52,7 @@ void EventLog::describe(std::vector<std::array<std::string, 2>> texts, long max_
   first_of_contacts_ = first_of_contacts;
   scheme_changes_.reserve(capacity_of_schemes);
   uncertain_.reserve(capacity_of_uncertain);
+  shared_.reserve(capacity_of_uncertain);
   events_.reserve(texts_.empty() ? capacity_without_stops : capacity_with_stops);
 }
 
@@ -76,6 +78,7 @@ void EventLog::begin_part() {
   }
   events_.clear();
   scheme_changes_.clear();
+  first_shared_ = shared_.size();
 }
 
 void EventLog::forget_beyond(const Counts& counts) {
@@ -91,6 +94,9 @@ void EventLog::serialize(Archive& archive) {
     archive.serialize(repeated_, last_.time, last_.positive);
     archive.serialize_in_range(last_.indicator, Event::singular_position, static_cast<int>(texts_.size()) - 1);
   }
+  archive.serialize(shared_count_, last_shared_.time);
+  archive.serialize_in_range(last_shared_.contact, -1, std::numeric_limits<int>::max());
+  archive.serialize_in_range(last_shared_.force, 0, std::numeric_limits<int>::max());
   if (!archive.reading()) return;
   events_.clear();  // of steps that were made in vain
   begin_part();
@@ -110,6 +116,14 @@ void EventLog::add(const Event& event) {
   if (event.indicator >= first_of_contacts_) ++in_step_.contacts;
   last_ = event;
   if (events_.size() < events_.capacity()) events_.push_back(event);  // steps allocate no memory
+}
+
+void EventLog::set_shared(const SharedLoadEvent& shared) {
+  const bool is_new = shared.contact >= 0 && !shared.is_same(last_shared_);
+  last_shared_ = shared;
+  if (!is_new) return;
+  ++shared_count_;
+  if (shared_.size() < shared_.capacity()) shared_.push_back(shared);  // steps allocate no memory
 }
 
 void EventLog::add(const SchemeChange& change) {

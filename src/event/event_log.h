@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -36,6 +37,16 @@ struct SchemeChange {
   Cause cause = Cause::none;
   double since = 0;  // s: where the steps that end have begun
   double error = 0;  // their estimated error [rad, natural units of length]
+};
+
+// A load that a contact with friction shares with a joint that is held: how is not determined, but the motion depends on
+// it.
+struct SharedLoadEvent {
+  double time = 0;   // s: where it has been seen first
+  int contact = -1;  // of the scene; -1: there is none
+  int force = 0;     // of those with modes, of the joint
+
+  bool is_same(const SharedLoadEvent& other) const { return contact == other.contact && force == other.force; }
 };
 
 struct EventReport {
@@ -74,6 +85,12 @@ class EventLog {
 
   // A change of scheme, which counts as no event.
   void add(const SchemeChange& change);
+  // What is shared at the end of a part; it is an event, of uncertain outcome, where that was not so before.
+  void set_shared(const SharedLoadEvent& shared);
+  // Those of the last part; and of the run so far, the first ones.
+  std::span<const SharedLoadEvent> shared_loads() const { return std::span(shared_).subspan(first_shared_); }
+  std::span<const SharedLoadEvent> all_shared_loads() const { return shared_; }
+  long shared_count() const { return shared_count_; }
   // The events of the last part in chronological order; if there are very many, the first ones.
   const std::vector<Event>& events() const { return events_; }
   const std::vector<SchemeChange>& scheme_changes() const { return scheme_changes_; }
@@ -98,6 +115,10 @@ class EventLog {
   std::vector<Event> uncertain_;  // before the last part
   long uncertain_count_ = 0;
   std::vector<SchemeChange> scheme_changes_;
+  std::vector<SharedLoadEvent> shared_;
+  std::size_t first_shared_ = 0;  // of the last part
+  SharedLoadEvent last_shared_;
+  long shared_count_ = 0;
   long max_events_ = 0;
   int first_of_contacts_ = 0;
   Counts before_, in_step_;

@@ -66,6 +66,23 @@ bool begins_to_move(const CandidateMode& before, const CandidateMode& after, std
 
 void symmetrize(Eigen::MatrixXd& G) { G = Eigen::MatrixXd((G + G.transpose()) / 2); }
 
+// What joints that are locked hold along its normal, and no friction holds, has no force: its response is rounding, and
+// would become a divisor. Z: of R.
+void open_blocked(const ContactEquations::Rows& rows, const ContactEquations::RowMatrix& Z, Eigen::MatrixXd& G,
+                  Eigen::MatrixXd& C, VectorXd& b, std::vector<char>& opens) {
+  for (std::size_t i = 0; i < rows.entries.size(); ++i) {
+    const Index row = rows.entries[i].first;
+    const bool may_be_held = rows.entries[i].is_given || std::ranges::any_of(rows.entries[i].rows, [](int of) { return of >= 0; });
+    if (may_be_held || !is_blocked(G(row, row), rows.R.row(row).norm(), Z.col(row).norm())) continue;
+    G.row(row).setZero();
+    G.col(row).setZero();
+    C.row(row).setZero();
+    b[row] = 0;
+    G(row, row) = G.cwiseAbs().maxCoeff() > 0 ? G.cwiseAbs().maxCoeff() : 1;
+    opens[i] = 1;
+  }
+}
+
 // Of a force within its bounds, although the joint is accelerated: 1, -1: it moves in this direction; 0: it does not.
 // All that the force can change of the acceleration may be less than the tolerance of the problem, as of friction where
 // a linkage reverses the joint: in such a position almost nothing moves it.
@@ -273,14 +290,14 @@ void ContactDecision::set_up(const std::vector<CandidateMode>& tentative, const 
   equations_.build(candidates_, tentative, true, rows_);
   add_lock_rows();
   ContactEquations::RowMatrix Z;
-  equations_.respond(rows_.R, Z);
-  G_ = rows_.R * Z;
-  symmetrize(G_);
   C_.setZero(rows_.R.rows(), static_cast<Index>(candidates_.size()));
   if (rows_.any_moves()) {
     equations_.respond(rows_.D, Z);
     C_ = rows_.R * Z;
   }
+  equations_.respond(rows_.R, Z);
+  G_ = rows_.R * Z;
+  symmetrize(G_);
   const Eigen::Map<const VectorXd> free(vdot, rows_.R.cols());
   b_ = rows_.R * free + rows_.rates;
   scale_ = std::max(b_.cwiseAbs().maxCoeff(), (rows_.R.cwiseAbs() * free.cwiseAbs()).maxCoeff());
@@ -293,6 +310,7 @@ void ContactDecision::set_up(const std::vector<CandidateMode>& tentative, const 
   for (std::size_t i = 0; i < candidates_.size(); ++i) {
     opens_[i] = triggered[static_cast<std::size_t>(candidates_[i])].leaves ? 1 : 0;
   }
+  open_blocked(rows_, Z, G_, C_, b_, opens_);
   x_.setZero(b_.size());
 }
 

@@ -22,15 +22,13 @@ constexpr double least_moment = 1e-3;
 // Rounding of gaps, relative to lengths of order 1; and the most repetitions that remove them.
 constexpr double gap_rounding = 1e-15;
 constexpr int most_corrections = 8;
-// Cosine between a row and its response below which it is rounding.
-constexpr double blocked_cosine = 1e-12;
 
 // Drops the rows along which what is held, or constraint equations, permit no motion: their response is rounding,
 // which must not become a divisor.
 void drop_blocked(const ContactEquations::RowMatrix& R, const ContactEquations::RowMatrix& Z, MatrixXd& G,
                   VectorXd& right) {
   for (Index i = 0; i < G.rows(); ++i) {
-    if (std::abs(G(i, i)) > blocked_cosine * R.row(i).norm() * Z.col(i).norm()) continue;
+    if (!is_blocked(G(i, i), R.row(i).norm(), Z.col(i).norm())) continue;
     G.row(i).setZero();
     G.col(i).setZero();
     right[i] = 0;

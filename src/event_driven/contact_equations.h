@@ -14,6 +14,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <span>
 #include <vector>
 
@@ -219,6 +220,12 @@ inline bool is_blocked(const ContactEquations& equations, std::size_t i) {
   if (equations.rows().entries[i].is_given) return false;
   const int normal = equations.rows().entries[i].first;
   return equations.last_solution().G(normal, normal) == 0;
+}
+
+// Whether a row permits no motion, of which the product with its response, of these lengths, is rounding.
+inline bool is_blocked(double product, double row, double response) {
+  constexpr double cosine = 1e-12;
+  return !(std::abs(product) > cosine * row * response);
 }
 
 // x <- the multipliers of normal forces that are given. given: by row.

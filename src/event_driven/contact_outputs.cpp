@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "event_driven/shared_loads_of_contacts.h"
 #include "mechanism/mechanism.h"
 
 namespace gelenk {
@@ -44,6 +45,7 @@ void ContactOutputs::record(const Eigen::VectorXd* distributed) {
     const bool slides = mode.groups[0].moves || !(contact_equations_.coefficient(entry.candidate, 0, false) > 0);
     sum.mode = std::max(sum.mode, slides ? 2 : 1);
   }
+  shared_load_ = find_shared_load(contact_equations_, mechanism_, dynamics_);
 }
 
 void ContactOutputs::add_to_audit(const ContactEquations::Entry& entry, const ContactEquations::CandidateForce& force,

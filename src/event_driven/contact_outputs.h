@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "event_driven/contact_equations.h"
 #include "nonsmooth/contact_sum.h"
 #include "nonsmooth/law_audit.h"
+#include "nonsmooth/shared_load.h"
 
 namespace gelenk {
 
@@ -36,6 +38,8 @@ class ContactOutputs final : public ContactReadings {
   // effect, by row (ContactEquations::forces_of); null: those solved for.
   void record(const Eigen::VectorXd* distributed);
   const LawAudit& audit() const { return audit_; }
+  // What contacts share with joints at rest, of which the motion depends on the shares.
+  const std::optional<SharedLoad>& shared_load() const { return shared_load_; }
   // The recorded forces by link (ContactRows::apply_forces).
   const Spatial::Force* wrenches() const { return wrenches_.data(); }
   Eigen::Vector3d force(int contact) const override { return sums_[static_cast<std::size_t>(contact)].force; }
@@ -61,6 +65,7 @@ class ContactOutputs final : public ContactReadings {
   std::vector<Spatial::Force> wrenches_;  // by link
   std::vector<CandidateMode> kept_, open_;
   LawAudit audit_;  // of the recorded forces
+  std::optional<SharedLoad> shared_load_;
 };
 
 }  // namespace gelenk

@@ -9,6 +9,7 @@
 #include "event_driven/event_modes.h"
 #include "event_driven/mode_changes.h"
 #include "kinematics/loads.h"
+#include "time_stepping/shared_impulses.h"
 
 namespace gelenk {
 
@@ -107,6 +108,7 @@ void ContactMotion::count(RunCounts& counts) const {
   counts.cone_iterations = steps_.solved().iterations;
   counts.cone_residual = steps_.solved().residual;
   counts.scheme = steps_used_ ? 1 : 0;
+  counts.ambiguous += steps_.events().shared_count();
   if (located_ == nullptr) return;
   const ModeCounts& of_events = modes_.changes().counts();
   counts.impacts += of_events.impacts;
@@ -118,8 +120,26 @@ void ContactMotion::count(RunCounts& counts) const {
       std::ranges::count_if(equations.closed(), [&](int of) { return !equations.candidates()[of].is_given(); });
 }
 
-LawAudit ContactMotion::law_audit(std::span<const double> v) {
+// Of located contacts whose forces are those of the present state, which they need not be beside friction that depends
+// on loads.
+void ContactMotion::report_shared_load(double t) {
+  SwitchingForces& forces = dynamics_.switching_forces();
+  std::optional<SharedLoad> shared;
+  if (steps_used_) {
+    if (steps_.are_available()) shared = SharedImpulses(steps_.stepper()).find();
+  } else if (located_ != nullptr && modes_.locks().any_at_rest() && forces.loads().empty()) {
+    shared = located_->outputs().shared_load();
+  }
+  if (!shared) return steps_.events().set_shared(SharedLoadEvent{.time = t});
+  const SwitchingForces::Lock& lock = forces.lock(shared->lock);
+  const bool is_latched = forces.hold_coordinate(shared->lock) || forces.engagement(shared->lock) > 0;
+  const int force = is_latched && lock.latch >= 0 ? lock.latch : lock.friction >= 0 ? lock.friction : lock.limit;
+  steps_.events().set_shared(SharedLoadEvent{t, shared->contact, force});
+}
+
+LawAudit ContactMotion::law_audit(double t, std::span<const double> v) {
   LawAudit out;
+  report_shared_load(t);
   if (!steps_used_ || !steps_.are_available()) return out;
   const TimeStepper::Missed& missed = steps_.stepper().missed();
   out.add(missed.excess, {BrokenLaw::Kind::contact_approaches, missed.contact, missed.speed});

@@ -54,8 +54,9 @@ class ContactMotion final : public ImpulseEquations {
   // What outputs of contacts show.
   ContactReadings& readings() { return readings_; }
   void count(RunCounts& counts) const;
-  // Of the time steps since the last begin_part(), while steps are used; v: the velocities after the last one.
-  LawAudit law_audit(std::span<const double> v);
+  // Of the time steps since the last begin_part(), while steps are used; v: the velocities after the last one, at t.
+  // Records loads that contacts share with joints.
+  LawAudit law_audit(double t, std::span<const double> v);
 
   // At the start of a run.
   void start();
@@ -67,6 +68,7 @@ class ContactMotion final : public ImpulseEquations {
   void forget_events(const Activity& before) override { steps_.events().forget_beyond(before.events); }
   void report(const SchemeChange& change) override { steps_.events().add(change); }
   const double* smooth_accelerations() const override { return steps_.smooth_accelerations(); }
+  void report_shared_load(double t);
   void keep() override { steps_.stepper().copy_to(TimeStepper::Memory::kept); }
   void return_to_kept() override { steps_.stepper().exchange_with(TimeStepper::Memory::kept); }
   void copy_to_second() override { steps_.stepper().copy_to(TimeStepper::Memory::second); }

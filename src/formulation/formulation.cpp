@@ -321,8 +321,8 @@ bool Formulation::holds_by_modes() const {
   return touches || modes_.locks().any_at_rest();
 }
 
-LawAudit Formulation::law_audit(const double* y) {
-  LawAudit out = contacts_.law_audit({y + mechanism_.nq, dv_.size()});
+LawAudit Formulation::law_audit(double t, const double* y) {
+  LawAudit out = contacts_.law_audit(t, {y + mechanism_.nq, dv_.size()});
   if (!holds_by_modes()) return out;
   if (contacts_.located() != nullptr) out = contacts_.located()->outputs().audit();
   if (!modes_.locks().any_at_rest()) return out;

@@ -86,6 +86,14 @@ std::string owner_of_branch(const Scene& scene, const Mechanism& mechanism, cons
   return "gravity";
 }
 
+std::string describe_shared_load(const Scene& scene, const Loads& loads, int contact, int force) {
+  const SwitchingForce of = switching_forces_of(loads)[static_cast<std::size_t>(force)];
+  const std::string joint = scene.joints[static_cast<std::size_t>(of.joint)].name;
+  return name_of_touching_law(scene, contact) + ": how it shares its load with " + joint +
+         ", which is held, is not determined for rigid bodies, but its friction depends on it: more than one motion is "
+         "possible";
+}
+
 std::string describe_broken_law(const Scene& scene, const Loads& loads, const BrokenLaw& broken) {
   return (is_of_contact(broken.kind) ? of_contact(scene, broken) : of_joint(scene, loads, broken)) +
          "; no result outside the laws is returned: try a smaller communication step or tolerance, or another "

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "preparation/law_report.h"
 #include "simulation/simulation_impl.h"
 #include "simulation/stepping_report.h"
 #include "util/text.h"
@@ -33,6 +34,8 @@ std::vector<EventReport> Simulation::events(bool only_doubtful) const {
     for (const Event& event : log.events()) {
       if (!only_doubtful || event.is_doubtful()) add(log.report(event));
     }
+    for (const SharedLoadEvent& shared : log.shared_loads())
+      add({shared.time, describe_shared_load(impl_->scene, island->loads(), shared.contact, shared.force), true});
     for (const SchemeChange& change : log.scheme_changes())
       add(EventLog::report(change, impl_->scene.units.size_of("m")));
   }
@@ -44,7 +47,12 @@ std::vector<std::string> SteppingReport::warnings() const {
   for (const auto& island : impl_.islands) {
     const std::vector<EventReport> uncertain = island->events().uncertain();
     for (const EventReport& event : uncertain) out.push_back("t = " + text::rounded(event.time) + " s: " + event.text);
-    const long more = island->events().uncertain_count() - static_cast<long>(uncertain.size());
+    const auto shared_loads = island->events().all_shared_loads();
+    for (const SharedLoadEvent& of : shared_loads)
+      out.push_back("t = " + text::rounded(of.time) +
+                    " s: " + describe_shared_load(impl_.scene, island->loads(), of.contact, of.force));
+    const long more = island->events().uncertain_count() + island->events().shared_count() -
+                      static_cast<long>(uncertain.size() + shared_loads.size());
     if (more > 0) out.push_back(std::to_string(more) + " more events have an uncertain outcome");
     if (island->integrator() == nullptr) continue;
     const Integrator::SteppedTime of = island->integrator()->stepped_time();

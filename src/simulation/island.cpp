@@ -226,7 +226,7 @@ void Island::enforce_given_motions() {
 // Modes decide on the forces of what is held alone. Outputs of this state use the same evaluation.
 LawAudit Island::law_audit() {
   if (equations_->holds_by_modes()) evaluate_outputs();
-  return equations_->law_audit(y_.data());
+  return equations_->law_audit(time_, y_.data());
 }
 
 void Island::audit() {

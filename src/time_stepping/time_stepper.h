@@ -94,6 +94,7 @@ class TimeStepper final : public ContactReadings {
   void serialize(Archive& archive);
 
  private:
+  friend class SharedImpulses;
   void reserve();
   bool converge(double h, const double* u, bool last);
   bool attempt(double h, const double* u, double* y, bool last);
