@@ -228,6 +228,7 @@ class JointModes final : public SwitchingForces {
     return slack_fraction * force_size_.value() * locks_.inverse_mobility(lock) + std::numeric_limits<double>::min();
   }
 
+  double largest_force(int lock) const override { return force_size_.value() * locks_.inverse_mobility(lock, true); }
   void distribute_loads(const std::vector<double>& holding) override {
     difference_.resize(holding.size());
     lambda_.assign(static_cast<std::size_t>(state_.model.rows), 0.0);

@@ -77,7 +77,12 @@ class LockedCoordinates {
   bool are_redundant() const { return !tree_ && factor_.rank() < locked_count_; }
 
   // Force per |L^-T f| that has the same effect on a locked coordinate; infinite if other constraints determine it.
-  double inverse_mobility(int i) const {
+  // unhindered: as if there were no constraint equations.
+  double inverse_mobility(int i, bool unhindered = false) const {
+    if (unhindered) {
+      whiten(i, column_.data());
+      return 1 / norm(column_.data());
+    }
     if (tree_ && locked_[i] != 0 && mobility_is_current_[i] == 0) {
       whiten(i, y_[i].data());
       inverse_mobility_[i] = 1 / norm(y_[i].data());

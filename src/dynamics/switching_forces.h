@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "dynamics/contact_rows.h"
+#include "dynamics/force_rounding.h"
 #include "dynamics/holding_forces.h"
 #include "dynamics/latches.h"
 #include "dynamics/load_dependence.h"
@@ -39,7 +40,7 @@ struct LockForces {
   bool is_latched = false;
 };
 
-class SwitchingForces : public Latches {
+class SwitchingForces : public Latches, public ForceRounding {
  public:
   ~SwitchingForces() override = default;
 
@@ -102,8 +103,6 @@ class SwitchingForces : public Latches {
   // Brings the loads of friction at rest to other holding forces, by lock, with the same effect as those of the last
   // solve(). Overwrites its multipliers.
   virtual void distribute_loads(const std::vector<double>& holding) = 0;
-  // A holding force beyond its bound by less than this is rounding of the forces in the last solve().
-  virtual double slack(int lock) const = 0;
   // W: the accelerations of the coordinates of these locks (rows) per force along them (columns), all released but
   // latches of others, with the factors of the last solve(). scale: the accelerations to which its rounding is
   // relative. Allocates.

@@ -14,7 +14,7 @@ using Eigen::Index;
 using Eigen::VectorXd;
 
 // Of the accelerations to which rounding is relative: half of what a force that exceeds its limit by its slack causes
-// (SwitchingForces::slack).
+// (ForceRounding::slack).
 constexpr double noticed_fraction = 2e-11;
 
 }  // namespace

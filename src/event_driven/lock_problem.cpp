@@ -14,7 +14,7 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-// Relative tolerance of accelerations, less than the slack of holding forces (SwitchingForces::slack).
+// Relative tolerance of accelerations, less than the slack of holding forces (ForceRounding::slack).
 constexpr double box_acceleration_tolerance = 1e-11;
 
 // After a problem without a solution: a motion against a bound that constraint equations determine.

@@ -9,7 +9,8 @@
 namespace gelenk {
 namespace {
 
-// Beyond a limit, this number of slacks (SwitchingForces::slack) is rounding.
+// Beyond a limit, this number of slacks (ForceRounding::slack) is rounding, but nothing beyond all forces of the scene
+// (ForceRounding::largest_force): where constraint equations hardly permit a motion, the slack has no bound.
 constexpr double slacks = 1e4;
 // Speeds up to this, relative to the largest or 1, may have either sign by rounding.
 constexpr double sign_rounding = 1e-8;
@@ -69,7 +70,8 @@ LawAudit audit_locks(const SwitchingForces& switching_forces, std::span<const do
   LawAudit audit;
   for (int i = 0; i < switching_forces.locks(); ++i) {
     const SwitchingForces::Lock& lock = switching_forces.lock(i);
-    const double slack = slacks * switching_forces.slack(i) + least_audited_force;
+    const double rounding = std::min(slacks * switching_forces.slack(i), switching_forces.largest_force(i));
+    const double slack = rounding + least_audited_force;
     const double speed = switching_forces.speed(i, v);
     const bool moves = std::abs(speed) > sign_rounding * fastest;
     if (lock.latch >= 0 && switching_forces.hold_coordinate(i))

@@ -10,7 +10,7 @@
 
 namespace gelenk {
 
-// Forces are solved for to some 1e-13 of the largest (SwitchingForces::slack), and modes are decided within 1e-9 of a
+// Forces are solved for to some 1e-13 of the largest (ForceRounding::slack), and modes are decided within 1e-9 of a
 // limit. What is wrong by a decision is wrong by far more than this fraction of a limit, or of the forces beside it.
 inline constexpr double audited_fraction = 1e-6;
 // Natural units: where hardly any forces act, all are rounding.

@@ -19,7 +19,7 @@ class OneCoordinate final : public SwitchingForces {
   Lock of;
   double sticking = 0, sliding = 0;
   Depth upper{-INFINITY, 0}, lower{-INFINITY, 0};
-  double rounding = 0;
+  double rounding = 0, largest = 0;
 
   int locks() const override { return 1; }
   const Lock& lock(int) const override { return of; }
@@ -28,6 +28,7 @@ class OneCoordinate final : public SwitchingForces {
   Depth depth(int, int side) const override { return side > 0 ? upper : lower; }
   double speed(int, const double* v) const override { return v[0]; }
   double slack(int) const override { return rounding; }
+  double largest_force(int) const override { return largest; }
   int count() const override { return 2; }
 
   void sides(int*) const override { never(); }
@@ -79,7 +80,7 @@ void bind_laws(nb::module_& m) {
   m.def(
       "broken_law",
       [](const Numbers& forces, double speed, double sticking, double sliding, double upper, double lower, bool one_way,
-         double rounding) {
+         double rounding, double largest) {
         OneCoordinate switching_forces;
         switching_forces.of.friction = 0;
         switching_forces.of.frictions = {0};
@@ -90,12 +91,13 @@ void bind_laws(nb::module_& m) {
         switching_forces.upper = {upper, 1e-12};
         switching_forces.lower = {lower, 1e-12};
         switching_forces.rounding = rounding;
+        switching_forces.largest = largest;
         const gelenk::LawAudit audit = gelenk::audit_locks(switching_forces, forces, &speed, 1);
         const auto broken = audit.broken();
         return std::pair(broken ? name_of(broken->kind) : std::string(), audit.excess());
       },
       nb::arg("forces"), nb::arg("speed"), nb::arg("sticking"), nb::arg("sliding"), nb::arg("upper"), nb::arg("lower"),
-      nb::arg("one_way"), nb::arg("rounding"));
+      nb::arg("one_way"), nb::arg("rounding"), nb::arg("largest"));
   // Of velocities before and after what events do to them without impulses.
   m.def(
       "excess_of_stop",

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 import pytest
 
 INF = float("inf")
@@ -26,6 +27,7 @@ def audited(units: Any, **of: Any) -> tuple[str, float]:
         "lower": FAR,
         "one_way": False,
         "rounding": 0.0,
+        "largest": np.inf,
     }
     law, excess = units.broken_law(**(free | of))
     return str(law), float(excess)
@@ -42,6 +44,16 @@ def test_friction(units: Any, sign: int) -> None:
     rounding = 1e-3 / SLACKS
     assert not broken(units, forces=[sign * (STICKING + 0.9e-3), 0.0], rounding=rounding)
     assert broken(units, forces=[sign * (STICKING + 1.1e-3), 0.0], rounding=rounding)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_no_force_beyond_all_others_is_rounding(units: Any, sign: int) -> None:
+    """Where constraint equations hardly permit a motion, no force has an effect."""
+    for rounding in (1e12, np.inf):
+        hardly = {"rounding": rounding, "largest": 10.0}
+        assert not broken(units, forces=[sign * (STICKING + 9.9), 0.0], **hardly)
+        assert broken(units, forces=[sign * 3e9, 0.0], **hardly) == "friction exceeded"
+        assert broken(units, forces=[0.0, sign * 3e9], **hardly) == "limit not reached"
 
 
 @pytest.mark.parametrize("sign", [1, -1])
