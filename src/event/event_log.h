@@ -39,8 +39,8 @@ struct SchemeChange {
   double error = 0;  // their estimated error [rad, natural units of length]
 };
 
-// A load that a contact with friction shares with a joint that is held: how is not determined, but the motion depends on
-// it.
+// A load that a contact with friction shares with a joint that is held: how is not determined, but the motion depends
+// on it.
 struct SharedLoadEvent {
   double time = 0;   // s: where it has been seen first
   int contact = -1;  // of the scene; -1: there is none

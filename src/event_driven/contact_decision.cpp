@@ -72,7 +72,8 @@ void open_blocked(const ContactEquations::Rows& rows, const ContactEquations::Ro
                   Eigen::MatrixXd& C, VectorXd& b, std::vector<char>& opens) {
   for (std::size_t i = 0; i < rows.entries.size(); ++i) {
     const Index row = rows.entries[i].first;
-    const bool may_be_held = rows.entries[i].is_given || std::ranges::any_of(rows.entries[i].rows, [](int of) { return of >= 0; });
+    const bool may_be_held =
+        rows.entries[i].is_given || std::ranges::any_of(rows.entries[i].rows, [](int of) { return of >= 0; });
     if (may_be_held || !is_blocked(G(row, row), rows.R.row(row).norm(), Z.col(row).norm())) continue;
     G.row(row).setZero();
     G.col(row).setZero();

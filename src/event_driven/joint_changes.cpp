@@ -89,9 +89,21 @@ void JointChanges::begin_run(bool keeps_latches) {
   modes_.modes_.unstoppable = -1;
 }
 
-void JointChanges::stop_unmoved(const double* y, const LockModes::State& before) {
+// Whether friction could have kept a coordinate at rest in a step of this length, at the end of which it moves with
+// these velocities: a motion known by its values alone has changed its speed within the step, not at its end.
+bool JointChanges::could_be_held(int lock, const double* v, double span) {
+  if (!modes_.has_friction(lock) || !(span > 0)) return false;
+  Eigen::MatrixXd W;
+  Eigen::VectorXd scale;
+  forces_.compliance({lock}, W, scale);
+  const double speed = forces_.speed(lock, v);
+  return std::abs(speed) <= span * W(0, 0) * forces_.sticking_limit(lock).against(speed > 0 ? 1 : -1);
+}
+
+void JointChanges::stop_unmoved(const double* y, const LockModes::State& before, double estimated_over) {
+  const double* v = y + modes_.nq_;
   for (int i = 0; i < modes_.count(); ++i) {
-    if (before.rests(i) && modes_.is_unmoved(i, y + modes_.nq_))
+    if (before.rests(i) && (modes_.is_unmoved(i, v) || could_be_held(i, v, estimated_over)))
       modes_.triggered_[static_cast<std::size_t>(i)] = LockModes::by_friction;
   }
 }

@@ -43,8 +43,9 @@ class JointChanges {
   // --- changes ---
   // Forgets all modes, at the start of a run; where a prescribed motion jumps, not those of latches.
   void begin_run(bool keeps_latches);
-  // What was at rest before, and has not been moved but by rounding, is stopped by the decision that follows.
-  void stop_unmoved(const double* y, const LockModes::State& before);
+  // What was at rest before, and has not been moved but by rounding, is stopped by the decision that follows; so is
+  // what friction could have kept at rest in a step of the length estimated_over, of motions known by values alone.
+  void stop_unmoved(const double* y, const LockModes::State& before, double estimated_over);
   void forget_events() { std::ranges::fill(modes_.triggered_, LockModes::nothing); }
   // Forgets bounds that were met in a rebound, which may still be beyond them by rounding; at the position of
   // `dynamics`.
@@ -69,6 +70,7 @@ class JointChanges {
  private:
   void find_reached_bounds(int lock, const double* v);
   bool uses_limit_up(int lock) const;
+  bool could_be_held(int lock, const double* v, double span);
   bool returns(int lock, const LockModes::State& before, const double* v) const;
 
   LockModes& modes_;

@@ -52,9 +52,9 @@ void ModeChanges::start_joints(double t, const double* y, bool keeps_latches) {
   equations_.mode_changed();
 }
 
-void ModeChanges::restart(double t, double* y, const LockModes::State& before) {
+void ModeChanges::restart(double t, double* y, const LockModes::State& before, double estimated_over) {
   if (joints_.empty()) return;
-  joints_.stop_unmoved(y, before);
+  joints_.stop_unmoved(y, before, estimated_over);
   start_joints(t, y, true);
   if (joints_.any_wrong_speed(y)) {
     equations_.accelerations_at(t, y, vdot_.data());

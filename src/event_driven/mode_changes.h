@@ -34,8 +34,8 @@ class ModeChanges {
   // Determines the modes of joints from the state alone; those of contacts when the next step begins.
   void start(double t, const double* y);
   // The same of joints where velocities have jumped, after LockModes::release(); what was at rest before and has not
-  // been moved but by rounding is stopped, and remains at rest if friction holds it.
-  void restart(double t, double* y, const LockModes::State& before);
+  // been moved but by rounding is stopped (JointChanges::stop_unmoved), and remains at rest if friction holds it.
+  void restart(double t, double* y, const LockModes::State& before, double estimated_over);
   // See JointLatches.
   void refuse_moved_latches(const double* before, const double* q) { latches_.refuse_moved(before, q); }
   // Call when inputs have jumped.

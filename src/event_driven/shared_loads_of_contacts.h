@@ -10,7 +10,6 @@ namespace gelenk {
 
 // A load on which the motion depends and that a contact shares with joints at rest, at the last accelerate() of
 // `equations`. Overwrites the multipliers of the last solve() of `dynamics`.
-std::optional<SharedLoad> find_shared_load(ContactEquations& equations, const Mechanism& mechanism,
-                                           Dynamics& dynamics);
+std::optional<SharedLoad> find_shared_load(ContactEquations& equations, const Mechanism& mechanism, Dynamics& dynamics);
 
 }  // namespace gelenk

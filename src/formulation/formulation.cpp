@@ -121,10 +121,10 @@ bool Formulation::project_onto_constraints(double t, double* y, bool keeps_limit
     if (!projector().close_velocity(v)) return false;
   }
   if (contacts_.are_used()) return true;
-  if (keeps_limits) {
-    modes_.changes().restart(t, y, modes);
-  } else {
+  if (!keeps_limits) {
     modes_.start(t, y);
+  } else {
+    modes_.changes().restart(t, y, modes, estimated_over(drives_.inputs()));
   }
   return true;
 }

@@ -143,4 +143,7 @@ class Inputs {
   std::vector<Flags> flags_;  // by input; empty if there are no motions
 };
 
+// The longest step to a present value of a motion of which derivatives are estimated [s]; 0: there is none.
+double estimated_over(const Inputs& inputs);
+
 }  // namespace gelenk

@@ -24,6 +24,15 @@ const MotionSamples* Inputs::samples(int i) const {
   return i == m.last && m.by_values ? &m.samples : nullptr;
 }
 
+double estimated_over(const Inputs& inputs) {
+  constexpr double steps = 2;  // of whose values estimates are made
+  double out = 0;
+  for (int i = 0; i < static_cast<int>(inputs.count()); ++i) {
+    if (const MotionSamples* const samples = inputs.samples(i)) out = std::max(out, steps * samples->span());
+  }
+  return out;
+}
+
 MotionSamples::Jump Inputs::jump(int i) const {
   if (flags_.empty() || flags_[i].motion < 0) return {};
   const Motion& m = motions_[flags_[i].motion];

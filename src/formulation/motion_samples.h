@@ -36,6 +36,8 @@ class MotionSamples {
   // If the present value belongs to the start of a motion whose start velocity was unknown: the time since then [s];
   // otherwise 0. What moves with it should continue as if that velocity had been known (Island::carry_along).
   double time_since_start() const { return has_present_ ? since_start_ : 0; }
+  // Of the step that has led to the present value [s]; 0: it is not known.
+  double span() const { return present_.span; }
   // A jump that the present value has revealed: positions before and after it have similar rates, or are constant.
   // Only the first one of a run.
   const Jump& jump() const { return jump_; }

@@ -36,7 +36,9 @@ class Exchange {
         effect_(of.effects.col(k)),
         force_(std::max(largest(of.x), largest(of.held))) {}
 
-  bool takes_part(const SharedLoads::Point& point) const { return std::abs(r_[point.normal]) > no_effect * largest(r_); }
+  bool takes_part(const SharedLoads::Point& point) const {
+    return std::abs(r_[point.normal]) > no_effect * largest(r_);
+  }
   bool joins_any() const { return largest(joints_) > no_effect * largest(r_); }
   bool moves() const { return largest(effect_) > no_effect * largest(r_) * of_.largest_effect; }
   int lock() const {
@@ -130,7 +132,8 @@ std::optional<SharedLoad> find_shared_load(const SharedLoads& of) {
 }
 
 DirectedLimit largest_holding_forces(const SwitchingForces& forces, int lock) {
-  if (forces.hold_coordinate(lock) || forces.engagement(lock) > 0) return {.positive = unlimited, .negative = unlimited};
+  if (forces.hold_coordinate(lock) || forces.engagement(lock) > 0)
+    return {.positive = unlimited, .negative = unlimited};
   const DirectedLimit friction = forces.sticking_limit(lock);
   // Against a motion in the negative direction friction is positive.
   DirectedLimit out{.positive = friction.negative, .negative = friction.positive};

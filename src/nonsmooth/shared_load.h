@@ -14,19 +14,19 @@ namespace gelenk {
 
 struct SharedLoads {
   struct Point {
-    int contact = 0;                  // of the scene
-    Eigen::Index normal = 0;          // its multipliers: of the normal force
+    int contact = 0;                   // of the scene
+    Eigen::Index normal = 0;           // its multipliers: of the normal force
     Eigen::Index first = 0, size = 0;  // and of the friction that holds; size 0: it slides, or has no friction
-    double coefficient = 0;           // of the friction that holds
-    bool slides = false;              // against friction
+    double coefficient = 0;            // of the friction that holds
+    bool slides = false;               // against friction
   };
   std::vector<Point> points;
   std::vector<int> locks;          // of held joints
   std::vector<DirectedLimit> may;  // by lock in `locks`: the largest forces along either direction; may be infinite
 
   Eigen::VectorXd x, held;  // the present multipliers and forces of `locks`
-  // Multipliers that do not move what is kept at rest, in columns; what they do to what moves; and the forces of `locks`
-  // that they cause.
+  // Multipliers that do not move what is kept at rest, in columns; what they do to what moves; and the forces of
+  // `locks` that they cause.
   Eigen::MatrixXd directions, effects, joints;
   double largest_effect = 0;  // of a single multiplier
 };

@@ -98,7 +98,8 @@ void SharedImpulses::add_point(std::size_t point, Kept& to) const {
     const Index first = cone.first + group.offset;
     VectorXd speed(group.size);
     for (Index k = 0; k < group.size; ++k)
-      speed[k] = of_.free_speeds_[static_cast<std::size_t>(first + k)] + of_.belts_[static_cast<std::size_t>(first + k)];
+      speed[k] =
+          of_.free_speeds_[static_cast<std::size_t>(first + k)] + of_.belts_[static_cast<std::size_t>(first + k)];
     if (speed.norm() > slow) {
       const VectorXd direction = speed / speed.norm();
       VectorXd& acts = to.acts[static_cast<std::size_t>(out.normal)];
