@@ -92,8 +92,7 @@ class Formulation : public Equations, private ModeEquations {
   // Whether friction, a limit or a closed contact holds something in the present modes; not those of friction that
   // depends on loads, of which redundant forces are one choice of many.
   bool holds_by_modes() const;
-  // Of time steps, or of the forces of the last output_accelerations(), needed if holds_by_modes(); (t, y): the same
-  // state.
+  // Of time steps, or of the forces of the last output_accelerations(), needed if holds_by_modes(), at the same state.
   LawAudit law_audit(double t, const double* y);
   // Saves or restores the data carried from one step to the next. Factors are not included: each step computes them
   // before it uses them.
