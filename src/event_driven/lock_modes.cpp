@@ -276,7 +276,7 @@ bool LockModes::has_wrong_speed(int lock, const double* v) const {
   if (rests(lock)) return speed != 0;
   if (forces_.lock(lock).one_way && touched_side(lock) * speed > 0) return is_slow(lock, v);
   if (!has_friction(lock) || modes_.motions[lock] * speed >= 0) return false;
-  return is_slow(lock, v) || (triggered_[at_index(lock)] == by_friction && is_unmoved(lock, v));
+  return is_slow(lock, v) || triggered_[at_index(lock)] == by_friction;
 }
 
 bool LockModes::any_wrong_speed(const double* v) const {
