@@ -33,9 +33,8 @@ BELOW["nonsmooth"] = {"dynamics", "complementarity", *BELOW["dynamics"]}
 BELOW["event"] = {"math", "util"}
 BELOW["time_stepping"] = {"contact_geometry", "nonsmooth", *BELOW["contact_geometry"], *BELOW["nonsmooth"]}
 BELOW["event_driven"] = {"event", *BELOW["time_stepping"]}
-BELOW["formulation"] = (
-    {"event_driven", "time_stepping", "recorded"} | BELOW["event_driven"] | BELOW["recorded"]
-)
+BELOW["formulation"] = {"event_driven", "time_stepping", "recorded", *BELOW["recorded"]}
+BELOW["formulation"] |= BELOW["event_driven"]
 BELOW["integrator"] = {"formulation", *BELOW["formulation"]}
 BELOW["assembly"] = BELOW["outputs"] = {"dynamics", *BELOW["dynamics"]}
 BELOW["analysis"] = {"assembly", "event_driven", "outputs", *BELOW["assembly"], *BELOW["event_driven"]}

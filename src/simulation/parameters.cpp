@@ -214,12 +214,6 @@ void add_solver(std::vector<Parameter>& table) {
   starts.names = words::starts;
   starts.summaries = {"the start values", "the equilibrium under the inputs that is found from the start values"};
   table.push_back(choice("solver.start", "initial state of a run", std::move(starts), &Solver::start));
-  Items evaluations;
-  evaluations.names = words::equations;
-  evaluations.summaries = {"as is faster", "by the general kernels",
-                           "by a program that is made for the scene when a run begins, where that is possible"};
-  table.push_back(
-      choice("solver.equations", "evaluation of the equations of motion", std::move(evaluations), &Solver::equations));
   const auto gain = [&](const char* name, const char* on, double Solver::* field) {
     Parameter p = real_parameter(name, "1/s", std::string("baumgarte: gain on ") + on + "; 0: derived from the step",
                                  [field](auto& scene) -> auto& { return scene.solver.*field; });
@@ -245,6 +239,12 @@ void add_solver(std::vector<Parameter>& table) {
             "projection: fixed number of position corrections, and of velocity corrections, after each step, so "
             "that all steps cost the same; 0: as many as close the loops",
             words::corrections, &Solver::corrections));
+  Items evaluations;
+  evaluations.names = words::equations;
+  evaluations.summaries = {"as is faster", "by the general kernels",
+                           "by a program that is made for the scene when a run begins, where that is possible"};
+  table.push_back(
+      choice("solver.equations", "evaluation of the equations of motion", std::move(evaluations), &Solver::equations));
 }
 
 void add_listed(std::vector<Parameter>& table, const Scene& scene) {

@@ -75,7 +75,8 @@ def test_choices_are_integers_whose_words_are_told(fmu: Path, description: Any) 
         root = ElementTree.fromstring(archive.read("modelDescription.xml"))
     variables = {v.name: v for v in description.modelVariables}
     choices = root.findall("VendorAnnotations/Tool[@name='Gelenk']/Model/Choice")
-    assert [c.get("variable") for c in choices] == ["solver.formulation", "solver.integrator", "solver.start"]
+    chosen = [f"solver.{name}" for name in ("formulation", "integrator", "start", "equations")]
+    assert [c.get("variable") for c in choices] == chosen
     for choice in choices:
         v = variables[str(choice.get("variable"))]
         words = [item.get("name") for item in choice]

@@ -78,6 +78,7 @@ def test_variables_are_those_of_fmi_2(both: tuple[Path, Path]) -> None:
             "solver.formulation",
             "solver.integrator",
             "solver.start",
+            "solver.equations",
         )
         assert (v.derivative and v.derivative.name) == (other.derivative and other.derivative.name)
     for of in ("outputs", "derivatives", "initialUnknowns"):
