@@ -70,14 +70,14 @@ void Formulation::inputs_changed(double /*t*/, const double* /*y*/) {
 bool Formulation::rhs(double t, const double* y, double* ydot) {
   if (!all_finite(y, size())) return false;
   drives_.go_to(t, y);
-  // Those of differences leave `dynamics` at y.
-  const bool by_program = !takes_differences_ && !singularity_monitor_.is_followed();
+  const bool by_program = !takes_differences_ && !by_kernels_ && !singularity_monitor_.is_followed();
   const RecordedMotion* const program = by_program ? evaluate_by_program(y, ydot) : nullptr;
-  if (program == nullptr) return evaluate(t, y, ydot);
+  // Kernels know what becomes of a quotient of zeros, such as the direction of a spring without length.
+  if (program == nullptr || !all_finite(ydot, size())) return evaluate(t, y, ydot);
   singularity_monitor_.expect(program->usual_pivot_ratio());
   dynamics_.count_evaluations(1);
   ++traced_count_;
-  return all_finite(ydot, size());
+  return true;
 }
 
 bool Formulation::evaluate(double t, const double* y, double* ydot) {
@@ -162,9 +162,8 @@ bool Formulation::jacobian(double t, const double* y, double* J) {
   const int nq = mechanism_.nq;
   ydot_.resize(size());
   count_jacobian();
-  if (!all_finite(y, size())) return false;
-  drives_.go_to(t, y);
-  if (!evaluate(t, y, ydot_.data())) return false;
+  const Raised leaves_dynamics_there(by_kernels_);
+  if (!rhs(t, y, ydot_.data())) return false;
   Eigen::Map<Eigen::MatrixXd> out(J, size(), size());
   if (contacts_.located() != nullptr && !contacts_.located()->equations().closed().empty())
     return jacobian_by_differences(t, y, out);

@@ -166,6 +166,7 @@ class Formulation : public Equations, private ModeEquations {
   long traced_count_ = 0;
   long last_evaluation_ = LONG_MAX;
   bool takes_differences_ = false;
+  bool by_kernels_ = false;     // evaluations leave `dynamics` at their state
   bool reads_outputs_ = false;  // targets are as outputs show them
   std::vector<double> dv_, ydot_;
   RowMatrix by_states_, no_rows_;  // workspace
