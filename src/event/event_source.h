@@ -69,6 +69,15 @@ class EventSource {
   // units of speed]. The slower a motion is, the faster friction turns it, so that steps would amplify rounding at the
   // beginning and the end of motions.
   virtual void keep_directions_below(double /*speed*/) {}
+  // How well a method follows the direction of friction on what slides slowly.
+  struct SlowSliding {
+    double followed_from = INFINITY;  // speed from which its control of errors follows it [natural units]
+    double directed_from = 0;         // speed up to which motions keep their directions
+    bool is_explicit = false;         // its steps are limited by stability
+  };
+  // Within this time [s] from (t, y), the state of the last indicator_values(), friction turns and slows down what
+  // slides by so little that a method follows; infinite: there is nothing to follow.
+  virtual double longest_step(double /*t*/, const double* /*y*/, const SlowSliding& /*by*/) { return INFINITY; }
   // Why the run cannot continue (too many events in this communication step, or no mode that is possible); otherwise
   // empty.
   virtual std::string refusal() const { return {}; }

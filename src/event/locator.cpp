@@ -118,6 +118,7 @@ Step Locator::step_in_mode(Stepping& method, double end) {
   const HeldMode held(source_, course_.start(), course_.mode());
   const bool approaches = course_.start() < event_ahead_ && event_ahead_ < end;
   if (approaches) stop_at(event_ahead_, method);
+  bound_step(method);
   Step step = method.step_towards(stop_);
   // In the held mode the loops may become impossible to close beyond the event; the step is shortened to before it.
   for (int k = 0; k < max_shortened_steps && step == Step::not_closed && has_left_mode(end); ++k) {
@@ -126,6 +127,15 @@ Step Locator::step_in_mode(Stepping& method, double end) {
   if (step != Step::made) return step;
   course_.end(method.time(), method.state());
   return end_step(method);
+}
+
+// Shortens the step to come where friction would turn too fast for the method.
+void Locator::bound_step(Stepping& method) {
+  const EventSource::SlowSliding by = method.slow_sliding();
+  if (!(by.followed_from > 0)) return;
+  const double start = course_.start();
+  const double longest = start + source_.longest_step(start, start_y_.data(), by);
+  if (longest < stop_ - rounding(stop_)) stop_at(longest, method);
 }
 
 // After a step: ends it at the earliest event within it, if there is one. A mode may also have ended and begun again

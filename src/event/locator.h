@@ -31,6 +31,8 @@ class Stepping {
   virtual double next_step() const { return 0; }
   // Makes the next step at least this long, as far as errors permit [s].
   virtual void lengthen_next_step(double /*step*/) {}
+  // What its steps must be bounded for (EventSource::longest_step); by default nothing.
+  virtual EventSource::SlowSliding slow_sliding() const { return {.followed_from = 0}; }
   // Sets the time [s] at which steps stop.
   virtual void stop_at(double end) = 0;
 
@@ -59,6 +61,7 @@ class Locator {
   Step step_to_event(Stepping& method, double end);
   Step step_over_events(Stepping& method, double end);
   Step step_in_mode(Stepping& method, double end);
+  void bound_step(Stepping& method);
   // Whether the step has been ended for good.
   struct Trial {
     Step step;

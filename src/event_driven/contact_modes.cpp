@@ -26,6 +26,7 @@ ContactModes::ContactModes(const Context& context)
       contact_equations_(context.mechanism, context.dynamics, context.loads.contacts, context.located),
       hidden_(context.mechanism, context.dynamics, contact_equations_),
       outputs_(context.mechanism, context.dynamics, contact_equations_, context.loads.contacts.size()),
+      sliding_steps_(contact_equations_, dynamics_),
       vdot_(static_cast<std::size_t>(context.mechanism.nv)) {
   for (int i = 0; i < contact_equations_.candidates().count(); ++i) {
     const ContactCandidate& candidate = contact_equations_.candidates()[i];
@@ -95,6 +96,12 @@ void ContactModes::find_penetration(double* g) {
     double& value = g[static_cast<std::ptrdiff_t>(per_candidate) * guard.candidate];
     if (depth > guard.allowed) value = std::max(value, depth);
   }
+}
+
+double ContactModes::longest_step(double t, const double* y, const EventSource::SlowSliding& by) {
+  if (!sliding_steps_.any(by)) return INFINITY;
+  equations_.accelerations_at(t, y, vdot_.data());  // with factors of this position
+  return sliding_steps_.longest({vdot_.data(), vdot_.size()}, by);
 }
 
 void ContactModes::find_yielding(double* g, std::vector<double*>& out) const {

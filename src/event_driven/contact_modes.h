@@ -10,12 +10,14 @@
 
 #include "contact_geometry/contact_finder.h"
 #include "event/event_log.h"
+#include "event/event_source.h"
 #include "event_driven/contact_equations.h"
 #include "event_driven/contact_outputs.h"
 #include "event_driven/friction_treatment.h"
 #include "event_driven/hidden_contacts.h"
 #include "event_driven/law_edge.h"
 #include "event_driven/mode_equations.h"
+#include "event_driven/sliding_steps.h"
 #include "util/archive.h"
 
 namespace gelenk {
@@ -48,6 +50,9 @@ class ContactModes {
   double touch_within(double t0, const double* y0, double t1, const double* y1) {
     return any() ? hidden_.find(t0, y0, t1, y1) : INFINITY;
   }
+
+  // See EventSource.
+  double longest_step(double t, const double* y, const EventSource::SlowSliding& by);
 
   // All are open, as at the start of a run.
   void start();
@@ -103,6 +108,7 @@ class ContactModes {
   };
   std::vector<Guard> guards_;
   int overlapping_ = -1;
+  SlidingSteps sliding_steps_;
   std::vector<double> vdot_;
   std::vector<CandidateMode> updated_;  // where a step begins
   ContactEquations::Rows updated_rows_;

@@ -144,6 +144,11 @@ void EventModes::pass_break() { changes_->inputs_jumped(); }
 
 void EventModes::keep_directions_below(double speed) { contacts_->equations().keep_directions_below(speed); }
 
+double EventModes::longest_step(double t, const double* y, const SlowSliding& by) {
+  if (!contacts_->any()) return INFINITY;
+  return contacts_->longest_step(t, y, by);
+}
+
 void EventModes::indicator_values(double t, const double* y, double* g, double* gdot) {
   const double* vdot = locks_.accelerations(t, y);
   dynamics_.set_position(y);

@@ -111,6 +111,7 @@ class EventModes final : public EventSource {
   void normalize(double* y) const override { dynamics_.normalize(y); }
   double touch_within(double t0, const double* y0, double t1, const double* y1) override;
   void keep_directions_below(double speed) override;
+  double longest_step(double t, const double* y, const SlowSliding& by) override;
   void check(double t, const double* v);
   bool is_in_other_mode(const double* v);
   bool may_hide_changes() const;

@@ -55,8 +55,8 @@ SUNErrCode combine_any(int count, sunrealtype* c, N_Vector* x, N_Vector out) {
 
 }  // namespace
 
-ArkodeIntegrator::ArkodeIntegrator(Equations& system)
-    : SundialsIntegrator(system, false), kept_derivative_(static_cast<std::size_t>(system.size())) {
+ArkodeIntegrator::ArkodeIntegrator(Equations& system, const EventSource::SlowSliding& slow_sliding)
+    : SundialsIntegrator(system, slow_sliding, false), kept_derivative_(static_cast<std::size_t>(system.size())) {
   y_->ops->nvlinearcombination = combine_any;  // all vectors of the steppers are clones of y_
 }
 

@@ -22,7 +22,7 @@ class ArkodeIntegrator : public SundialsIntegrator {
   void serialize(Archive& archive) override;
 
  protected:
-  explicit ArkodeIntegrator(Equations& system);
+  ArkodeIntegrator(Equations& system, const EventSource::SlowSliding& slow_sliding);
 
   // Takes ownership of a stepper, applies the common settings, and makes it the one in use.
   void adopt(void* memory, double tolerance);

@@ -22,6 +22,7 @@ constexpr int longest_window = 1000;
 constexpr double stages = 13;          // of an explicit step of order 8
 constexpr double accuracy_margin = 4;  // factor by which accuracy limits explicit steps more than stability does
 constexpr double required_gain = 0.8;  // a method must cost less than this fraction to be switched to
+constexpr double changed_cost = 100;   // of the other method in its last trial, above which another one is due
 constexpr int most_windows_between_trials = 1 << 10;  // windows between two unsuccessful trials
 // For systems up to this size the implicit method, whose matrices are dense, is created at the start; for larger ones
 // when it is needed, which allocates memory within a step.
@@ -191,9 +192,12 @@ class Automatic final : public Integrator {
       }
       return;
     }
-    if (!trials_.due()) return;
+    // A trial that failed says nothing where steps have become far shorter since.
+    const bool has_changed = cost_per_second_[current_] > changed_cost * other_cost;
+    if (!trials_.due() && !has_changed) return;
     if (current_ == explicit_method) {
-      if (fastest_rate_.at(t_, y_.data()) * last.time > stability_check_limit * static_cast<double>(last.steps))
+      if (has_changed ||
+          fastest_rate_.at(t_, y_.data()) * last.time > stability_check_limit * static_cast<double>(last.steps))
         start_trial(implicit_method);
     } else if (required_gain * cost_per_second_[current_] > other_cost ||
                required_gain * cost_per_second_[current_] > min_explicit_cost()) {

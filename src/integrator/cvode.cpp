@@ -25,7 +25,9 @@ class Cvode : public SundialsIntegrator {
   ~Cvode() override { CVodeFree(&memory_); }
 
  protected:
-  Cvode(Equations& system, int method, double tolerance) : SundialsIntegrator(system) {  // tolerance: of one step
+  // tolerance: of one step.
+  Cvode(Equations& system, int method, double tolerance, const EventSource::SlowSliding& slow_sliding)
+      : SundialsIntegrator(system, slow_sliding) {
     memory_ = sundials::made(CVodeCreate(method, context_));
     CVodeInit(memory_, sundials::rhs, 0, y_.get());
     CVodeSetUserData(memory_, static_cast<SundialsIntegrator*>(this));
@@ -86,7 +88,8 @@ class Cvode : public SundialsIntegrator {
 class Bdf final : public Cvode {
  public:
   Bdf(Equations& system, const IntegratorOptions& options)
-      : Cvode(system, CV_BDF, bdf_tolerance(bdf_fraction, options.tolerance)),
+      : Cvode(system, CV_BDF, bdf_tolerance(bdf_fraction, options.tolerance),
+              gelenk::slow_sliding(options.tolerance, false)),
         linear_(y_.get(), context_),
         projected_(sundials::new_vector(system, context_)) {
     CVodeSetLinearSolver(memory_, linear_.solver.get(), linear_.matrix.get());
@@ -148,7 +151,7 @@ class Bdf final : public Cvode {
 class Adams final : public Cvode {
  public:
   Adams(Equations& system, const IntegratorOptions& options)
-      : Cvode(system, CV_ADAMS, adams_fraction * options.tolerance),
+      : Cvode(system, CV_ADAMS, adams_fraction * options.tolerance, gelenk::slow_sliding(options.tolerance, true)),
         solver_(sundials::made(SUNNonlinSol_FixedPoint(y_.get(), 0, context_))) {
     CVodeSetNonlinearSolver(memory_, solver_.get());
   }

@@ -57,7 +57,7 @@ N_Vector clone(N_Vector v) {
 class Dirk final : public ArkodeIntegrator {
  public:
   Dirk(Equations& system, const IntegratorOptions& options)
-      : ArkodeIntegrator(system),
+      : ArkodeIntegrator(system, gelenk::slow_sliding(options.tolerance, false)),
         linear_(y_.get(), context_),
         newton_(sundials::made(SUNNonlinSol_Newton(y_.get(), context_))),
         damped_(sundials::new_vector(system, context_)),

@@ -68,7 +68,9 @@ constexpr int most_steps_between_trials = 256;  // communication steps between t
 class Erk final : public ArkodeIntegrator {
  public:
   Erk(Equations& system, const IntegratorOptions& options)
-      : ArkodeIntegrator(system), top_(highest_pair(options.tolerance)), pair_(top_) {
+      : ArkodeIntegrator(system, gelenk::slow_sliding(options.tolerance, true)),
+        top_(highest_pair(options.tolerance)),
+        pair_(top_) {
     for (int i = 0; i <= top_; ++i) {
       adopt(ERKStepCreate(rhs, 0, y_.get(), context_), local_tolerance(embedded_pairs[i], options.tolerance));
       take_table(embedded_pairs[i].table);

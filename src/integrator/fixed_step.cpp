@@ -8,9 +8,6 @@
 namespace gelenk {
 namespace {
 
-// Relative motions slower than this have no direction of their own [natural units of speed]: larger than with adaptive
-// steps, since errors are not controlled.
-constexpr double no_direction = 1e-6;
 // So many successive steps within this part of a step of the grid lead nowhere; a series of impacts ends earlier.
 constexpr int most_stuck = 2000;
 constexpr double resolved_fraction = 1e-9;

@@ -31,11 +31,21 @@ class FixedStep : public Integrator, private Stepping {
   std::vector<double> y_, k_;
 
  private:
+  // Relative motions slower than this have no direction of their own [natural units of speed]: larger than with
+  // adaptive steps, since errors are not controlled.
+  static constexpr double no_direction = 1e-6;
+
+  // Whether steps follow from rates at their start, so that stability limits them.
+  virtual bool is_explicit() const { return true; }
+
   double time() const final { return t_; }
   const double* state() const final { return y_.data(); }
   Step step_towards(double end) final;
   void go_to(double t, const double* y) final { restart(t, y); }
   void stop_at(double /*end*/) final {}
+  EventSource::SlowSliding slow_sliding() const final {
+    return {.directed_from = no_direction, .is_explicit = is_explicit()};
+  }
   void step_by_events(double end);
   void take_step(double t, double h, double end);
 

@@ -83,6 +83,8 @@ class GeneralizedAlpha final : public FixedStep {
   using Vector = Eigen::VectorXd;
   using Matrix = Eigen::MatrixXd;
 
+  bool is_explicit() const override { return false; }
+
   // Weights of vdot+ in q (times h^2), in v (times h) and in a+.
   struct Weights {
     double position, speed, acceleration;

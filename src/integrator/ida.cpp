@@ -43,7 +43,7 @@ constexpr double max_first_step_fraction = 1e-3;  // first step relative to the 
 class Ida final : public SundialsIntegrator {
  public:
   Ida(Equations& system, const IntegratorOptions& options)
-      : SundialsIntegrator(system),
+      : SundialsIntegrator(system, gelenk::slow_sliding(options.tolerance, false)),
         n_(system.size()),
         dae_(system.multipliers() > 0),
         tolerance_(dae_ ? std::max(min_dae_tolerance, dae_fraction * options.tolerance)

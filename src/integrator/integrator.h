@@ -9,6 +9,7 @@
 #include <string>
 #include <string_view>
 
+#include "event/event_source.h"
 #include "formulation/equations.h"
 #include "util/archive.h"
 
@@ -54,6 +55,8 @@ class Integrator {
   // y is the state there.
   virtual double advance_some(double end, double* y, long /*max_steps*/) { return advance(end, y); }
 
+  // What its steps must be bounded for (EventSource::longest_step); by default nothing.
+  virtual EventSource::SlowSliding slow_sliding() const { return {.followed_from = 0}; }
   // Tolerance below which steps do not become smaller; 0: there is none.
   virtual double finest_tolerance() const { return 0; }
 

@@ -130,7 +130,8 @@ class StartedMultistep final : public Integrator {
     if (course_.begin(t_, y_.data())) multistep_->restart(t_, y_.data());
     y_before_ = y_;
     const HeldMode held(system_.modes(), t_, course_.mode());
-    t_ = multistep_->advance_some(end, y_.data(), 1);
+    const double longest = system_.modes().longest_step(t_, y_.data(), multistep_->slow_sliding());
+    t_ = multistep_->advance_some(std::min(end, t_ + longest), y_.data(), 1);
     course_.end(t_, y_.data());
     if (system_.modes().mode_exit_time() < t_ || course_.any_changed() || course_.touch(course_.size()) < t_)
       return true;

@@ -6,6 +6,17 @@
 #include <limits>
 
 namespace gelenk {
+namespace {
+
+// Speeds of sliding, in units of the tolerance, from which the control of errors follows the direction of friction: an
+// error of one tolerance then turns it by a hundredth.
+constexpr double followed_tolerances = 100;
+
+}  // namespace
+
+EventSource::SlowSliding slow_sliding(double tolerance, bool is_explicit) {
+  return {.followed_from = followed_tolerances * tolerance, .is_explicit = is_explicit};
+}
 
 double bdf_tolerance(double fraction, double tolerance) {
   return fraction * tolerance * std::pow(std::min(1.0, tolerance / 1e-4), 0.2);
@@ -22,10 +33,12 @@ N_Vector sundials::new_vector(const Equations& system, SUNContext context) {
   return v;
 }
 
-SundialsIntegrator::SundialsIntegrator(Equations& system, bool takes_differences)
+SundialsIntegrator::SundialsIntegrator(Equations& system, const EventSource::SlowSliding& slow_sliding,
+                                       bool takes_differences)
     : system_(system),
       y_(sundials::new_vector(system, context_)),
       locator_(system.modes(), system.size()),
+      slow_sliding_(slow_sliding),
       takes_differences_(takes_differences) {}
 
 void SundialsIntegrator::continue_from(double t, const double* y) {

@@ -21,6 +21,9 @@ double bdf_tolerance(double fraction, double tolerance);
 // The inverse: the tolerance for which a BDF step has this local error.
 double inverse_bdf_tolerance(double fraction, double error);
 
+// Of a method that controls errors with this tolerance.
+EventSource::SlowSliding slow_sliding(double tolerance, bool is_explicit);
+
 class SundialsIntegrator : public Integrator, private Stepping {
  public:
   void restart(double t, const double* y) final {
@@ -41,7 +44,7 @@ class SundialsIntegrator : public Integrator, private Stepping {
 
  protected:
   // takes_differences: whether the method uses differences of former states.
-  explicit SundialsIntegrator(Equations& system, bool takes_differences = true);
+  SundialsIntegrator(Equations& system, const EventSource::SlowSliding& slow_sliding, bool takes_differences = true);
 
   // Called before the steps to `end`: restarts at (t_, y_) if fresh_, and sets the stop time.
   virtual void prepare(double end) = 0;
@@ -96,9 +99,11 @@ class SundialsIntegrator : public Integrator, private Stepping {
     continue_from(t, y);
   }
   void stop_at(double end) final { begin(stop_time_ = end); }
+  EventSource::SlowSliding slow_sliding() const final { return slow_sliding_; }
   [[noreturn]] void fail(Step step, double start);
 
   Locator locator_;
+  EventSource::SlowSliding slow_sliding_;
   bool takes_differences_;
   bool passes_events_ = false;
   std::optional<StallDetector> stalls_;  // of the communication step
