@@ -183,8 +183,9 @@ void check_contact_methods(const Scene& scene, Faults& faults) {
   if (!steps_with_impulses(scene) && has_touching_laws(scene)) {
     check_located_contacts(scene, faults);
   } else if (steps_with_impulses(scene) && solver.formulation != "projection" && !solver.formulation.empty()) {
-    faults.add("solver.formulation", text::quoted(solver.formulation) + " with the integrator moreau-jean",
-               "the formulation projection");
+    const std::string with = solver.integrator == "moreau-jean" ? "the integrator moreau-jean"
+                                                                : text::printable(path_of_touching_law(scene, 0));
+    faults.add("solver.formulation", text::quoted(solver.formulation) + " with " + with, "the formulation projection");
   }
 }
 

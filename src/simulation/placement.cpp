@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <string>
 
+#include "scene/touching_laws.h"
 #include "simulation/sensitivity.h"
 #include "simulation/simulation_impl.h"
 #include "simulation/state_derivatives.h"
@@ -28,6 +29,11 @@ constexpr int most_iterations = 10'000;
 bool has_contacts(const Island& island) {
   const ContactMotion& contacts = island.formulation().contacts();
   return contacts.located() != nullptr || contacts.are_used();
+}
+
+// For messages: laws of joints are contacts to the equations, but not to the user.
+std::string what_touches(const Scene& scene) {
+  return scene.contacts.empty() ? path_of_touching_law(scene, 0) : "contacts between shapes";
 }
 
 }  // namespace
@@ -187,7 +193,8 @@ void Placement::start_from(const Simulation& other, std::span<const double> x) {
   if (!impl_.runs || impl_.islands.size() != from.islands.size())
     throw UsageError("only another simulation of the scene can start there");
   if (std::ranges::any_of(impl_.islands, [](const auto& island) { return has_contacts(*island); }))
-    throw UsageError("contacts between shapes have modes, which cannot be taken over");
+    throw UsageError("the modes of " + what_touches(impl_.scene) +
+                     " cannot be taken over; end the run before this event, or use damping instead");
   for (std::size_t i = 0; i < impl_.islands.size(); ++i)
     impl_.islands[i]->place(from.islands[i]->position(), from.time);
   take_inputs_and_modes(other, x, false);
@@ -206,7 +213,7 @@ void Placement::take_inputs_and_modes(const Simulation& other, std::span<const d
 std::string Placement::modes() const {
   for (const auto& island : impl_.islands) {
     if (!island->formulation().modes().locks().empty()) return "friction or limits";
-    if (has_contacts(*island)) return "contacts";
+    if (has_contacts(*island)) return what_touches(impl_.scene);
   }
   return {};
 }

@@ -277,3 +277,48 @@ def test_set_to_none_in_motion(integrator: str) -> None:
     assert plant.values(["J.w[1]", "J.w[3]"]) == pytest.approx([0.15, 0.2], abs=1e-8)
     plant.step_to(1.3 * stop)
     assert plant.values(["J.w[1]", "J.w[3]"]) == pytest.approx([0, 0], abs=1e-12)
+
+
+LAWS = {"J.friction": {"friction": {"coulomb": MOMENT}}, "J.limit": {"limit": {"swing": 1.0}}}
+
+
+def with_law(law: str) -> Source:
+    source = ball({"coulomb": MOMENT}, w=[0.4, -0.9, 0.3])
+    del source["joints"]["J"]["friction"]
+    source["joints"]["J"] |= LAWS[law]
+    return source
+
+
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("integrator", ["auto", "erk", None])
+def test_another_formulation_is_refused_with_the_name_of_the_law(law: str, integrator: str | None) -> None:
+    source = with_law(law)
+    source["solver"] = {"formulation": "baumgarte"} | ({"integrator": integrator} if integrator else {})
+    with pytest.raises(gelenk.SceneError) as refused:
+        gelenk.Simulation(source)
+    assert f"found 'baumgarte' with joints.{law}, expected the formulation projection" in str(refused.value)
+    source["solver"]["integrator"] = "moreau-jean"
+    with pytest.raises(gelenk.SceneError, match="found 'baumgarte' with the integrator moreau-jean"):
+        gelenk.Simulation(source)
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_differential_equations_are_refused_with_the_name_of_the_law(law: str) -> None:
+    with pytest.raises(gelenk.UsageError) as refused:
+        gelenk.control_system(with_law(law))
+    assert f"the scene has joints.{law}, whose events" in str(refused.value)
+    assert "contact" not in str(refused.value)
+
+
+def test_derivatives_through_a_stop_are_refused_with_the_name_of_the_law() -> None:
+    source = puck({"translation": {"coulomb": FORCE}}, v=[0.5, 0.2])
+    source["solver"] = {"integrator": "erk"}
+    options = {"outputs": ["P.s_x"], "step": 0.05}
+    before = gelenk.sensitivity(source, ["puck.mass"], stop=0.2, **options)
+    assert len(before.time) == 5
+    with pytest.raises(gelenk.UsageError) as refused:
+        gelenk.sensitivity(source, ["puck.mass"], stop=1.0, **options)
+    assert "P sticks in its translation" in str(refused.value)
+    assert "the modes of joints.P.friction.translation cannot be taken over; end the run before" in str(
+        refused.value
+    )
