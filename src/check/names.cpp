@@ -185,8 +185,8 @@ void check_names(const Scene& scene, Faults& faults) {
   claims.claim(always, "constraints", {"position", "velocity"});
   claims.claim(always, "energy", {"kinetic", "potential", "total"});
   claims.claim(always, "solver",
-               {"steps", "evaluations", "traced_evaluations", "rejected_steps", "jacobians", "singular_positions", "events", "tolerance",
-                "formulation", "integrator", "equations", "step", "start"});
+               {"steps", "evaluations", "traced_evaluations", "rejected_steps", "jacobians", "singular_positions",
+                "events", "tolerance", "formulation", "integrator", "equations", "step", "start"});
   for (const Body& body : scene.bodies) claims.claim("bodies." + body.name, body.name, {"m", "mass", "com", "inertia"});
   for (const Joint& joint : scene.joints) claims.claim("joints." + joint.name, joint.name, joint_suffixes(joint));
   for (const ElementState& state : scene.states)

@@ -179,10 +179,10 @@ struct Experiment {
 
 struct Solver {
   std::string formulation = "projection";
-  std::string integrator = "auto";  // one of words::integrators
+  std::string integrator = "auto";      // one of words::integrators
   std::string equations = "automatic";  // one of words::equations
-  std::string start = "as_given";   // one of words::starts
-  double step = 0;                  // step of fixed-step methods [s]; 0: chosen from experiment.step
+  std::string start = "as_given";       // one of words::starts
+  double step = 0;                      // step of fixed-step methods [s]; 0: chosen from experiment.step
   // Evaluations of an island's equations of motion in a communication step. The default counts for each second, or
   // thousand steps, of longer ones.
   int max_evaluations = default_evaluations;

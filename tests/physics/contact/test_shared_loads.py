@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A held joint and a contact with friction share a load: rigid bodies permit any share, and the motion depends
-on it. The forces that are found obey the laws, and a warning names the contact and the joint.
+"""A held joint and a contact with friction share a load: rigid bodies permit any share, on which motion depends.
+
+The forces that are found obey the laws, and a warning names the contact and the joint.
 """
 
 from __future__ import annotations
@@ -68,7 +69,7 @@ def run(scene: dict[str, Any], torque: float = 20.0) -> gelenk.Result:
 @pytest.mark.parametrize("kind", HELD)
 @pytest.mark.parametrize("integrator", SCHEMES)
 def test_a_load_that_a_sliding_contact_shares_is_said(integrator: str, kind: str) -> None:
-    """Normal forces from 0 to all of the weight obey the laws, and the friction decelerates the wheel by them."""
+    """Normal forces from 0 to all of the weight obey the laws, and friction brakes the wheel by them."""
     result = run(wheel(integrator, HELD[kind]))
     assert any("k: how it shares its load with z" in line for line in said(result))
     normal, friction = result["k.f[3]"][-1], result["k.f[1]"][-1]
@@ -93,7 +94,9 @@ def test_a_contact_that_holds_as_a_joint_presses_on_it_is_said(integrator: str) 
 @pytest.mark.parametrize("integrator", LOCATED)
 def test_a_contact_that_rolls_by_its_load_is_not(integrator: str) -> None:
     result = run(wheel(integrator, HELD["friction"], w=-10.0), torque=2.0)
-    assert result["k.f[1]"][-1] == pytest.approx(2.0 / (RADIUS + INERTIA / ((SLIDE + WHEEL) * RADIUS)), rel=1e-6)
+    assert result["k.f[1]"][-1] == pytest.approx(
+        2.0 / (RADIUS + INERTIA / ((SLIDE + WHEEL) * RADIUS)), rel=1e-6
+    )
     assert said(result) == []
 
 
@@ -123,7 +126,8 @@ def arm(integrator: str) -> dict[str, Any]:
     scene["bodies"]["wheel"]["com"] = [0.0, 0.0, 0.0]
     scene["joints"]["z"]["parent"] = {"body": "carrier", "position": [0, 0, HEIGHT - RADIUS]}
     scene["joints"]["w"] = {
-        "type": "revolute", "axis": [0, 1, 0], "parent": "slide", "start": {"phi": 0.0, "w": 0.0, "fixed": True},
+        "type": "revolute", "axis": [0, 1, 0], "parent": "slide",
+        "start": {"phi": 0.0, "w": 0.0, "fixed": True},
         "child": {"body": "wheel", "position": [ARM, 0, HEIGHT - RADIUS]},
     }  # fmt: skip
     return scene

@@ -313,11 +313,10 @@ def test_differential_equations_are_refused_with_the_name_of_the_law(law: str) -
 def test_derivatives_through_a_stop_are_refused_with_the_name_of_the_law() -> None:
     source = puck({"translation": {"coulomb": FORCE}}, v=[0.5, 0.2])
     source["solver"] = {"integrator": "erk"}
-    options = {"outputs": ["P.s_x"], "step": 0.05}
-    before = gelenk.sensitivity(source, ["puck.mass"], stop=0.2, **options)
+    before = gelenk.sensitivity(source, ["puck.mass"], stop=0.2, outputs=["P.s_x"], step=0.05)
     assert len(before.time) == 5
     with pytest.raises(gelenk.UsageError) as refused:
-        gelenk.sensitivity(source, ["puck.mass"], stop=1.0, **options)
+        gelenk.sensitivity(source, ["puck.mass"], stop=1.0, outputs=["P.s_x"], step=0.05)
     assert "P sticks in its translation" in str(refused.value)
     assert "the modes of joints.P.friction.translation cannot be taken over; end the run before" in str(
         refused.value
