@@ -69,7 +69,7 @@ struct Node {
   bool operator==(const Node& other) const { return key() == other.key(); }
   struct Hash {
     std::size_t operator()(const Node& node) const {
-      std::uint64_t out = std::bit_cast<std::uint64_t>(node.value);
+      auto out = std::bit_cast<std::uint64_t>(node.value);
       for (const int part : {static_cast<int>(node.operation), node.of[0], node.of[1], node.of[2], node.index})
         out = (out ^ (out >> 29) ^ static_cast<std::uint32_t>(part)) * 0x9e3779b97f4a7c15U;
       return static_cast<std::size_t>(out ^ (out >> 32));

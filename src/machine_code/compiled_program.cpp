@@ -43,7 +43,7 @@ void CompiledProgram::run(double* memory) const {
         for (std::size_t k = part.first; k < part.calls; ++k) run_one(all[k], memory);
       } else {
         using Function = void (*)(double*);
-        reinterpret_cast<Function>(reinterpret_cast<std::uintptr_t>(code_.at(entries_[p])))(memory);
+        reinterpret_cast<Function>(code_.at(entries_[p]))(memory);
       }
     }
     for (std::size_t k = part.calls; k < part.end; ++k) run_one(all[k], memory);

@@ -228,7 +228,7 @@ int Encoder::scaled(double k, int a) {
 }
 
 // A locked register with the result.
-// NOLINTNEXTLINE(readability-function-cognitive-complexity): some lines for each kind of instruction
+// NOLINTNEXTLINE(readability-function-cognitive-complexity,readability-function-size): a line for each kind
 int Encoder::value(const Instruction& i) {
   const auto with_constant = [&](Arithmetic operation, int reg) {
     code_.arithmetic(operation, reg, code_.constant(i.k));

@@ -23,7 +23,7 @@ class ExecutableMemory {
   ExecutableMemory& operator=(const ExecutableMemory&) = delete;
 
   bool empty() const { return first_ == nullptr; }
-  const std::uint8_t* at(std::size_t offset) const { return static_cast<const std::uint8_t*>(first_) + offset; }
+  void* at(std::size_t offset) const { return static_cast<std::uint8_t*>(first_) + offset; }
 
   // For tests: behaves as a system that permits no such memory.
   static void refuse(bool on);

@@ -29,7 +29,7 @@ void sine_cosine(double x, double& sine, double& cosine) {
 
 }  // namespace
 
-// NOLINTNEXTLINE(readability-function-cognitive-complexity): a line for each kind of instruction
+// NOLINTNEXTLINE(readability-function-cognitive-complexity,readability-function-size): a line for each kind
 void run_one(const lanes::Instruction& i, double* memory) {
   const auto a = [&] { return memory[i.a]; };
   const auto b = [&] { return memory[i.b]; };

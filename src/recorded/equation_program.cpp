@@ -57,6 +57,39 @@ bool depends_on_turns(const Loads& loads) {
 
 }  // namespace
 
+// The terms that a program computes.
+struct ProgramTerms {
+  ProgramTerms(Graph& graph, const RecordedIsland& island, const Pivots& pivots);
+
+  Expressions residual;
+  std::vector<Term> rates, displacement;
+  std::vector<Term> factors;  // what displacement needs, and the reciprocals
+  std::vector<Term> reciprocal_pivots, reciprocal_masses, reciprocal_distances;
+};
+
+ProgramTerms::ProgramTerms(Graph& graph, const RecordedIsland& island, const Pivots& pivots) {
+  const std::vector<Term> M = terms(island.M);
+  const std::vector<Term> J = terms(island.J);
+  const Elimination elimination({island.v.size(), M, J}, pivots);
+  rates = terms(island.qdot);
+  for (const Expressions& more : {elimination.accelerations(of_rows(island.gamma, pivots), island.h), island.rates}) {
+    const std::vector<Term> all = terms(more);
+    rates.insert(rates.end(), all.begin(), all.end());
+  }
+  for (int i = 0; i < static_cast<int>(pivots.rows.size()); ++i)
+    residual.push_back(Recorded::variable(first_residual + i));
+  if (!residual.empty()) displacement = terms(elimination.displacement(residual));
+  reciprocal_pivots = terms(elimination.reciprocal_pivots());
+  reciprocal_masses = terms(elimination.reciprocal_masses());
+  for (const Recorded& distance : island.distances) reciprocal_distances.push_back((Recorded(1) / distance).term());
+  factors = independent_parts(graph, displacement, [](int index) { return index >= first_residual; });
+  for (const std::vector<Term>& of : {reciprocal_pivots, reciprocal_masses, reciprocal_distances}) {
+    for (const Term term : of) {
+      if (!graph.is_constant(term) && std::ranges::find(factors, term) == factors.end()) factors.push_back(term);
+    }
+  }
+}
+
 bool EquationProgram::is_possible(const Mechanism& mechanism, const Loads& loads) {
   if (mechanism.nv == 0 || mechanism.nv > most_velocities || mechanism.links.size() > most_links) return false;
   if (mechanism.touches() || !loads.resets.empty() || loads.rates_read_forces() || loads.motions_follow_signals())
@@ -107,47 +140,31 @@ EquationProgram::EquationProgram(const Mechanism& mechanism, const Loads& loads,
   target_ = place(targets_, &island.targets);
   record(mechanism, loads, cut_reference, island);
 
-  const std::vector<Term> M = terms(island.M);
-  const std::vector<Term> J = terms(island.J);
-  const Elimination elimination({static_cast<std::size_t>(nv_), M, J}, pivots_);
-  std::vector<Term> rates = terms(island.qdot);
-  for (const Expressions& more : {elimination.accelerations(of_rows(island.gamma, pivots_), island.h), island.rates}) {
-    const std::vector<Term> all = terms(more);
-    rates.insert(rates.end(), all.begin(), all.end());
-  }
-  Expressions residual;
-  for (int i = 0; i < static_cast<int>(pivots_.rows.size()); ++i)
-    residual.push_back(Recorded::variable(first_residual + i));
-  const std::vector<Term> displacement =
-      residual.empty() ? std::vector<Term>{} : terms(elimination.displacement(residual));
-  const std::vector<Term> reciprocals = terms(elimination.reciprocal_pivots());
-  const std::vector<Term> reciprocal_masses = terms(elimination.reciprocal_masses());
-  std::vector<Term> reciprocal_distances;
-  for (const Recorded& distance : island.distances) reciprocal_distances.push_back((Recorded(1) / distance).term());
-  std::vector<Term> factors = independent_parts(graph, displacement, [](int index) { return index >= first_residual; });
-  for (const std::vector<Term>& of : {reciprocals, reciprocal_masses, reciprocal_distances}) {
-    for (const Term term : of) {
-      if (!graph.is_constant(term) && std::ranges::find(factors, term) == factors.end()) factors.push_back(term);
-    }
-  }
-  std::vector<Term> all = rates;
-  all.insert(all.end(), factors.begin(), factors.end());
+  const ProgramTerms of(graph, island, pivots_);
+  std::vector<Term> all = of.rates;
+  all.insert(all.end(), of.factors.begin(), of.factors.end());
   if (lanes::has_lookups(graph, all)) return;
 
+  compile(of, graph, known, frame);
+}
+
+void EquationProgram::compile(const ProgramTerms& of, const Graph& graph, const lanes::Slots& known,
+                              lanes::Frame& frame) {
   rate_ = frame.add(size_);
-  residual_ = frame.add(static_cast<int>(residual.size()));
+  residual_ = frame.add(static_cast<int>(of.residual.size()));
   displacement_ = frame.add(nv_);
-  const int first_factor = frame.add(static_cast<int>(factors.size()));
+  const int first_factor = frame.add(static_cast<int>(of.factors.size()));
   std::vector<lanes::Output> evaluated;
-  add(rates, rate_, evaluated);
-  add(factors, first_factor, evaluated);
+  add(of.rates, rate_, evaluated);
+  add(of.factors, first_factor, evaluated);
   lanes::Program evaluate(graph, known, evaluated, frame, lanes::Order::calls_first);
   lanes::Slots of_factors;
-  for (std::size_t k = 0; k < factors.size(); ++k) of_factors.emplace(factors[k], first_factor + static_cast<int>(k));
-  for (std::size_t k = 0; k < residual.size(); ++k)
-    of_factors.emplace(residual[k].term(), residual_ + static_cast<int>(k));
+  for (std::size_t k = 0; k < of.factors.size(); ++k)
+    of_factors.emplace(of.factors[k], first_factor + static_cast<int>(k));
+  for (std::size_t k = 0; k < of.residual.size(); ++k)
+    of_factors.emplace(of.residual[k].term(), residual_ + static_cast<int>(k));
   std::vector<lanes::Output> displaced;
-  add(displacement, displacement_, displaced);
+  add(of.displacement, displacement_, displaced);
   lanes::Program displace(graph, of_factors, displaced, frame, lanes::Order::calls_first);
   if (evaluate.instructions().size() > most_operations) return;
 
@@ -155,16 +172,16 @@ EquationProgram::EquationProgram(const Mechanism& mechanism, const Loads& loads,
   displace.place_temporaries(frame);
   memory_.resize(static_cast<std::size_t>(frame.size()));
   for (const auto& [slot, value] : frame.constants()) memory_[static_cast<std::size_t>(slot)] = value;
-  const auto guard = [&](const std::vector<Term>& all_of_kind, Guard::Of of) {
-    for (const Term term : all_of_kind) {
-      const auto found = std::ranges::find(factors, term);
-      if (found == factors.end()) continue;
-      guards_.push_back({first_factor + static_cast<int>(found - factors.begin()), of});
+  const auto guard = [&](const std::vector<Term>& reciprocals, Guard::Of kind) {
+    for (const Term term : reciprocals) {
+      const auto found = std::ranges::find(of.factors, term);
+      if (found == of.factors.end()) continue;
+      guards_.push_back({first_factor + static_cast<int>(found - of.factors.begin()), kind});
     }
   };
-  guard(reciprocals, Guard::Of::constraint);
-  guard(reciprocal_masses, Guard::Of::mass);
-  guard(reciprocal_distances, Guard::Of::distance);
+  guard(of.reciprocal_pivots, Guard::Of::constraint);
+  guard(of.reciprocal_masses, Guard::Of::mass);
+  guard(of.reciprocal_distances, Guard::Of::distance);
   limits_.assign(guards_.size(), 0);
   operations_ = static_cast<int>(evaluate.instructions().size());
   evaluate_ = machine_code::CompiledProgram(evaluate.instructions(), frame.fixed());

@@ -16,6 +16,8 @@
 
 namespace gelenk {
 
+struct ProgramTerms;
+
 class EquationProgram {
  public:
   // The present mechanism and loads, with pivots at a position where they have their usual size. Null: these equations
@@ -47,6 +49,7 @@ class EquationProgram {
  private:
   EquationProgram(const Mechanism& mechanism, const Loads& loads, const std::vector<double>& cut_reference,
                   const Pivots& pivots);
+  void compile(const ProgramTerms& of, const expression::Graph& graph, const lanes::Slots& known, lanes::Frame& frame);
   double* at(int slot) { return memory_.data() + slot; }
 
   Pivots pivots_;
