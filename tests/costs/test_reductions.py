@@ -16,7 +16,7 @@ import gelenk
 from gelenk.model.inspection import REDUCTIONS
 
 from .counting import instructions_of, prepared, valgrind
-from .jobs import RK4, Job
+from .jobs import KERNELS, RK4, Job
 from .test_costs import MARGIN
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux" or not valgrind(), reason="valgrind is not installed")
@@ -24,8 +24,8 @@ DRIVEN = {path.stem: path for path in scene_files.good() if gelenk.Simulation(ge
 
 
 def instructions(source: dict[str, Any], host: Path, folder: Path) -> int:
-    """Of a round: a torque set, a step of rk4, all outputs read."""
-    return instructions_of(prepared(Job(lambda: source, 30, solver=RK4), host, folder))
+    """Of a round: a torque set, a step of rk4, all outputs read; by the kernels."""
+    return instructions_of(prepared(Job(lambda: source, 30, solver=RK4 | KERNELS), host, folder))
 
 
 def gains(name: str, host: Path, folder: Path, *off: str) -> float:
