@@ -23,24 +23,30 @@ constexpr double passed_distances = 1e6;
 
 using Kind = BrokenLaw::Kind;
 
+double slack_of(const SwitchingForces& switching_forces, int i) {
+  return std::min(slacks * switching_forces.slack(i), switching_forces.largest_force(i)) + least_audited_force;
+}
+
 void audit_friction(const SwitchingForces& switching_forces, int i, double friction, double speed, bool moves,
-                    double slack, LawAudit& audit) {
+                    LawAudit& audit) {
   const int law = switching_forces.lock(i).friction;
   const int direction = friction > 0 ? -1 : 1;
   double permitted = switching_forces.sticking_limit(i).against(direction);
   // Some laws grow with the speed.
   if (moves) permitted = std::max(permitted, switching_forces.sliding_limit(i, speed).against(direction));
+  const bool pushes = moves && friction * speed > 0;
+  if (std::abs(friction) <= permitted && !pushes) return;  // most often, and the slack costs more than this
+  const double slack = slack_of(switching_forces, i);
   audit.add((std::abs(friction) - permitted) / (audited_fraction * permitted + slack),
             {Kind::friction_exceeded, law, friction, permitted});
-  if (moves && friction * speed > 0)
-    audit.add(std::abs(friction) / slack, {Kind::friction_along_motion, law, friction, speed});
+  if (pushes) audit.add(std::abs(friction) / slack, {Kind::friction_along_motion, law, friction, speed});
 }
 
-void audit_limit(const SwitchingForces& switching_forces, int i, double force, double slack, LawAudit& audit) {
+void audit_limit(const SwitchingForces& switching_forces, int i, double force, LawAudit& audit) {
   const SwitchingForces::Lock& lock = switching_forces.lock(i);
   const int side = force < 0 ? 1 : -1;  // the bound that would push like this
   const SwitchingForces::Depth at = switching_forces.depth(i, side);
-  const double excess = std::abs(force) / slack;
+  const double excess = force == 0 ? 0 : std::abs(force) / slack_of(switching_forces, i);
   if (lock.one_way) {
     if (std::isinf(at.depth)) audit.add(excess, {Kind::limit_pulls, lock.limit, force});
     return;
@@ -70,16 +76,14 @@ LawAudit audit_locks(const SwitchingForces& switching_forces, std::span<const do
   LawAudit audit;
   for (int i = 0; i < switching_forces.locks(); ++i) {
     const SwitchingForces::Lock& lock = switching_forces.lock(i);
-    const double rounding = std::min(slacks * switching_forces.slack(i), switching_forces.largest_force(i));
-    const double slack = rounding + least_audited_force;
     const double speed = switching_forces.speed(i, v);
     const bool moves = std::abs(speed) > sign_rounding * fastest;
     if (lock.latch >= 0 && switching_forces.hold_coordinate(i))
       audit.add(std::abs(speed) / (sign_rounding * fastest), {Kind::latch_moves, lock.latch, speed});
     double friction = 0;
     for (const int law : switching_forces.lock(i).frictions) friction += forces[static_cast<std::size_t>(law)];
-    if (lock.friction >= 0) audit_friction(switching_forces, i, friction, speed, moves, slack, audit);
-    if (lock.limit >= 0) audit_limit(switching_forces, i, forces[static_cast<std::size_t>(lock.limit)], slack, audit);
+    if (lock.friction >= 0) audit_friction(switching_forces, i, friction, speed, moves, audit);
+    if (lock.limit >= 0) audit_limit(switching_forces, i, forces[static_cast<std::size_t>(lock.limit)], audit);
   }
   return audit;
 }
