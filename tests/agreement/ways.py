@@ -236,6 +236,18 @@ def directions(seed: int) -> Array:
     return rotation(rng.normal(size=3), float(rng.uniform(0, np.pi)))
 
 
+def without_static_excess(trial: Trial) -> Trial:
+    """Static friction is sliding friction: whether a joint slides then follows from its forces alone.
+
+    Otherwise it may stick or slide under a force between the two, and a jump of the velocity of its motion,
+    however small, ends static friction.
+    """
+    out = trial.copy()
+    for joint in out.scene["joints"].values():
+        joint.get("friction", {}).pop("static", None)
+    return out
+
+
 def run_values_only(trial: Trial, parts: int) -> Array:
     """Values at the points of the trial if positions are set without derivatives, `parts` times a step."""
     names = motion_names(trial.scene)
