@@ -7,7 +7,7 @@ file(GLOB binding_sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/python/b
 if(binding_sources)
   nanobind_add_module(_core STABLE_ABI NB_STATIC)  # one module for Python 3.12 and all later ones
   gelenk_together(_core python/bindings ${binding_sources})
-  # What records equations is in no FMU.
+  # Equations with names and batches are in no FMU.
   gelenk_folders(_core src/equations src/batch)
   if(GELENK_ZIG AND (WIN32 OR APPLE))  # SUNDIALS is compiled for it: cmake/sundials_memory.h
     target_sources(_core PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/fmu/memory.cpp ${CMAKE_CURRENT_SOURCE_DIR}/fmu/step_memory.cpp)

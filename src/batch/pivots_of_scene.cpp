@@ -2,7 +2,6 @@
 #include "batch/pivots_of_scene.h"
 
 #include <Eigen/Dense>
-#include <random>
 #include <utility>
 
 namespace gelenk {
@@ -39,20 +38,16 @@ PivotsOfScene pivots_of(const TracedScene& scene) {
   for (const EquationArgument& of : equations.u) out.u.push_back(of.start);
   if (equations.rows.empty()) return out;
   const std::vector<double> rest(equations.v.size(), 0);
-  std::mt19937 random(1);  // its numbers are the same everywhere, those of distributions are not
   std::vector<std::vector<double>> positions;
   std::vector<RowMatrix> J;
-  for (const double around : pivot_neighborhoods) {
-    std::vector<double> q = out.q;
-    for (double& x : q)
-      x += around * (2 * static_cast<double>(random()) / static_cast<double>(std::mt19937::max()) - 1);
+  for (std::vector<double>& q : positions_around(out.q)) {
     if (!close(scene, rest, out.u, q)) continue;
     const EquationValues values = scene.values(q, rest, out.u);
     J.push_back(equilibrated(matrix(values.M, rest.size()), matrix(values.J, rest.size())));
     positions.push_back(std::move(q));
   }
   std::size_t usual = 0;
-  static_cast<Pivots&>(out) = choose_pivots(J, usual);
+  static_cast<Pivots&>(out) = choose_pivots(J, static_cast<int>(equations.rows.size()), usual);
   if (!positions.empty()) out.q = positions[usual];
   return out;
 }

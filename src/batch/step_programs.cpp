@@ -7,7 +7,7 @@
 #include <set>
 
 #include "batch/numbers.h"
-#include "recorded/term_parts.h"
+#include "recorded/motion_terms.h"
 
 namespace gelenk {
 namespace {
@@ -16,39 +16,16 @@ using expression::Graph;
 using expression::Node;
 using expression::Operation;
 using expression::Term;
-using recording::Recorded;
-using Terms = std::vector<Term>;
-
-// Indices of variables of which no one is an argument: residuals that a displacement removes.
-constexpr int first_residual = 1 << 21;
-
-Terms terms(const Elimination::Numbers& of) {
-  Terms out;
-  for (const Recorded& x : of) out.push_back(x.term());
-  return out;
-}
 
 Terms joined(Terms a, const Terms& b) {
   a.insert(a.end(), b.begin(), b.end());
   return a;
 }
 
-std::vector<bool> parts_of(const Graph& graph, const Terms& of) {
-  std::vector<bool> out(static_cast<std::size_t>(graph.size()), false);
-  for (const Term term : of) out[static_cast<std::size_t>(term)] = true;
-  for (Term term = graph.size() - 1; term >= 0; --term) {
-    if (!out[static_cast<std::size_t>(term)]) continue;
-    for (const Term operand : graph[term].of) {
-      if (operand >= 0) out[static_cast<std::size_t>(operand)] = true;
-    }
-  }
-  return out;
-}
-
 // Sines and cosines that are parts of a and of b.
 Terms circular_in_both(const Graph& graph, const Terms& a, const Terms& b) {
-  const std::vector<bool> in_a = parts_of(graph, a);
-  const std::vector<bool> in_b = parts_of(graph, b);
+  const std::vector<bool> in_a = graph.parts_of(a);
+  const std::vector<bool> in_b = graph.parts_of(b);
   Terms out;
   for (Term term = 0; term < graph.size(); ++term) {
     const Operation operation = graph[term].operation;
@@ -73,47 +50,26 @@ void give(const Terms& of, int first, lanes::Slots& given) {
 
 // The terms of the equations, by what computes them.
 struct StepTerms {
-  StepTerms(Graph& graph, const SceneEquations& equations, const Pivots& pivots);
+  StepTerms(const Graph& graph, const SceneEquations& equations, const Pivots& pivots);
 
-  Terms rates, Phi, rate, displacement;
-  Terms reciprocal_pivots, reciprocal_masses;
-  std::vector<int> free;  // the velocities of these masses
-  Terms constants;        // parts that depend on numbers of the scene alone
-  Terms factors;          // what displacement needs, and pivots
-  Terms of_positions;     // parts of rate that do not depend on velocities
-  Terms circular;         // sines and cosines in Phi and in the rates
+  MotionTerms motion;
+  Terms rates, Phi, rate;
+  Terms constants;     // parts that depend on numbers of the scene alone
+  Terms factors;       // those of the motion that are no constants
+  Terms of_positions;  // parts of rate that do not depend on velocities
+  Terms circular;      // sines and cosines in Phi and in the rates
 };
 
-StepTerms::StepTerms(Graph& graph, const SceneEquations& equations, const Pivots& pivots) {
-  const Elimination elimination({equations.v.size(), equations.M, equations.J}, pivots);
-  const auto of_rows = [&](const Terms& all) {
-    Elimination::Numbers out;
-    for (const int row : pivots.rows) out.push_back(Recorded::of(all[static_cast<std::size_t>(row)]));
-    return out;
-  };
-  Elimination::Numbers h;
-  for (const Term term : equations.h) h.push_back(Recorded::of(term));
-  rates =
-      joined(joined(equations.qdot, terms(elimination.accelerations(of_rows(equations.gamma), h))), equations.rates);
-  Phi = terms(of_rows(equations.Phi));
-  rate = terms(of_rows(equations.rate));
-  Elimination::Numbers residual;
-  for (int i = 0; i < static_cast<int>(pivots.rows.size()); ++i)
-    residual.push_back(Recorded::variable(first_residual + i));
-  displacement = terms(elimination.displacement(residual));
-  reciprocal_pivots = terms(elimination.reciprocal_pivots());
-  reciprocal_masses = terms(elimination.reciprocal_masses());
-  free = elimination.free();
-
-  const auto is_residual = [](int index) { return index >= first_residual; };
+StepTerms::StepTerms(const Graph& graph, const SceneEquations& equations, const Pivots& pivots)
+    : motion(graph, {equations.v.size(), equations.M, equations.J, equations.gamma, equations.h}, pivots),
+      rates(joined(joined(equations.qdot, motion.accelerations), equations.rates)),
+      Phi(of_pivots(equations.Phi, pivots)),
+      rate(of_pivots(equations.rate, pivots)),
+      factors(motion.factors) {
   const auto is_number = [&](int index) { return index >= VariedNumbers::first_variable && !is_residual(index); };
-  const Terms every = joined(joined(joined(rates, Phi), rate), displacement);
+  const Terms every = joined(joined(joined(rates, Phi), rate), motion.displacement);
   constants = independent_parts(graph, every, [&](int index) { return !is_number(index); });
   const auto is_constant = [&](Term term) { return std::ranges::binary_search(constants, term); };
-  factors = independent_parts(graph, displacement, is_residual);
-  for (const Term term : joined(reciprocal_pivots, reciprocal_masses)) {
-    if (!graph.is_constant(term) && std::ranges::find(factors, term) == factors.end()) factors.push_back(term);
-  }
   std::erase_if(factors, is_constant);
   const auto nq = static_cast<int>(equations.q.size());
   const auto nv = static_cast<int>(equations.v.size());
@@ -166,8 +122,8 @@ StepPrograms::StepPrograms(const SceneEquations& equations, const Pivots& pivots
   for (std::size_t k = 0; k < equations.q.size(); ++k) {
     if (equations.q[k].name.ends_with(".Q[1]")) quaternions.push_back(static_cast<int>(k));
   }
-  add_guards(of.factors, of.reciprocal_pivots, false, pivots.rows);
-  add_guards(of.factors, of.reciprocal_masses, true, of.free);
+  add_guards(of.factors, of.motion.reciprocal_pivots, false, pivots.rows);
+  add_guards(of.factors, of.motion.reciprocal_masses, true, of.motion.free);
   for (lanes::Program* program : {&prepare, &evaluate, &evaluate_closed, &gaps, &gap_rates, &displace, &move})
     program->place_temporaries(frame);
 }
@@ -190,8 +146,8 @@ void StepPrograms::compile_closing(Graph& graph, const StepTerms& of, const lane
   lanes::Slots of_factors;
   give(of.constants, slots.constants, of_factors);
   give(of.factors, slots.factors, of_factors);
-  for (int i = 0; i < rows; ++i) of_factors.emplace(graph.variable(first_residual + i), slots.Phi + i);
-  displace = lanes::Program(graph, of_factors, outputs(of.displacement, slots.displacement), frame);
+  give(of.motion.residual, slots.Phi, of_factors);
+  displace = lanes::Program(graph, of_factors, outputs(of.motion.displacement, slots.displacement), frame);
 }
 
 void StepPrograms::add_guards(const Terms& among, const Terms& reciprocals, bool is_mass, const std::vector<int>& by) {

@@ -8,6 +8,7 @@
 #include "kinematics/visit.h"
 #include "mechanism/mechanism.h"
 #include "preparation/loads.h"
+#include "recorded/motion_terms.h"
 #include "recorded/recorded_island.h"
 #include "scene/formulas.h"
 #include "scene/signals.h"
@@ -41,12 +42,6 @@ PreparedScene prepared_scene(const Scene& scene, const std::vector<Signal>& sign
   Inputs inputs(signals.size(), reads_time(scene));
   for (std::size_t i = 0; i < signals.size(); ++i) inputs.set(static_cast<int>(i), signals[i].start);
   return prepare(scene, reduce(scene), 0, inputs);
-}
-
-std::vector<expression::Term> terms(const std::vector<Recorded>& of) {
-  std::vector<expression::Term> out;
-  for (const Recorded& x : of) out.push_back(x.term());
-  return out;
 }
 
 void append(const std::vector<Recorded>& from, std::vector<expression::Term>& to) {

@@ -13,12 +13,12 @@ class Differentiator {
   Differentiator(Graph& graph, int variable) : g_(graph), variable_(variable) {}
 
   Term of(Term term) {
-    const std::vector<bool> needed = g_.parts_of(term);
+    const std::vector<bool> needed = g_.parts_of({&term, 1});
     d_.assign(needed.size(), -1);
     for (Term at = 0; at <= term; ++at) {
       if (needed[static_cast<std::size_t>(at)]) d_[static_cast<std::size_t>(at)] = of_node(at);
     }
-    return d_.back();
+    return d(term);
   }
 
  private:

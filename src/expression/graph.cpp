@@ -134,7 +134,7 @@ std::optional<std::pair<double, double>> Graph::affine(Term term, int variable) 
   struct Line {
     double rate = NAN, value = NAN;  // NaN: it is none
   };
-  const std::vector<bool> parts = parts_of(term);
+  const std::vector<bool> parts = parts_of({&term, 1});
   std::vector<Line> lines(parts.size());
   const auto line = [&](Term of) { return of < 0 ? Line() : lines[static_cast<std::size_t>(of)]; };
   for (Term at = 0; at <= term; ++at) {
@@ -178,10 +178,10 @@ std::optional<std::pair<double, double>> Graph::affine(Term term, int variable) 
 Term Graph::function(Operation operation, Term a, Term b) { return made({.operation = operation, .of = {a, b, -1}}); }
 
 // Operands precede, so that no recursion is needed, however deep the graph is.
-std::vector<bool> Graph::parts_of(Term term) const {
-  std::vector<bool> out(static_cast<std::size_t>(term) + 1, false);
-  out.back() = true;
-  for (Term at = term; at >= 0; --at) {
+std::vector<bool> Graph::parts_of(std::span<const Term> terms) const {
+  std::vector<bool> out(nodes_.size(), false);
+  for (const Term term : terms) out[static_cast<std::size_t>(term)] = true;
+  for (Term at = size() - 1; at >= 0; --at) {
     if (!out[static_cast<std::size_t>(at)]) continue;
     for (const Term operand : (*this)[at].of) {
       if (operand >= 0) out[static_cast<std::size_t>(operand)] = true;
@@ -192,7 +192,7 @@ std::vector<bool> Graph::parts_of(Term term) const {
 
 template <class Predicate>
 bool Graph::any(Term term, Predicate predicate) const {
-  const std::vector<bool> parts = parts_of(term);
+  const std::vector<bool> parts = parts_of({&term, 1});
   for (Term at = 0; at <= term; ++at) {
     if (parts[static_cast<std::size_t>(at)] && predicate((*this)[at])) return true;
   }

@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <tuple>
 #include <unordered_map>
 #include <utility>
@@ -100,8 +101,8 @@ class Graph {
   int size() const { return static_cast<int>(nodes_.size()); }
   bool is_constant(Term term) const { return (*this)[term].operation == Operation::constant; }
   bool is_constant(Term term, double value) const { return is_constant(term) && (*this)[term].value == value; }
-  // By term up to this one: whether it is a part of it.
-  std::vector<bool> parts_of(Term term) const;
+  // By term: whether it is a part of one of these.
+  std::vector<bool> parts_of(std::span<const Term> terms) const;
   // Whether the term depends on a variable, and whether it has a kink at a choice.
   bool depends_on(Term term, int variable) const;
   bool has_choices(Term term) const;

@@ -3,10 +3,21 @@
 
 #include <Eigen/Core>
 #include <algorithm>
-#include <random>
+#include <cmath>
 #include <utility>
 
 namespace gelenk {
+namespace {
+
+// Accelerations of a program relative to the largest of the kernels, where pivots have their usual size: rounding is a
+// millionth of this, another choice of equations much larger.
+constexpr double most_different = 1e-6;
+
+double largest(const double* x, Eigen::Index count) {
+  return Eigen::Map<const Eigen::VectorXd>(x, count).lpNorm<Eigen::Infinity>();
+}
+
+}  // namespace
 
 void RecordedMotion::make(const std::vector<double>& cut_reference, const Pivots& pivots) {
   program_ = EquationProgram::make(mechanism_, loads_, cut_reference, pivots);
@@ -34,16 +45,15 @@ void RecordedMotion::choose(const std::vector<double>& cut_reference, const doub
   dynamics_.set_singular_threshold(0);
   std::vector<std::vector<double>> positions;
   std::vector<RowMatrix> J;
+  int rank = 0;
   RowMatrix M(nv, nv);
   std::vector<double> f(static_cast<std::size_t>(nv));
   std::vector<double> at_rest(y, y + drives.motion_size());
   std::fill(at_rest.begin() + mechanism_.nq, at_rest.end(), 0.0);
-  std::mt19937 random(1);  // its numbers are the same everywhere, those of distributions are not
-  for (const double around : pivot_neighborhoods) {
-    std::vector<double> q(y, y + mechanism_.nq);
-    for (double& x : q)
-      x += around * (2 * static_cast<double>(random()) / static_cast<double>(std::mt19937::max()) - 1);
+  for (std::vector<double>& q : positions_around({y, y + mechanism_.nq})) {
     if (!projector.close_position(q.data())) continue;
+    if (mechanism_.rows > 0) dynamics_.factorize();
+    rank = std::max(rank, dynamics_.rank());
     dynamics_.set_velocity(at_rest.data() + mechanism_.nq);
     dynamics_.assemble(drives.u().data(), M.data(), f.data());
     J.push_back(equilibrated(M, dynamics_.J()));
@@ -52,20 +62,39 @@ void RecordedMotion::choose(const std::vector<double>& cut_reference, const doub
   }
   if (positions.empty()) return;
   std::size_t usual = 0;
-  const Pivots pivots = choose_pivots(J, usual);
+  const Pivots pivots = choose_pivots(J, rank, usual);
   if (!is_current_ || pivots != pivots_) make(cut_reference, pivots);
   pivots_ = pivots;
   if (!program_) return;
-  std::ranges::copy(positions[usual], at_rest.begin());
-  at_rest.insert(at_rest.end(), y + drives.motion_size(), y + drives.motion_size() + drives.states());
-  std::vector<double> ydot(at_rest.size());
-  program_->evaluate(at_rest.data(), drives.u().data(), dynamics_.targets().data(), ydot.data());
-  is_used_ = program_->take_usual_pivots();
-  usual_pivot_ratio_ = 0;
-  if (mechanism_.rows == 0) return;
-  dynamics_.set_position(positions[usual].data());
+  std::vector<double> at_usual = std::move(positions[usual]);
+  at_usual.resize(static_cast<std::size_t>(drives.motion_size()));
+  at_usual.insert(at_usual.end(), y + drives.motion_size(), y + drives.motion_size() + drives.states());
+  is_used_ = agrees(projector, at_usual, drives);
+  usual_pivot_ratio_ = mechanism_.rows > 0 ? dynamics_.pivot_ratio() : 0;
+}
+
+// At a position, with velocities under which everything moves. Leaves `dynamics` there.
+bool RecordedMotion::agrees(ConstraintProjector& projector, std::vector<double>& at, const Drives& drives) {
+  double* v = at.data() + mechanism_.nq;
+  for (int k = 0; k < mechanism_.nv; ++k) v[k] = std::sin(1.0 + k);
+  dynamics_.set_position(at.data());
   dynamics_.factorize();
-  usual_pivot_ratio_ = dynamics_.pivot_ratio();
+  projector.factors_changed();
+  projector.close_velocity(v);
+  std::vector<double> expected(static_cast<std::size_t>(mechanism_.nv));
+  std::vector<double> found(at.size());
+  dynamics_.set_velocity(v);
+  dynamics_.solve(drives.u().data(), expected.data());
+  dynamics_.count_evaluations(-1);  // not of the run
+  program_->evaluate(at.data(), drives.u().data(), dynamics_.targets().data(), found.data());
+  if (!program_->take_usual_pivots()) return false;
+  program_->evaluate(at.data(), drives.u().data(), dynamics_.targets().data(), found.data());
+  const double size = largest(expected.data(), mechanism_.nv);
+  const double* vdot = found.data() + mechanism_.nq;
+  for (const double x : expected) {
+    if (!(std::abs(*vdot++ - x) <= most_different * (1 + size))) return false;
+  }
+  return true;
 }
 
 // The program follows from the loads and the pivots.

@@ -39,6 +39,7 @@ class RecordedMotion {
 
  private:
   void choose(const std::vector<double>& cut_reference, const double* y, const Drives& drives);
+  bool agrees(ConstraintProjector& projector, std::vector<double>& at, const Drives& drives);
   void make(const std::vector<double>& cut_reference, const Pivots& pivots);
 
   const Mechanism& mechanism_;

@@ -346,14 +346,9 @@ std::vector<Instruction> Compiler::allocated() {
 }  // namespace
 
 bool has_lookups(const Graph& graph, const std::vector<Term>& terms) {
-  std::vector<bool> is_part(static_cast<std::size_t>(graph.size()), false);
-  for (const Term term : terms) is_part[static_cast<std::size_t>(term)] = true;
-  for (Term term = graph.size() - 1; term >= 0; --term) {
-    if (!is_part[static_cast<std::size_t>(term)]) continue;
-    if (graph[term].operation == Operation::lookup) return true;
-    for (const Term operand : graph[term].of) {
-      if (operand >= 0) is_part[static_cast<std::size_t>(operand)] = true;
-    }
+  const std::vector<bool> parts = graph.parts_of(terms);
+  for (Term term = 0; term < graph.size(); ++term) {
+    if (parts[static_cast<std::size_t>(term)] && graph[term].operation == Operation::lookup) return true;
   }
   return false;
 }

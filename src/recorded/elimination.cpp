@@ -8,13 +8,13 @@ namespace {
 
 using recording::Recorded;
 
-Recorded entry(const LinearTerms& of, const std::vector<expression::Term>& matrix, int row, int column) {
+Recorded entry(const EquationTerms& of, const Terms& matrix, int row, int column) {
   return Recorded::of(matrix[static_cast<std::size_t>(row) * of.nv + static_cast<std::size_t>(column)]);
 }
 
 }  // namespace
 
-Elimination::Elimination(const LinearTerms& equations, const Pivots& pivots)
+Elimination::Elimination(const EquationTerms& equations, const Pivots& pivots)
     : pivots_(pivots), nv_(static_cast<int>(equations.nv)) {
   std::vector<bool> is_dependent(static_cast<std::size_t>(nv_), false);
   for (const int column : pivots_.columns) is_dependent[static_cast<std::size_t>(column)] = true;
@@ -25,7 +25,7 @@ Elimination::Elimination(const LinearTerms& equations, const Pivots& pivots)
   factorize_mass(equations);
 }
 
-void Elimination::factorize_constraints(const LinearTerms& equations) {
+void Elimination::factorize_constraints(const EquationTerms& equations) {
   const std::size_t n = pivots_.rows.size();
   for (std::size_t i = 0; i < n; ++i) {
     Numbers& row = LU_.emplace_back();
@@ -48,7 +48,7 @@ void Elimination::factorize_constraints(const LinearTerms& equations) {
 }
 
 // From the last velocity to the first: those of branches of a tree then remain apart.
-void Elimination::factorize_mass(const LinearTerms& equations) {
+void Elimination::factorize_mass(const EquationTerms& equations) {
   const std::size_t n = pivots_.columns.size();
   const std::size_t f = free_.size();
   const auto M = [&](int row, int column) { return entry(equations, equations.M, row, column); };

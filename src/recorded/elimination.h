@@ -1,30 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Accelerations, as expressions. Velocities are divided into dependent ones, as many as there are
-// independent constraint equations, and independent ones: v_d = -J_d^-1 J_i v_i + ..., with pivots that are chosen
-// where the equations are recorded and remain the same. The null space of J is used rather than (J M^-1 J^T)^-1: it
-// needs fewer operations, is more accurate, and right where equations are redundant.
+// Accelerations, as expressions. Velocities are divided into dependent ones, as many as there are independent
+// constraint equations, and independent ones: v_d = -J_d^-1 J_i v_i + ..., with pivots that are chosen where the
+// equations are recorded and remain the same. The null space of J is used rather than (J M^-1 J^T)^-1: it needs fewer
+// operations, is more accurate, and right where equations are redundant.
 #pragma once
 
-#include <cstddef>
 #include <vector>
 
-#include "expression/graph.h"
+#include "recorded/motion_terms.h"
 #include "recorded/pivots.h"
 #include "recording/recorded.h"
 
 namespace gelenk {
 
-// What multiplies accelerations: nv x nv and rows x nv, row by row.
-struct LinearTerms {
-  std::size_t nv = 0;
-  const std::vector<expression::Term>&M, &J;
-};
-
 class Elimination {
  public:
   using Numbers = std::vector<recording::Recorded>;
   // Records in the present Recording, of which the graph is a copy of that of the equations.
-  Elimination(const LinearTerms& equations, const Pivots& pivots);
+  Elimination(const EquationTerms& equations, const Pivots& pivots);
 
   // vdot, from gamma by row of the pivots and h.
   Numbers accelerations(const Numbers& gamma, const Numbers& h) const;
@@ -39,8 +32,8 @@ class Elimination {
  private:
   using Matrix = std::vector<Numbers>;
 
-  void factorize_constraints(const LinearTerms& equations);
-  void factorize_mass(const LinearTerms& equations);
+  void factorize_constraints(const EquationTerms& equations);
+  void factorize_mass(const EquationTerms& equations);
   Numbers dependent(Numbers right_side) const;    // J_d x = right side
   Numbers independent(Numbers right_side) const;  // T^T M T x = right side
   Numbers whole(const Numbers& particular, const Numbers& free) const;

@@ -5,10 +5,8 @@
 #include <cmath>
 #include <utility>
 
-#include "lanes/sine.h"
-#include "recorded/elimination.h"
+#include "recorded/motion_terms.h"
 #include "recorded/recorded_island.h"
-#include "recorded/term_parts.h"
 
 namespace gelenk {
 namespace {
@@ -18,8 +16,6 @@ using expression::Term;
 using recording::Recorded;
 using Expressions = std::vector<Recorded>;
 
-// Indices of variables: residuals that a displacement removes.
-constexpr int first_residual = 1 << 21;
 // Larger mechanisms are not recorded: the operations of an elimination without sparsity of the kernels' kind grow with
 // the cube of the velocities.
 constexpr int most_velocities = 40;
@@ -33,20 +29,8 @@ constexpr std::size_t most_operations = 6000;
 constexpr double least_constraint_pivot = 0.3;
 constexpr double least_mass_pivot = 1e-8;
 
-std::vector<Term> terms(const Expressions& of) {
-  std::vector<Term> out;
-  for (const Recorded& x : of) out.push_back(x.term());
-  return out;
-}
-
-void add(const std::vector<Term>& of, int first, std::vector<lanes::Output>& to) {
+void add(const Terms& of, int first, std::vector<lanes::Output>& to) {
   for (const Term term : of) to.emplace_back(term, first++);
-}
-
-Expressions of_rows(const Expressions& all, const Pivots& pivots) {
-  Expressions out;
-  for (const int row : pivots.rows) out.push_back(all[static_cast<std::size_t>(row)]);
-  return out;
 }
 
 // Forces along cut joints, and what is named there, depend on their full turns, which change during a run.
@@ -59,36 +43,11 @@ bool depends_on_turns(const Loads& loads) {
 
 // The terms that a program computes.
 struct ProgramTerms {
-  ProgramTerms(Graph& graph, const RecordedIsland& island, const Pivots& pivots);
+  ProgramTerms(const Graph& graph, const EquationTerms& of, const Pivots& pivots) : motion(graph, of, pivots) {}
 
-  Expressions residual;
-  std::vector<Term> rates, displacement;
-  std::vector<Term> factors;  // what displacement needs, and the reciprocals
-  std::vector<Term> reciprocal_pivots, reciprocal_masses, reciprocal_distances;
+  MotionTerms motion;
+  Terms rates, reciprocal_distances;
 };
-
-ProgramTerms::ProgramTerms(Graph& graph, const RecordedIsland& island, const Pivots& pivots) {
-  const std::vector<Term> M = terms(island.M);
-  const std::vector<Term> J = terms(island.J);
-  const Elimination elimination({island.v.size(), M, J}, pivots);
-  rates = terms(island.qdot);
-  for (const Expressions& more : {elimination.accelerations(of_rows(island.gamma, pivots), island.h), island.rates}) {
-    const std::vector<Term> all = terms(more);
-    rates.insert(rates.end(), all.begin(), all.end());
-  }
-  for (int i = 0; i < static_cast<int>(pivots.rows.size()); ++i)
-    residual.push_back(Recorded::variable(first_residual + i));
-  if (!residual.empty()) displacement = terms(elimination.displacement(residual));
-  reciprocal_pivots = terms(elimination.reciprocal_pivots());
-  reciprocal_masses = terms(elimination.reciprocal_masses());
-  for (const Recorded& distance : island.distances) reciprocal_distances.push_back((Recorded(1) / distance).term());
-  factors = independent_parts(graph, displacement, [](int index) { return index >= first_residual; });
-  for (const std::vector<Term>& of : {reciprocal_pivots, reciprocal_masses, reciprocal_distances}) {
-    for (const Term term : of) {
-      if (!graph.is_constant(term) && std::ranges::find(factors, term) == factors.end()) factors.push_back(term);
-    }
-  }
-}
 
 bool EquationProgram::is_possible(const Mechanism& mechanism, const Loads& loads) {
   if (mechanism.nv == 0 || mechanism.nv > most_velocities || mechanism.links.size() > most_links) return false;
@@ -122,49 +81,56 @@ EquationProgram::EquationProgram(const Mechanism& mechanism, const Loads& loads,
   lanes::Frame frame;
   lanes::Slots known;
   int variable = 0;
-  const auto place = [&](int count, Expressions* recorded) {
+  const auto place = [&](int count, Expressions& recorded) {
     const int first = frame.add(count);
     for (int k = 0; k < count; ++k) {
       const Recorded x = Recorded::variable(variable++);
-      if (recorded != nullptr) recorded->push_back(x);
+      recorded.push_back(x);
       known.emplace(x.term(), first + k);
     }
     return first;
   };
   RecordedIsland island;
-  y_ = place(nq, &island.q);
-  place(nv_, &island.v);
+  y_ = place(nq, island.q);
+  place(nv_, island.v);
   // Element states are read among the signals.
   frame.add(loads.states());
-  u_ = place(signals_, &island.signals);
-  target_ = place(targets_, &island.targets);
+  u_ = place(signals_, island.signals);
+  target_ = place(targets_, island.targets);
   record(mechanism, loads, cut_reference, island);
 
-  const ProgramTerms of(graph, island, pivots_);
-  std::vector<Term> all = of.rates;
-  all.insert(all.end(), of.factors.begin(), of.factors.end());
+  const Terms M = terms(island.M);
+  const Terms J = terms(island.J);
+  const Terms gamma = terms(island.gamma);
+  const Terms h = terms(island.h);
+  ProgramTerms of(graph, {static_cast<std::size_t>(nv_), M, J, gamma, h}, pivots_);
+  for (const Terms& more : {terms(island.qdot), of.motion.accelerations, terms(island.rates)})
+    of.rates.insert(of.rates.end(), more.begin(), more.end());
+  for (const Recorded& distance : island.distances) of.reciprocal_distances.push_back((Recorded(1) / distance).term());
+  add_varying(graph, of.reciprocal_distances, of.motion.factors);
+  Terms all = of.rates;
+  all.insert(all.end(), of.motion.factors.begin(), of.motion.factors.end());
   if (lanes::has_lookups(graph, all)) return;
-
   compile(of, graph, known, frame);
 }
 
 void EquationProgram::compile(const ProgramTerms& of, const Graph& graph, const lanes::Slots& known,
                               lanes::Frame& frame) {
   rate_ = frame.add(size_);
-  residual_ = frame.add(static_cast<int>(of.residual.size()));
+  residual_ = frame.add(static_cast<int>(of.motion.residual.size()));
   displacement_ = frame.add(nv_);
-  const int first_factor = frame.add(static_cast<int>(of.factors.size()));
+  const int first_factor = frame.add(static_cast<int>(of.motion.factors.size()));
   std::vector<lanes::Output> evaluated;
   add(of.rates, rate_, evaluated);
-  add(of.factors, first_factor, evaluated);
+  add(of.motion.factors, first_factor, evaluated);
   lanes::Program evaluate(graph, known, evaluated, frame, lanes::Order::calls_first);
   lanes::Slots of_factors;
-  for (std::size_t k = 0; k < of.factors.size(); ++k)
-    of_factors.emplace(of.factors[k], first_factor + static_cast<int>(k));
-  for (std::size_t k = 0; k < of.residual.size(); ++k)
-    of_factors.emplace(of.residual[k].term(), residual_ + static_cast<int>(k));
+  for (std::size_t k = 0; k < of.motion.factors.size(); ++k)
+    of_factors.emplace(of.motion.factors[k], first_factor + static_cast<int>(k));
+  for (std::size_t k = 0; k < of.motion.residual.size(); ++k)
+    of_factors.emplace(of.motion.residual[k], residual_ + static_cast<int>(k));
   std::vector<lanes::Output> displaced;
-  add(of.displacement, displacement_, displaced);
+  add(of.motion.displacement, displacement_, displaced);
   lanes::Program displace(graph, of_factors, displaced, frame, lanes::Order::calls_first);
   if (evaluate.instructions().size() > most_operations) return;
 
@@ -172,18 +138,17 @@ void EquationProgram::compile(const ProgramTerms& of, const Graph& graph, const 
   displace.place_temporaries(frame);
   memory_.resize(static_cast<std::size_t>(frame.size()));
   for (const auto& [slot, value] : frame.constants()) memory_[static_cast<std::size_t>(slot)] = value;
-  const auto guard = [&](const std::vector<Term>& reciprocals, Guard::Of kind) {
+  const auto guard = [&](const Terms& reciprocals, Guard::Of kind) {
     for (const Term term : reciprocals) {
-      const auto found = std::ranges::find(of.factors, term);
-      if (found == of.factors.end()) continue;
-      guards_.push_back({first_factor + static_cast<int>(found - of.factors.begin()), kind});
+      const auto found = std::ranges::find(of.motion.factors, term);
+      if (found == of.motion.factors.end()) continue;
+      guards_.push_back({first_factor + static_cast<int>(found - of.motion.factors.begin()), kind});
     }
   };
-  guard(of.reciprocal_pivots, Guard::Of::constraint);
-  guard(of.reciprocal_masses, Guard::Of::mass);
+  guard(of.motion.reciprocal_pivots, Guard::Of::constraint);
+  guard(of.motion.reciprocal_masses, Guard::Of::mass);
   guard(of.reciprocal_distances, Guard::Of::distance);
   limits_.assign(guards_.size(), 0);
-  operations_ = static_cast<int>(evaluate.instructions().size());
   evaluate_ = machine_code::CompiledProgram(evaluate.instructions(), frame.fixed());
   displace_ = machine_code::CompiledProgram(displace.instructions(), frame.fixed());
 }

@@ -42,10 +42,6 @@ class EquationProgram {
   // that removes the residual (by constraint equation) to first order.
   void displace(const double* residual, double* dv);
 
-  // Instructions of an evaluation.
-  int operations() const { return operations_; }
-  bool is_encoded() const { return evaluate_.is_encoded(); }
-
  private:
   EquationProgram(const Mechanism& mechanism, const Loads& loads, const std::vector<double>& cut_reference,
                   const Pivots& pivots);
@@ -65,7 +61,6 @@ class EquationProgram {
   std::vector<Guard> guards_;
   std::vector<double> limits_;  // largest reciprocals
   double pivot_fraction_ = 1;
-  int operations_ = 0;
   machine_code::CompiledProgram evaluate_, displace_;
 };
 

@@ -18,15 +18,16 @@ struct Pivots {
   friend bool operator==(const Pivots&, const Pivots&) = default;
 };
 
-// J at a position, of velocities and equations of size 1. M: nv x nv; J: rows x nv.
+// J at a position, of velocities and equations of size 1; what is rounding vanishes. M: nv x nv; J: rows x nv.
 RowMatrix equilibrated(const Eigen::Ref<const RowMatrix>& M, RowMatrix J);
 
-// Pivots that are large at all of these positions, the first of which is the start. usual: the position at which they
-// have their usual size; not changed if there is no equation.
-Pivots choose_pivots(std::span<const RowMatrix> equilibrated_at, std::size_t& usual);
+// Pivots that are large at all of these positions, the first of which is the start. rank: of J; equations beyond it are
+// redundant, even where closure errors make them appear otherwise. usual: the position at which the pivots have their
+// usual size; not changed if there is no equation.
+Pivots choose_pivots(std::span<const RowMatrix> equilibrated_at, int rank, std::size_t& usual);
 
-// How far positions at which pivots are compared are from the start [rad or m]: that may be a singular one, or near it,
-// with pivots that are small or vanish.
-inline constexpr double pivot_neighborhoods[] = {0, 0.05, 0.05, 0.05, 0.2, 0.2, 0.2, 0.8, 0.8, 0.8};
+// Positions at which pivots are compared, before loops are closed there: the start, which may be a singular one, or
+// near it, with pivots that are small or vanish; and some around it. The same ones at each call.
+std::vector<std::vector<double>> positions_around(const std::vector<double>& start);
 
 }  // namespace gelenk

@@ -39,7 +39,8 @@ inline const std::vector<std::string> integrators = {
     "hht",  "newmark", "moreau-jean"};
 // Initial state of a run: the start values, or the equilibrium found from them.
 inline const std::vector<std::string> starts = {"as_given", "equilibrium"};
-// How the equations of motion are evaluated: as is faster, by the kernels, or by a program that is made for the scene.
+// How the equations of motion are evaluated: by the kernels, or traced, by a program that is made for the scene, where
+// that is possible; automatic: at present as traced.
 inline const std::vector<std::string> equations = {"automatic", "general", "traced"};
 // Integrators that a formulation can be combined with; formulations not listed here permit all.
 struct FormulationIntegrators {

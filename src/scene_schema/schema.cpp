@@ -173,7 +173,7 @@ Json solver() {
         {{"enum", words::equations},
          {"description",
           "How the equations of motion are evaluated: by the general kernels, or traced, by a program that is made for "
-          "the scene when a run begins, where that is possible; automatic: as is faster"}}},
+          "the scene when a run begins, where that is possible; automatic: at present the same"}}},
        {"step", number("s", "Step of fixed-step methods; 0: chosen from experiment.step", Range::not_negative)},
        {"max_evaluations",
         {{"type", "integer"},

@@ -70,6 +70,12 @@ void Island::start_integrator(double tolerance) {
   warm_up(options.step);
 }
 
+void Island::record_equations() {
+  if (!traces_equations(scene_.solver) || is_kinematic(scene_, prepared_, *equations_)) return;
+  equations_->drives().go_to(time_, y_.data());
+  program_.record(equations_->revolutions().coordinates(), y_.data(), equations_->drives());
+}
+
 std::vector<std::array<std::string, 2>> Island::event_texts() const {
   std::vector<std::array<std::string, 2>> out;
   for (const SwitchingForce& of : switching_forces_of(loads_)) {

@@ -241,7 +241,7 @@ void add_solver(std::vector<Parameter>& table) {
             words::corrections, &Solver::corrections));
   Items evaluations;
   evaluations.names = words::equations;
-  evaluations.summaries = {"as is faster", "by the general kernels",
+  evaluations.summaries = {"at present the same as traced", "by the general kernels",
                            "by a program that is made for the scene when a run begins, where that is possible"};
   table.push_back(
       choice("solver.equations", "evaluation of the equations of motion", std::move(evaluations), &Solver::equations));

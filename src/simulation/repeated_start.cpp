@@ -9,7 +9,6 @@
 #include "scene/settable.h"
 #include "scene/touching_laws.h"
 #include "simulation/simulation_impl.h"
-#include "simulation/solver_options.h"
 
 namespace gelenk {
 
@@ -109,12 +108,6 @@ bool RepeatedStart::starts_within_limits() const {
     return describe_violated_limits(s.scene, island->loads(), island->dynamics(), island->reading().q).empty() &&
            island->formulation().modes().locks().state().unstoppable < 0;
   });
-}
-
-void Island::record_equations() {
-  if (!traces_equations(scene_.solver) || is_kinematic(scene_, prepared_, *equations_)) return;
-  equations_->drives().go_to(time_, y_.data());
-  program_.record(equations_->revolutions().coordinates(), y_.data(), equations_->drives());
 }
 
 void Island::begin_again(Archive& initial, const Mechanism& like, const MobilityAnalysis& mobility) {

@@ -48,9 +48,8 @@ class Lanes {
     std::vector<lanes::Output> outputs;
     for (std::size_t k = 0; k < terms_.size(); ++k) outputs.emplace_back(terms_[k], result_ + static_cast<int>(k));
     program_ = lanes::Program(graph_, given, outputs, frame_);
-    const lanes::Program calls_first(graph_, given, outputs, frame_, lanes::Order::calls_first);
+    lanes::Program of_one(graph_, given, outputs, frame_, lanes::Order::calls_first);
     program_.place_temporaries(frame_);
-    lanes::Program of_one = calls_first;
     of_one.place_temporaries(frame_);
     alone_ = machine_code::CompiledProgram(of_one.instructions(), frame_.fixed());
     machine_code::ExecutableMemory::refuse(true);

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A held joint and a contact with friction share a load: rigid bodies permit any share, and it decides.
+"""A held joint and a contact with friction share a load, of which rigid bodies determine no shares.
 
 The forces that are found obey the laws, and a warning names the contact and the joint.
 """

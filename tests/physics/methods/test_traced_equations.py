@@ -7,13 +7,14 @@ import math
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from costs.jobs import chain
 from mechanisms import four_bar
 from special.drawn import drawn
 
 import gelenk
-from gelenk.errors import AssemblyError, SceneError
+from gelenk.errors import AssemblyError, SceneError, StepError
 from physics.loops.test_parallelograms import four_bar_chain
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -22,6 +23,8 @@ SCENES |= {path.parent.name: path for path in sorted(ROOT.glob("docs/gallery/*/s
 FAST = {"andrews": 1e-4}  # s: of mechanisms that turn several times in 0.01 s
 # Both compute the same operations in another order; errors of some thousand roundings, which motions magnify.
 ROUNDING = 1e-12
+# In random mechanisms, of which some turn at 100 rad/s or come near singular configurations within 20 steps.
+MAGNIFIED = 2e-10
 # Those of which all parts that move by forces are smooth.
 TRACED = {
     "andrews", "balancing_robot", "bennett", "bicycle", "bricard", "cart_pole", "delta_robot", "differential",
@@ -76,21 +79,36 @@ def test_shipped_scenes_move_alike(name: str) -> None:
 
 @pytest.mark.filterwarnings("ignore::gelenk.StartWarning")
 @pytest.mark.filterwarnings("ignore::gelenk.SceneWarning")
+@pytest.mark.parametrize("reductions", [True, False])
 @pytest.mark.parametrize(
     "first", [0, *(pytest.param(k, marks=pytest.mark.study) for k in range(60, 1200, 60))]
 )
-def test_random_mechanisms_move_alike(first: int) -> None:
-    """Many of them in special positions, where pivots are chosen nearby, or the kernels evaluate."""
+def test_random_mechanisms_move_alike(first: int, reductions: bool) -> None:
+    """Many of them in special positions, where pivots are chosen nearby, or the kernels evaluate; without
+    reductions, joints are closed that rows of rounding remain of.
+    """
     shares = []
     for seed in range(first, first + 60):
+        source = drawn(seed).source
+        source.setdefault("solver", {})["reductions"] = {"all": reductions}
         try:
-            found, traced = difference(drawn(seed).source, 20, 1e-3, integrator="rk4")
+            found, traced = difference(source, 20, 1e-3, integrator="rk4")
         except (SceneError, AssemblyError):
             continue  # at a start that is refused
-        assert found < ROUNDING, seed
-        shares.append(traced)
+        except StepError:
+            assert words_of_refusal(source, "general") == words_of_refusal(source, "traced"), seed
+        else:
+            assert found < MAGNIFIED, seed
+            shares.append(traced)
     assert len(shares) > 45
-    assert sum(shares) > 0.6 * len(shares)
+    assert np.mean(shares) > (0.6 if reductions else 0.25)
+
+
+def words_of_refusal(source: Any, equations: str) -> str:
+    plant = plant_of(source, step=1e-3, equations=equations, integrator="rk4")
+    with pytest.raises(StepError) as error:
+        run(plant, 0, 20, 1e-3)
+    return str(error.value)
 
 
 @pytest.mark.parametrize("integrator", ["auto", "erk", "cvode", "cvode-adams", "dirk", "ida", "euler"])
