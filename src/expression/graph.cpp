@@ -170,7 +170,7 @@ std::optional<std::pair<double, double>> Graph::affine(Term term, int variable) 
         break;
     }
   }
-  const Line& out = lines.back();
+  const Line& out = lines[static_cast<std::size_t>(term)];
   if (!std::isfinite(out.rate) || !std::isfinite(out.value)) return std::nullopt;
   return std::pair(out.rate, out.value);
 }
