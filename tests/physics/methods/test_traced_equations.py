@@ -23,7 +23,7 @@ SCENES |= {path.parent.name: path for path in sorted(ROOT.glob("docs/gallery/*/s
 FAST = {"andrews": 1e-4}  # s: of mechanisms that turn several times in 0.01 s
 # Both compute the same operations in another order; errors of some thousand roundings, which motions magnify.
 ROUNDING = 1e-12
-# In random mechanisms, of which some turn at 100 rad/s or come near singular configurations within 20 steps.
+# In many random mechanisms, of which some turn at 100 rad/s or come near singular configurations in 20 steps.
 MAGNIFIED = 2e-10
 # Those of which all parts that move by forces are smooth.
 TRACED = {
@@ -85,8 +85,9 @@ def test_shipped_scenes_move_alike(name: str) -> None:
 )
 def test_random_mechanisms_move_alike(first: int, reductions: bool) -> None:
     """Many of them in special positions, where pivots are chosen nearby, or the kernels evaluate; without
-    reductions, joints are closed that rows of rounding remain of.
+    reductions, some constraint equations consist of rounding alone.
     """
+    bound = ROUNDING if reductions and first == 0 else MAGNIFIED
     shares = []
     for seed in range(first, first + 60):
         source = drawn(seed).source
@@ -98,7 +99,7 @@ def test_random_mechanisms_move_alike(first: int, reductions: bool) -> None:
         except StepError:
             assert words_of_refusal(source, "general") == words_of_refusal(source, "traced"), seed
         else:
-            assert found < MAGNIFIED, seed
+            assert found < bound, seed
             shares.append(traced)
     assert len(shares) > 45
     assert np.mean(shares) > (0.6 if reductions else 0.25)
