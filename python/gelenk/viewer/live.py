@@ -96,6 +96,9 @@ class _Server(ThreadingHTTPServer):
     """A server that closes connections in excess at once."""
 
     daemon_threads = True
+    # Connections that wait to be accepted. Beyond them the system drops the last packet of a handshake:
+    # the browser believes to be connected, and hears of the server only after seconds, or never.
+    request_queue_size = 128
 
     def __init__(self, *arguments: Any) -> None:
         self._free = threading.BoundedSemaphore(MAX_CONNECTIONS)
