@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <numeric>
 
 #include "derivatives/forward_ad.h"
 #include "derivatives/held_branches.h"
@@ -27,12 +26,6 @@
 
 namespace gelenk {
 namespace {
-
-std::vector<int> all_links(const Mechanism& mechanism) {
-  std::vector<int> out(mechanism.links.size() - 1);
-  std::iota(out.begin(), out.end(), 1);
-  return out;
-}
 
 class AllOfDynamics : public Dynamics, public StateReadings {};
 
@@ -80,6 +73,13 @@ class DynamicsOf final : public WithKinematics<A, AllOfDynamics> {
     kernels::loop_positions(model_, ws_);
     kernels::coordinate_row_positions(model_, q, targets_, ws_);
     stages_.realize(Stage::position);
+  }
+
+  void set_coordinates(const double* q, const double* v) override {
+    stages_.clear();
+    ++velocities_;
+    std::copy_n(q, model_.nq, q_.begin());
+    std::copy_n(v, model_.nv, v_.begin());
   }
 
   void set_targets(const double* targets) override {

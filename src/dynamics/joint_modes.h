@@ -117,6 +117,7 @@ class JointModes final : public SwitchingForces {
     });
   }
   void hold(const int* sides) override { held_ = sides; }
+  const int* held_modes() const override { return held_; }
 
   int locks() const override { return laws_.locks(); }
   const Lock& lock(int lock) const override { return laws_.lock(lock); }

@@ -58,6 +58,7 @@ class SwitchingForces : public Latches, public ForceRounding {
   // differentiate(); `sides` is read at each evaluation. null: they are in the modes of the state, and nothing is
   // locked.
   virtual void hold(const int* sides) = 0;
+  virtual const int* held_modes() const = 0;  // as given to hold()
   // Inputs of the scene, at least up to the last one that a force with modes has; solve() sets those that they have.
   virtual std::span<double> inputs() = 0;
 

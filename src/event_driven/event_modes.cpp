@@ -233,10 +233,12 @@ void EventModes::hold_mode(double t, const bool* positive) {
 
 void EventModes::check(double t, const double* v) {
   dynamics_.set_velocity(v);
-  if ((!locks_.all_at_rest() && is_in_other_mode(v)) || contacts_->any_penetrates()) {
-    mode_exit_time_ = t;
-    left_by_forces_.has = false;
-  }
+  if ((!locks_.all_at_rest() && is_in_other_mode(v)) || contacts_->any_penetrates()) leave_at(t);
+}
+
+void EventModes::leave_at(double t) {
+  mode_exit_time_ = t;
+  left_by_forces_.has = false;
 }
 
 bool EventModes::is_in_other_mode(const double* v) {

@@ -3,6 +3,7 @@
 // contacts of shapes. The mode of a stop follows from the state; the others are remembered, and change at events.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <string>
@@ -15,6 +16,7 @@
 #include "event_driven/law_edge.h"
 #include "event_driven/lock_modes.h"
 #include "event_driven/state_resets.h"
+#include "kinematics/force_modes.h"
 #include "kinematics/placed_formulas.h"
 
 namespace gelenk {
@@ -45,13 +47,11 @@ class EventModes final : public EventSource {
   // positive during it. There follow those of the signs of loads of friction, and those of contacts.
   int indicators() const override { return smooth_indicators() + contact_indicators(); }
   int own_indicators() const { return switching_indicators() + kinks_.count(); }
-  void indicator_values(double t, const double* y, double* g, double* gdot) override;
   bool recall_mode(double t, double* y) override;
   void remembered_mode(bool* positive) const override;
   void hold_mode(double t, const bool* positive) override;
   double mode_exit_time() const override { return mode_exit_time_; }
   void found_event(double t, int indicator, bool positive) override;
-  bool drift(double t, double* y, double dt) override;
   void change_mode(double t, double* y) override;
   std::string refusal() const override;
   // Why the last accelerations are not determined; otherwise empty.
@@ -60,6 +60,12 @@ class EventModes final : public EventSource {
   // Records whether an evaluation at t with velocities v, at the position of `dynamics`, is outside the held mode.
   void watch(double t, const double* v) {
     if (held_ && t > held_from_ && t < mode_exit_time_) check(t, v);
+  }
+  // The same where `dynamics` is not at the position, in which there are no contacts; y = (q, v, ...).
+  void watch_motion(double t, const double* y) {
+    if (sides_.empty() || !held_ || t <= held_from_ || t >= mode_exit_time_) return;
+    dynamics_.set_coordinates(y, y + nq_);
+    if (is_in_other_mode(y + nq_)) leave_at(t);
   }
   // The same after the accelerations have been solved for: whether what is kept at rest, or closed, can no longer be,
   // or an expression is on another branch. An implicit method iterates on the state at t: its last iterate counts.
@@ -73,6 +79,10 @@ class EventModes final : public EventSource {
       left_by_forces_.has = false;
       mode_exit_time_ = left_by_forces_.before;
     }
+  }
+  // Whether all forces with modes are held in modes in which nothing is at rest.
+  bool is_in_motion() const {
+    return !locks_.any_at_rest() && std::ranges::find(sides_, mode_of_state) == sides_.end();
   }
   double since_step_began(double t) const { return held_ ? t - held_from_ : 0; }
 
@@ -103,6 +113,8 @@ class EventModes final : public EventSource {
   int smooth_indicators() const override { return own_indicators() + forces_.loads().signed_count(); }
   int contact_indicators() const;
   bool has_breaks() const override { return has_breaks_; }
+  void indicator_values(double t, const double* y, double* g, double* gdot) override;
+  bool drift(double t, double* y, double dt) override;
   double next_break(double t) override;
   void begin_stretch(double from, double to) override { equations_.begin_stretch(from, to); }
   void pass_break() override;
@@ -112,6 +124,7 @@ class EventModes final : public EventSource {
   double touch_within(double t0, const double* y0, double t1, const double* y1) override;
   void keep_directions_below(double speed) override;
   double longest_step(double t, const double* y, const SlowSliding& by) override;
+  void leave_at(double t);
   void check(double t, const double* v);
   bool is_in_other_mode(const double* v);
   bool may_hide_changes() const;

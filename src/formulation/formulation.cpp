@@ -74,6 +74,7 @@ bool Formulation::rhs(double t, const double* y, double* ydot) {
   const RecordedMotion* const program = by_program ? evaluate_by_program(y, ydot) : nullptr;
   // Kernels know what becomes of a quotient of zeros, such as the direction of a spring without length.
   if (program == nullptr || !all_finite(ydot, size())) return evaluate(t, y, ydot);
+  modes_.watch_motion(t, y);
   singularity_monitor_.expect(program->usual_pivot_ratio());
   dynamics_.count_evaluations(1);
   ++traced_count_;

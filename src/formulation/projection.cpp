@@ -75,7 +75,9 @@ class Projection final : public Formulation {
   ConstraintProjector& projector() override { return rows_; }
   void solve(double t, double* vdot) override;
   const RecordedMotion* evaluate_by_program(const double* y, double* ydot) override {
-    if (program_ == nullptr || !program_->evaluate(y, drives_.u().data(), ydot)) return nullptr;
+    if (program_ == nullptr || !modes().is_in_motion() ||
+        !program_->evaluate(y, drives_.u().data(), modes().outputs().held_sides().data(), ydot))
+      return nullptr;
     rows_.use_factors_of(*program_);
     return program_;
   }

@@ -36,7 +36,7 @@ void RecordedMotion::record(const std::vector<double>& cut_reference, const doub
 }
 
 void RecordedMotion::choose(const std::vector<double>& cut_reference, const double* y, const Drives& drives) {
-  if (dynamics_.switching_forces().count() > 0 || dynamics_.kinks().count() > 0 ||
+  if (!dynamics_.switching_forces().loads().empty() || dynamics_.kinks().count() > 0 ||
       !EquationProgram::is_possible(mechanism_, loads_))
     return;
   const Eigen::Index nv = mechanism_.nv;
@@ -73,6 +73,22 @@ void RecordedMotion::choose(const std::vector<double>& cut_reference, const doub
   usual_pivot_ratio_ = mechanism_.rows > 0 ? dynamics_.pivot_ratio() : 0;
 }
 
+namespace {
+
+// All friction slides in the positive direction, all stops are in contact, limits are not, and locks are open.
+std::vector<int> all_in_motion(SwitchingForces& forces) {
+  std::vector<int> out(static_cast<std::size_t>(forces.count()), 1);
+  for (int i = 0; i < forces.locks(); ++i) {
+    const SwitchingForces::Lock& lock = forces.lock(i);
+    for (const int holds : {lock.limit, lock.latch}) {
+      if (holds >= 0) out[static_cast<std::size_t>(holds)] = 0;
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
 // At a position, with velocities under which everything moves. Leaves `dynamics` there.
 bool RecordedMotion::agrees(ConstraintProjector& projector, std::vector<double>& at, const Drives& drives) {
   double* v = at.data() + mechanism_.nq;
@@ -83,12 +99,18 @@ bool RecordedMotion::agrees(ConstraintProjector& projector, std::vector<double>&
   projector.close_velocity(v);
   std::vector<double> expected(static_cast<std::size_t>(mechanism_.nv));
   std::vector<double> found(at.size());
+  SwitchingForces& forces = dynamics_.switching_forces();
+  const std::vector<int> sides = all_in_motion(forces);
+  const int* const before = forces.held_modes();
+  forces.hold(sides.data());
   dynamics_.set_velocity(v);
   dynamics_.solve(drives.u().data(), expected.data());
   dynamics_.count_evaluations(-1);  // not of the run
-  program_->evaluate(at.data(), drives.u().data(), dynamics_.targets().data(), found.data());
+  forces.hold(before);
+  const EquationProgram::Arguments arguments{at.data(), drives.u().data(), dynamics_.targets().data(), sides.data()};
+  program_->evaluate(arguments, found.data());
   if (!program_->take_usual_pivots()) return false;
-  program_->evaluate(at.data(), drives.u().data(), dynamics_.targets().data(), found.data());
+  program_->evaluate(arguments, found.data());
   const double size = largest(expected.data(), mechanism_.nv);
   const double* vdot = found.data() + mechanism_.nq;
   for (const double x : expected) {

@@ -26,9 +26,10 @@ class RecordedMotion {
   // step has to wait for that.
   void loads_changed() { is_current_ = is_used_ = false; }
 
-  // ydot at y, and factors there for displace(); false: the kernels have to evaluate.
-  bool evaluate(const double* y, const double* u, double* ydot) {
-    return is_used_ && program_->evaluate(y, u, dynamics_.targets().data(), ydot);
+  // ydot at y, and factors there for displace(); false: the kernels have to evaluate. sides: the held modes of all
+  // forces with modes, of which none holds anything at rest.
+  bool evaluate(const double* y, const double* u, const int* sides, double* ydot) {
+    return is_used_ && program_->evaluate({y, u, dynamics_.targets().data(), sides}, ydot);
   }
   void displace(const double* residual, double* dv) { program_->displace(residual, dv); }
   bool is_used() const { return is_used_; }

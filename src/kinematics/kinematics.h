@@ -25,6 +25,9 @@ class Kinematics {
   virtual void set_position(const double* q) = 0;
   // Computes velocities, J v - b (row_rates) and gamma, at that position.
   virtual void set_velocity(const double* v) = 0;
+  // The coordinates and velocities alone, for the laws of forces along tree joints; nothing follows from them before
+  // set_position().
+  virtual void set_coordinates(const double* q, const double* v) = 0;
 
   virtual const std::vector<double>& Phi() const = 0;        // after set_position
   virtual bool row_is_angle(int row) const = 0;              // Phi of this equation is in rad, not m

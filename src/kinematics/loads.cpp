@@ -2,6 +2,7 @@
 #include "kinematics/loads.h"
 
 #include <algorithm>
+#include <numeric>
 #include <span>
 #include <utility>
 
@@ -15,6 +16,12 @@ bool JointLoads::stores_nothing() const {
     using E = std::decay_t<decltype(list.front().element)>;
     if constexpr (requires(const E& element) { element.energy(0.0); }) out = out && list.empty();
   });
+  return out;
+}
+
+std::vector<int> all_links(const Mechanism& mechanism) {
+  std::vector<int> out(mechanism.links.size() - 1);
+  std::iota(out.begin(), out.end(), 1);
   return out;
 }
 

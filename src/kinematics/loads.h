@@ -80,5 +80,7 @@ struct Loads {
 
 // Links whose poses in the root frame are required by the loads, and their ancestors.
 std::vector<int> links_with_loads(const Mechanism& mechanism, const Loads& loads);
+// All but the ground.
+std::vector<int> all_links(const Mechanism& mechanism);
 
 }  // namespace gelenk

@@ -72,7 +72,7 @@ std::unique_ptr<EquationProgram> EquationProgram::make(const Mechanism& mechanis
 
 EquationProgram::EquationProgram(const Mechanism& mechanism, const Loads& loads,
                                  const std::vector<double>& cut_reference, const Pivots& pivots)
-    : pivots_(pivots), signals_(loads.first_named()), nv_(mechanism.nv) {
+    : pivots_(pivots), signals_(loads.first_named()), sides_(loads.tree.switching_count()), nv_(mechanism.nv) {
   const int nq = mechanism.nq;
   targets_ = 3 * static_cast<int>(mechanism.coordinate_rows.size());
   size_ = nq + nv_ + loads.states();
@@ -97,6 +97,7 @@ EquationProgram::EquationProgram(const Mechanism& mechanism, const Loads& loads,
   frame.add(loads.states());
   u_ = place(signals_, island.signals);
   target_ = place(targets_, island.targets);
+  side_ = place(sides_, island.sides);
   record(mechanism, loads, cut_reference, island);
 
   const Terms M = terms(island.M);
@@ -153,10 +154,11 @@ void EquationProgram::compile(const ProgramTerms& of, const Graph& graph, const 
   displace_ = machine_code::CompiledProgram(displace.instructions(), frame.fixed());
 }
 
-bool EquationProgram::evaluate(const double* y, const double* u, const double* targets, double* ydot) {
-  std::copy_n(y, size_, at(y_));
-  std::copy_n(u, signals_, at(u_));
-  std::copy_n(targets, targets_, at(target_));
+bool EquationProgram::evaluate(const Arguments& given, double* ydot) {
+  std::copy_n(given.y, size_, at(y_));
+  std::copy_n(given.u, signals_, at(u_));
+  std::copy_n(given.targets, targets_, at(target_));
+  for (int i = 0; i < sides_; ++i) *at(side_ + i) = given.sides[i] == 1 || given.sides[i] == -1 ? given.sides[i] : 0;
   evaluate_.run(memory_.data());
   bool is_regular = true;
   double smallest = 1 / least_constraint_pivot;

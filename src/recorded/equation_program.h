@@ -27,9 +27,12 @@ class EquationProgram {
   // Whether make() may be worth trying.
   static bool is_possible(const Mechanism& mechanism, const Loads& loads);
 
-  // ydot of y = (q, v, element states). u: signals that are not named (kinematics/loads.h); targets: as
-  // Kinematics::set_targets(). Returns false where the kernels have to do it.
-  bool evaluate(const double* y, const double* u, const double* targets, double* ydot);
+  struct Arguments {
+    const double *y, *u, *targets;  // y = (q, v, element states); see Kinematics::set_targets()
+    const int* sides;               // of all forces with modes, of which none holds anything at rest
+  };
+  // ydot. u: signals that are not named (kinematics/loads.h). Returns false where the kernels have to do it.
+  bool evaluate(const Arguments& given, double* ydot);
   // Takes the pivots of the last evaluate(), also if that returned false, as those of usual size. Returns false if they
   // are not finite.
   bool take_usual_pivots();
@@ -50,8 +53,8 @@ class EquationProgram {
 
   Pivots pivots_;
   std::vector<double> memory_;
-  int size_ = 0, signals_ = 0, targets_ = 0, nv_ = 0;
-  int y_ = 0, u_ = 0, target_ = 0, rate_ = 0, residual_ = 0, displacement_ = 0;  // first slots
+  int size_ = 0, signals_ = 0, targets_ = 0, sides_ = 0, nv_ = 0;
+  int y_ = 0, u_ = 0, target_ = 0, side_ = 0, rate_ = 0, residual_ = 0, displacement_ = 0;  // first slots
   // What has to remain regular, by its reciprocal.
   struct Guard {
     int slot = 0;

@@ -70,16 +70,18 @@ void record_matrices(const Mechanism& mechanism, const Loads& loads, RecordedIsl
   });
 }
 
-// Friction along tree joints in motion, in whichever direction.
-void add_sliding_friction(const Loads& loads, const Recorded* u, RecordedIsland& island) {
+// Forces with modes along tree joints, which are 0 in mode 0: on the given sides, or else friction in the direction of
+// the speed.
+void add_switching(const Loads& loads, const Recorded* u, RecordedIsland& island) {
+  std::size_t next = 0;
   loads.tree.each_switching([&](const auto& force) {
-    if constexpr (Sticks<std::decay_t<decltype(force.element)>>) {
-      const Recorded speed = Recorded(force.sign) * island.v[static_cast<std::size_t>(force.v)];
-      const auto in = [&](int side) { return force.held(side, island.q.data(), island.v.data(), u); };
-      island.h[static_cast<std::size_t>(force.v)] -= choose(
-          speed, [&] { return in(1); },
-          [&] { return choose(-speed, [&] { return in(-1); }, [] { return Recorded(0); }); });
-    }
+    const std::size_t index = next++;
+    if (island.sides.empty() && !Sticks<std::decay_t<decltype(force.element)>>) return;
+    const auto v = static_cast<std::size_t>(force.v);
+    const Recorded side = island.sides.empty() ? Recorded(force.sign) * island.v[v] : island.sides[index];
+    const auto in = [&](int held) { return force.held(held, island.q.data(), island.v.data(), u); };
+    island.h[v] -= choose(
+        side, [&] { return in(1); }, [&] { return choose(-side, [&] { return in(-1); }, [] { return Recorded(0); }); });
   });
 }
 
@@ -113,7 +115,7 @@ void record(const Mechanism& mechanism, const Loads& loads, const std::vector<do
   island.potential = energy.potential;
   island.rates = zeros(loads.rates.size());
   evaluator->state_rates(island.signals.data(), island.rates.data());
-  add_sliding_friction(loads, evaluator->all_signals(island.signals.data()), island);
+  add_switching(loads, evaluator->all_signals(island.signals.data()), island);
   if (mechanism.planar) return record_matrices<PlanarAlgebra<Recorded>>(mechanism, loads, island);
   record_matrices<SpatialAlgebra<Recorded>>(mechanism, loads, island);
 }

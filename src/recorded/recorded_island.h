@@ -13,14 +13,15 @@ namespace gelenk {
 
 struct RecordedIsland {
   using Numbers = std::vector<recording::Recorded>;
-  Numbers q, v, signals, targets;                  // given; signals: those of kinematics/loads.h that are not named
+  Numbers q, v, signals, targets;  // given; signals: those of kinematics/loads.h that are not named
+  Numbers sides;  // given, or none: the held modes of the forces along tree joints that have any; 1, 0 or -1
   Numbers M, J, h, gamma, Phi, rate, qdot, rates;  // M, J: row by row
   recording::Recorded kinetic, potential;
   Numbers distances;  // from poses at which constraint equations are undefined: below 1 near one
 };
 
-// Fills in what is not given. Friction along joints slides in the direction of the speed; all other forces with modes
-// are in mode 0. cut_reference: coordinates of cut joints, with their turns. Throws
+// Fills in what is not given. Without sides, friction along joints slides in the direction of the speed, and all other
+// forces with modes are in mode 0. cut_reference: coordinates of cut joints, with their turns. Throws
 // recording::HiddenBranch.
 void record(const Mechanism& mechanism, const Loads& loads, const std::vector<double>& cut_reference,
             RecordedIsland& island);

@@ -35,6 +35,7 @@ class OneCoordinate final : public SwitchingForces {
   void indicators(const std::vector<double>&, const double*, double*, double*) const override { never(); }
   bool needs_accelerations() const override { never(); }
   void hold(const int*) override { never(); }
+  const int* held_modes() const override { never(); }
   std::span<double> inputs() override { never(); }
   double part_of_friction(int, int) const override { never(); }
   gelenk::DirectedLimit sticking_limit(int) const override { return {sticking, sticking}; }
