@@ -39,9 +39,26 @@ double folded(const Node& node, double a, double b) {
 }  // namespace
 
 Term Graph::stored(const Node& node) {
-  const auto [at, is_new] = known_.try_emplace(node, size());
-  if (is_new) nodes_.push_back(node);
-  return at->second;
+  if (2 * nodes_.size() >= known_.size()) {
+    constexpr std::size_t least = 64;
+    known_.assign(std::max(least, 4 * nodes_.size()), -1);
+    for (Term term = 0; term < size(); ++term) place_of((*this)[term]) = term;
+  }
+  Term& term = place_of(node);
+  if (term < 0) {
+    term = size();
+    nodes_.push_back(node);
+  }
+  return term;
+}
+
+// Where the term of the node is, or has its place. The size is a power of two.
+Term& Graph::place_of(const Node& node) {
+  const std::size_t mask = known_.size() - 1;
+  for (std::size_t at = Node::Hash{}(node)&mask;; at = (at + 1) & mask) {
+    Term& term = known_[at];
+    if (term < 0 || (*this)[term] == node) return term;
+  }
 }
 
 Term Graph::made(const Node& node) {

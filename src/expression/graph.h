@@ -15,7 +15,6 @@
 #include <optional>
 #include <span>
 #include <tuple>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -121,11 +120,13 @@ class Graph {
   // The node, or the one that is equal to it; a constant if its operands are constants.
   Term made(const Node& node);
   Term stored(const Node& node);
+  Term& place_of(const Node& node);
   template <class Predicate>
   bool any(Term term, Predicate predicate) const;
 
   std::vector<Node> nodes_;
-  std::unordered_map<Node, Term, Node::Hash> known_;
+  // By the hashes of their nodes, with open addressing: terms; -1: none. Recording makes some ten thousand of them.
+  std::vector<Term> known_;
   std::vector<Lookup> lookups_;
 };
 

@@ -58,7 +58,8 @@ class Compiler {
 
   void count_uses(const std::vector<Output>& outputs);
   void translate(Term term);
-  std::vector<Term> parts(Term term);
+  template <class Do>
+  void each_part(Term term, Do&& act);
   bool is_product(Term term) {
     return graph_[term].operation == Operation::multiply && !is_known(term) &&
            uses_[static_cast<std::size_t>(term)] == 1;
@@ -105,18 +106,18 @@ void Compiler::count_uses(const std::vector<Output>& outputs) {
 }
 
 // What has to be translated before a term. A product that is used in one sum is a part of that.
-std::vector<Term> Compiler::parts(Term term) {
+template <class Do>
+void Compiler::each_part(Term term, Do&& act) {
   const Node& node = graph_[term];
-  std::vector<Term> out;
   for (const Term operand : node.of) {
     if (operand < 0) continue;
     if ((node.operation == Operation::add || node.operation == Operation::subtract) && is_product(operand)) {
-      for (const Term factor : {graph_[operand].of[0], graph_[operand].of[1]}) out.push_back(factor);
+      act(graph_[operand].of[0]);
+      act(graph_[operand].of[1]);
     } else {
-      out.push_back(operand);
+      act(operand);
     }
   }
-  return out;
 }
 
 // Depth first: what was computed last is used next.
@@ -129,9 +130,9 @@ void Compiler::translate(Term term) {
       continue;
     }
     const std::size_t before = waiting.size();
-    for (const Term part : parts(at)) {
+    each_part(at, [&](Term part) {
       if (!is_known(part)) waiting.push_back(part);
-    }
+    });
     if (waiting.size() > before) continue;
     value(at) = computed(at);
     waiting.pop_back();
@@ -315,6 +316,7 @@ std::vector<Instruction> Compiler::allocated() {
   for (std::size_t k = 0; k < code_.size(); ++k)
     each_operand(code_[k], [&](int& x) { last[static_cast<std::size_t>(x)] = k; });
   std::vector<int> free;
+  std::vector<int> freed;
   int count = 0;
   const auto place = [&](int& x) {
     int& slot = slots_[static_cast<std::size_t>(x)];
@@ -327,7 +329,7 @@ std::vector<Instruction> Compiler::allocated() {
   };
   for (std::size_t k = 0; k < code_.size(); ++k) {
     Instruction& i = code_[k];
-    std::vector<int> freed;
+    freed.clear();
     each_operand(i, [&](int& x) {
       const auto at = static_cast<std::size_t>(x);
       const int slot = slots_[at];
