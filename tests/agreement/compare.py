@@ -275,6 +275,7 @@ def values_only(c: Comparison) -> list[Finding]:
 
 WAYS: dict[str, Callable[[Comparison], list[Finding]]] = {
     "reductions": lambda c: c.differ("reductions", run(without_reductions(c.trial))),
+    "kernels": lambda c: c.differ("kernels", run(with_solver(c.trial, equations="general"))),
     "floor": lambda c: c.differ("floor", run(with_floor(c.trial))),
     "turned": lambda c: c.differ("turned", run(turned(c.trial, directions(c.seed)))),
     "shifted": lambda c: c.differ("shifted", run(c.trial, begin=3.0)),
@@ -291,8 +292,7 @@ def ways_of(seed: int, trial: Trial) -> list[str]:
     """The ways in which this trial is run: every one in turn, those that cost much more rarely."""
     out = ["reductions", "floor", "saved", "restored", OTHERS[seed % 4]]
     out.append(("turned", "shifted")[seed % 2])
-    if seed % 3 == 0:
-        out.append("steps")
+    out.append("kernels" if seed % 3 else "steps")
     if seed % 10 == 0:
         out.append("repeated")
     if any("s_ref" in name for name in trial.inputs):
