@@ -24,6 +24,13 @@ constexpr double effect_rounding = 32 * std::numeric_limits<double>::epsilon();
 // Forces along coordinates that move at least at this fraction of the fastest are used up.
 constexpr double used_speed = 1e-9;
 
+// A motion of this part of the first one is what is left of it when the fraction is found to rounding, so that the next
+// fraction differs by little. If it does not, the direction of the motion is rounding, too, and does not say which
+// forces are used up; and the forces balance it with a fraction that is larger by this part.
+constexpr double balanced_motion = 1e-10;
+constexpr double little_change = 1e-6;
+constexpr double loosened_part = 1e-9;
+
 // Of rows that are multiples of each other, relative to them.
 constexpr double parallel_tolerance = 1e-12;
 
@@ -42,18 +49,21 @@ Level least_level(const Eigen::MatrixXd& W, const VectorXd& b, const VectorXd& l
                   double size) {
   Level out{least_squares(W, b), {}};
   double fraction = 0;
+  double first = 0;
   for (int i = 0; i < max_iterations; ++i) {
-    const BoxSolution found = solve_in_box(W, b, scaled(lower, fraction), scaled(upper, fraction));
+    const auto within = [&](double part) { return solve_in_box(W, b, scaled(lower, part), scaled(upper, part)); };
+    const BoxSolution found = within(fraction);
     if (!found.found) break;
     out.x = found.x;
     VectorXd motion = found.r;
     const double effects = (W.cwiseAbs() * found.x.cwiseAbs()).maxCoeff();
     const double rounding = std::max(balance_tolerance * size, effect_rounding * effects);
-    if (motion.cwiseAbs().maxCoeff() <= rounding) break;
-    out.motion = found.r;
+    const double fastest = motion.cwiseAbs().maxCoeff();
+    if (fastest <= rounding) break;
+    first = std::max(first, fastest);
     // The motion W a needs the power b.a, and the forces give at most the sum of bound_i (W a)_i: a lower bound.
     double resistance = 0;
-    const double slow = std::max(used_speed * motion.cwiseAbs().maxCoeff(), rounding);
+    const double slow = std::max(used_speed * fastest, rounding);
     for (Index k = 0; k < motion.size(); ++k) {
       // Rounding must not resist where nothing else does, nor need a power where forces are large.
       if (std::abs(motion[k]) <= slow) motion[k] = 0;
@@ -61,6 +71,11 @@ Level least_level(const Eigen::MatrixXd& W, const VectorXd& b, const VectorXd& l
       if (motion[k] != 0 && std::isfinite(bound)) resistance += bound * motion[k];
     }
     const double next = least_squares(W, motion).dot(b) / resistance;
+    if (fastest <= balanced_motion * first && !(next <= fraction * (1 + little_change))) {
+      if (const BoxSolution loose = within(fraction * (1 + loosened_part)); loose.found) out.x = loose.x;
+      break;
+    }
+    out.motion = found.r;
     if (!std::isfinite(next)) return {least_squares(W, b), {}};  // a force would have to pull that cannot
     if (!(next > fraction)) break;
     fraction = next;
@@ -94,14 +109,20 @@ bool share_one_motion(const Eigen::MatrixXd& W, const VectorXd& b, const VectorX
   return true;
 }
 
-}  // namespace
+// Whether the forces balance b within their bounds, but for rounding that levels may have magnified.
+bool are_within(const VectorXd& x, const Eigen::MatrixXd& W, const VectorXd& b, const VectorXd& lower,
+                const VectorXd& upper) {
+  constexpr double magnified_rounding = 1e-9;
+  const double most = magnified_rounding * x.cwiseAbs().maxCoeff();
+  const double effects = (W.cwiseAbs() * x.cwiseAbs()).maxCoeff();
+  return (x - lower).minCoeff() >= -most && (upper - x).minCoeff() >= -most &&
+         (W * x - b).cwiseAbs().maxCoeff() <= magnified_rounding * effects;
+}
 
-void least_load(const Eigen::MatrixXd& W, const VectorXd& b, const VectorXd& lower, const VectorXd& upper,
-                VectorXd& out) {
-  out.resize(b.size());
-  if (b.size() > 0 && share_one_motion(W, b, lower, upper, out)) return;
+void find_by_levels(const Eigen::MatrixXd& W, const VectorXd& b, const VectorXd& lower, const VectorXd& upper,
+                    VectorXd& out) {
   out.setZero();
-  const double size = b.size() > 0 ? b.cwiseAbs().maxCoeff() : 0;
+  const double size = b.cwiseAbs().maxCoeff();
   VectorXd left = b;  // what the forces that are not determined yet have to balance
   std::vector<Index> open(static_cast<std::size_t>(b.size()));
   std::iota(open.begin(), open.end(), Index{0});
@@ -124,6 +145,19 @@ void least_load(const Eigen::MatrixXd& W, const VectorXd& b, const VectorXd& low
     if (next.size() == open.size()) break;
     open = std::move(next);
   }
+}
+
+}  // namespace
+
+void least_load(const Eigen::MatrixXd& W, const VectorXd& b, const VectorXd& lower, const VectorXd& upper,
+                VectorXd& out) {
+  out.resize(b.size());
+  if (b.size() == 0 || share_one_motion(W, b, lower, upper, out)) return;
+  find_by_levels(W, b, lower, upper, out);
+  if (are_within(out, W, b, lower, upper)) return;
+  // Where forces that suffice exist, rounding has hidden them: their effects are nearly the same.
+  const BoxSolution sufficient = solve_in_box(W, b, lower, upper);
+  if (sufficient.found && are_within(sufficient.x, W, b, lower, upper)) out = sufficient.x;
 }
 
 }  // namespace gelenk

@@ -111,3 +111,49 @@ def test_random_distributions_are_balanced(units: Any, seed: int) -> None:
     upper = np.where(kinds == 0, limits, np.where(kinds == 1, INF, 0))
     x = loads(units, W, b, lower.tolist(), upper.tolist())
     assert W @ x == pytest.approx(b, abs=1e-10 * np.abs(b).max())
+
+
+def test_the_fraction_is_not_found_from_the_rounding_of_a_motion(units: Any) -> None:
+    """Five joints of a planar loop at rest, two of them locked: three brakes hold the other two motions.
+
+    Where the fraction is found to rounding, what is left of the motion has no direction. Of loads that differ
+    in their last digits, one in fifty made a brake hold twice what it can.
+    """
+    rows = np.array(
+        [
+            [2.866239, 0.0, 0.0, 0.0],
+            [3.925525, 5.819524, 0.0, 0.0],
+            [1.621451, -13.599642, 14.158537, 0.0],
+            [-1.185627, 0.348591, 0.504965, 0.668615],
+            [-1.97969, 10.378532, -18.126089, 3.451912],
+        ]
+    )
+    lower = [-2.36547292, -0.29846165, -0.02659427, -INF, -INF]
+    upper = [2.36547292, 0.29846165, INF, INF, INF]
+    load = np.array([-1.6093559, -0.20305919, 0.25528879, -10.4549366, 0.220121])
+    rng = np.random.default_rng(3)
+    for _ in range(500):
+        W = rows @ rows.T * (1 + 1e-15 * rng.uniform(-1, 1, (5, 5)))
+        W = (W + W.T) / 2
+        x = loads(units, W, W @ load * (1 + 1e-14 * rng.uniform(-1, 1, 5)), lower, upper)
+        assert (x >= np.array(lower) - 1e-8).all()
+        assert (x <= np.array(upper) + 1e-8).all()
+
+
+def test_forces_that_suffice_are_found(units: Any) -> None:
+    """Random motions, often nearly the same ones, and loads that forces within their limits balance."""
+    rng = np.random.default_rng(7)
+    for _ in range(5000):
+        n = int(rng.integers(2, 8))
+        rows = rng.normal(size=(n, int(rng.integers(1, n + 1)))) * 10.0 ** rng.uniform(-1.5, 1.5, (n, 1))
+        W = rows @ rows.T
+        limits = 10.0 ** rng.uniform(-1, 1, n)
+        kinds = rng.integers(5, size=n)  # brakes, stops and locks
+        lower = np.where(kinds == 1, -INF, -limits)
+        upper = np.where(kinds <= 1, INF, limits)
+        load = 0.999 * rng.uniform(-1, 1, n) * limits
+        x = loads(units, W, W @ load, lower.tolist(), upper.tolist())
+        rounding = 1e-8 * np.abs(x).max()
+        assert (x >= lower - rounding).all()
+        assert (x <= upper + rounding).all()
+        assert np.abs(W @ (x - load)).max() <= 1e-8 * (np.abs(W) @ (np.abs(x) + np.abs(load))).max()
