@@ -44,6 +44,20 @@ struct Level {
   VectorXd x, motion;
 };
 
+// The least fraction of the bounds with which forces stop this motion; slow: speeds that do not count.
+double fraction_against(VectorXd motion, const Eigen::MatrixXd& W, const VectorXd& b, const VectorXd& lower,
+                        const VectorXd& upper, double slow) {
+  // The motion W a needs the power b.a, and the forces give at most the sum of bound_i (W a)_i: a lower bound.
+  double resistance = 0;
+  for (Index k = 0; k < motion.size(); ++k) {
+    // Rounding must not resist where nothing else does, nor need a power where forces are large.
+    if (std::abs(motion[k]) <= slow) motion[k] = 0;
+    const double bound = motion[k] > 0 ? upper[k] : lower[k];
+    if (motion[k] != 0 && std::isfinite(bound)) resistance += bound * motion[k];
+  }
+  return least_squares(W, motion).dot(b) / resistance;
+}
+
 // size: the magnitude of forces, for their rounding.
 Level least_level(const Eigen::MatrixXd& W, const VectorXd& b, const VectorXd& lower, const VectorXd& upper,
                   double size) {
@@ -55,22 +69,13 @@ Level least_level(const Eigen::MatrixXd& W, const VectorXd& b, const VectorXd& l
     const BoxSolution found = within(fraction);
     if (!found.found) break;
     out.x = found.x;
-    VectorXd motion = found.r;
     const double effects = (W.cwiseAbs() * found.x.cwiseAbs()).maxCoeff();
     const double rounding = std::max(balance_tolerance * size, effect_rounding * effects);
-    const double fastest = motion.cwiseAbs().maxCoeff();
+    const double fastest = found.r.cwiseAbs().maxCoeff();
     if (fastest <= rounding) break;
     first = std::max(first, fastest);
-    // The motion W a needs the power b.a, and the forces give at most the sum of bound_i (W a)_i: a lower bound.
-    double resistance = 0;
     const double slow = std::max(used_speed * fastest, rounding);
-    for (Index k = 0; k < motion.size(); ++k) {
-      // Rounding must not resist where nothing else does, nor need a power where forces are large.
-      if (std::abs(motion[k]) <= slow) motion[k] = 0;
-      const double bound = motion[k] > 0 ? upper[k] : lower[k];
-      if (motion[k] != 0 && std::isfinite(bound)) resistance += bound * motion[k];
-    }
-    const double next = least_squares(W, motion).dot(b) / resistance;
+    const double next = fraction_against(found.r, W, b, lower, upper, slow);
     if (fastest <= balanced_motion * first && !(next <= fraction * (1 + little_change))) {
       if (const BoxSolution loose = within(fraction * (1 + loosened_part)); loose.found) out.x = loose.x;
       break;
