@@ -55,7 +55,8 @@ Term Graph::stored(const Node& node) {
 // Where the term of the node is, or has its place. The size is a power of two.
 Term& Graph::place_of(const Node& node) {
   const std::size_t mask = known_.size() - 1;
-  for (std::size_t at = Node::Hash{}(node)&mask;; at = (at + 1) & mask) {
+  constexpr Node::Hash hash{};
+  for (std::size_t at = hash(node) & mask;; at = (at + 1) & mask) {
     Term& term = known_[at];
     if (term < 0 || (*this)[term] == node) return term;
   }

@@ -17,6 +17,18 @@ double largest(const double* x, Eigen::Index count) {
   return Eigen::Map<const Eigen::VectorXd>(x, count).lpNorm<Eigen::Infinity>();
 }
 
+// All friction slides in the positive direction, all stops are in contact, limits are not, and locks are open.
+std::vector<int> all_in_motion(SwitchingForces& forces) {
+  std::vector<int> out(static_cast<std::size_t>(forces.count()), 1);
+  for (int i = 0; i < forces.locks(); ++i) {
+    const SwitchingForces::Lock& lock = forces.lock(i);
+    for (const int holds : {lock.limit, lock.latch}) {
+      if (holds >= 0) out[static_cast<std::size_t>(holds)] = 0;
+    }
+  }
+  return out;
+}
+
 }  // namespace
 
 void RecordedMotion::make(const std::vector<double>& cut_reference, const Pivots& pivots) {
@@ -72,22 +84,6 @@ void RecordedMotion::choose(const std::vector<double>& cut_reference, const doub
   is_used_ = agrees(projector, at_usual, drives);
   usual_pivot_ratio_ = mechanism_.rows > 0 ? dynamics_.pivot_ratio() : 0;
 }
-
-namespace {
-
-// All friction slides in the positive direction, all stops are in contact, limits are not, and locks are open.
-std::vector<int> all_in_motion(SwitchingForces& forces) {
-  std::vector<int> out(static_cast<std::size_t>(forces.count()), 1);
-  for (int i = 0; i < forces.locks(); ++i) {
-    const SwitchingForces::Lock& lock = forces.lock(i);
-    for (const int holds : {lock.limit, lock.latch}) {
-      if (holds >= 0) out[static_cast<std::size_t>(holds)] = 0;
-    }
-  }
-  return out;
-}
-
-}  // namespace
 
 // At a position, with velocities under which everything moves. Leaves `dynamics` there.
 bool RecordedMotion::agrees(ConstraintProjector& projector, std::vector<double>& at, const Drives& drives) {

@@ -24,8 +24,8 @@ constexpr double effect_rounding = 32 * std::numeric_limits<double>::epsilon();
 // Forces along coordinates that move at least at this fraction of the fastest are used up.
 constexpr double used_speed = 1e-9;
 
-// A motion of this part of the first one is what is left of it when the fraction is found to rounding, so that the next
-// fraction differs by little. If it does not, the direction of the motion is rounding, too, and does not say which
+// A motion of this part of the fastest one is what is left of it when the fraction is found to rounding, so that the
+// next fraction differs by little. If it does not, the direction of the motion is rounding, too, and does not say which
 // forces are used up; and the forces balance it with a fraction that is larger by this part.
 constexpr double balanced_motion = 1e-10;
 constexpr double little_change = 1e-6;
@@ -63,7 +63,7 @@ Level least_level(const Eigen::MatrixXd& W, const VectorXd& b, const VectorXd& l
                   double size) {
   Level out{least_squares(W, b), {}};
   double fraction = 0;
-  double first = 0;
+  double fastest_of_all = 0;
   for (int i = 0; i < max_iterations; ++i) {
     const auto within = [&](double part) { return solve_in_box(W, b, scaled(lower, part), scaled(upper, part)); };
     const BoxSolution found = within(fraction);
@@ -73,10 +73,10 @@ Level least_level(const Eigen::MatrixXd& W, const VectorXd& b, const VectorXd& l
     const double rounding = std::max(balance_tolerance * size, effect_rounding * effects);
     const double fastest = found.r.cwiseAbs().maxCoeff();
     if (fastest <= rounding) break;
-    first = std::max(first, fastest);
+    fastest_of_all = std::max(fastest_of_all, fastest);
     const double slow = std::max(used_speed * fastest, rounding);
     const double next = fraction_against(found.r, W, b, lower, upper, slow);
-    if (fastest <= balanced_motion * first && !(next <= fraction * (1 + little_change))) {
+    if (fastest <= balanced_motion * fastest_of_all && !(next <= fraction * (1 + little_change))) {
       if (const BoxSolution loose = within(fraction * (1 + loosened_part)); loose.found) out.x = loose.x;
       break;
     }

@@ -125,10 +125,8 @@ std::vector<int> forces_with_hidden_branches(const Mechanism& mechanism, const L
   const auto found = [&]<class A> {
     const Model<A> model(mechanism);
     Workspace<A> ws(model);
-    std::vector<int> all;
-    for (int i = 1; i < static_cast<int>(model.links.size()); ++i) all.push_back(i);
     kernels::positions(model, island.q.data(), ws);
-    kernels::root_poses(model, all, ws);
+    kernels::root_poses(model, all_links(mechanism), ws);
     kernels::velocities(model, island.q.data(), island.v.data(), kernels::root_acceleration<A>(loads), ws);
     return kernels::hidden_branches(loads, island.signals.data(), ws);
   };

@@ -96,8 +96,8 @@ class _Server(ThreadingHTTPServer):
     """A server that closes connections in excess at once."""
 
     daemon_threads = True
-    # Connections that wait to be accepted. Beyond them the system drops the last packet of a handshake:
-    # the browser believes to be connected, and hears of the server only after seconds, or never.
+    # Connections waiting to be accepted. Beyond these, the system drops the last packet of a handshake: the
+    # browser takes itself for connected, but hears from the server only seconds later, or never.
     request_queue_size = 128
 
     def __init__(self, *arguments: Any) -> None:
