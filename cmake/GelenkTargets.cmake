@@ -8,7 +8,7 @@
 # and are hardened. They are linked in this order, since the linker keeps the first copy of a template that several of them
 # instantiate.
 set(GELENK_HOT src/math src/joint src/linear src/kinematics src/dynamics src/outputs src/integrator src/formulation src/machine_code)
-set(GELENK_WARM src/complementarity src/collision src/contact_geometry src/derivatives src/nonsmooth src/time_stepping src/event_driven
+set(GELENK_WARM src/decomposition src/complementarity src/collision src/contact_geometry src/derivatives src/nonsmooth src/time_stepping src/event_driven
   src/expression src/recording src/lanes src/recorded fmu/runtime)
 set(GELENK_COLD src/util src/field src/shape src/element src/element/components src/element/constraints src/event src/scene src/check src/scene_file src/scene_schema
   src/mechanism src/assembly src/analysis src/preparation src/simulation src/runs src/inspection modelDescription fmu/export)

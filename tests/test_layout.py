@@ -12,14 +12,14 @@ import pytest
 ROOT = Path(__file__).resolve().parent.parent
 
 # What a room may include of ours: itself and these.
-BELOW: dict[str, set[str]] = {"util": set(), "math": set(), "linear": set()}
+BELOW: dict[str, set[str]] = {"util": set(), "math": set(), "linear": set(), "decomposition": set()}
 BELOW |= {"expression": {"util", "math"}, "event": {"math", "util"}, "complementarity": {"linear", "util"}}
 BELOW["field"] = BELOW["recording"] = BELOW["lanes"] = {"expression", *BELOW["expression"]}
 BELOW["shape"] = BELOW["joint"] = {"field", "math", *BELOW["field"]}
 BELOW["collision"] = {"shape", *BELOW["shape"]}
 BELOW["element"] = {"joint", *BELOW["joint"]}
 BELOW["scene"] = {"element", "shape", *BELOW["element"], *BELOW["shape"]}
-BELOW["check"] = {"scene", *BELOW["scene"]}
+BELOW["check"] = {"scene", "decomposition", *BELOW["scene"]}
 BELOW["scene_file"] = {"check", *BELOW["check"]}
 BELOW["scene_schema"] = {"scene_file", *BELOW["scene_file"]}
 BELOW["mechanism"] = {"scene", *BELOW["scene"]}
@@ -29,13 +29,14 @@ BELOW["dynamics"] = {"derivatives", *BELOW["derivatives"]}
 BELOW["machine_code"] = {"lanes", *BELOW["lanes"]}
 BELOW["recorded"] = {"recording", "machine_code", "lanes"} | BELOW["dynamics"]
 BELOW["contact_geometry"] = {"dynamics", "collision", *BELOW["dynamics"], *BELOW["collision"]}
-BELOW["nonsmooth"] = {"dynamics", "complementarity", *BELOW["dynamics"]}
+BELOW["nonsmooth"] = {"dynamics", "complementarity", "decomposition", *BELOW["dynamics"]}
 BELOW["time_stepping"] = {"contact_geometry", "nonsmooth", *BELOW["contact_geometry"], *BELOW["nonsmooth"]}
 BELOW["event_driven"] = {"event", *BELOW["time_stepping"]}
 BELOW["formulation"] = {"event_driven", "time_stepping", "recorded", *BELOW["recorded"]}
 BELOW["formulation"] |= BELOW["event_driven"]
 BELOW["integrator"] = {"formulation", *BELOW["formulation"]}
-BELOW["assembly"] = BELOW["outputs"] = {"dynamics", *BELOW["dynamics"]}
+BELOW["outputs"] = {"dynamics", *BELOW["dynamics"]}
+BELOW["assembly"] = {"decomposition", *BELOW["outputs"]}
 BELOW["analysis"] = {"assembly", "event_driven", "outputs", *BELOW["assembly"], *BELOW["event_driven"]}
 BELOW["preparation"] = {"analysis", "formulation", *BELOW["analysis"], *BELOW["formulation"]}
 BELOW["simulation"] = {"integrator", "outputs", "preparation", *BELOW["integrator"], *BELOW["preparation"]}

@@ -8,9 +8,9 @@
 #include <variant>
 
 #include "analysis/dual_columns.h"
+#include "decomposition/singular_values.h"
 #include "joint/registry.h"
 #include "kinematics/loads.h"
-#include "linear/singular_values.h"
 #include "mechanism/mechanism.h"
 
 namespace gelenk {

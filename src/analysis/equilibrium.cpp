@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "analysis/equilibrium.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 
 #include "analysis/trial_state.h"
+#include "decomposition/dense.h"
+#include "decomposition/singular_values.h"
 #include "dynamics/distributed_forces.h"
 #include "linear/box_complementarity.h"
 #include "linear/descent.h"
-#include "linear/singular_values.h"
 
 namespace gelenk {
 namespace {
@@ -39,7 +39,7 @@ constexpr int max_closures = 5;        // steps onto bounds that bring no contac
 constexpr int max_releases = 50;       // of contacts that would pull, before the search gives up
 
 // Orthonormal columns: the changes with which these rows vanish.
-MatrixXd null_space(const SingularValues& rows) {
+MatrixXd free_directions(const SingularValues& rows) {
   return rows.V.rightCols(rows.V.cols() - rows.rank(zero_stiffness_tolerance));
 }
 
@@ -195,7 +195,7 @@ class EquilibriumSearch {
     J << at.A, at.B;
     if (at.contact_rows.rows() + at.hold_rows.rows() == 0) return min_norm_step(J, a);
     const SingularValues rows(stacked(at.contact_rows, at.hold_rows));
-    const MatrixXd along = null_space(rows);
+    const MatrixXd along = free_directions(rows);
     VectorXd onto = rows.solve(share * stacked(at.contact_gaps, at.hold_gaps), rows.rank(zero_stiffness_tolerance));
     if (along.cols() == 0) return onto;
     return onto + along * min_norm_step(J * along, a + J * onto);
@@ -226,11 +226,11 @@ class EquilibriumSearch {
     const bool repeated = descent_steps_ > 0;  // Newton's steps have led uphill again: descend to the minimum
     bool moved = false;
     for (; descent_steps_ < max_descent_steps; ++descent_steps_) {
-      const MatrixXd free = null_space(SingularValues(here.held_by_velocities()));
+      const MatrixXd free = free_directions(SingularValues(here.held_by_velocities()));
       if (free.cols() == 0) return moved;
       const MatrixXd A = free.transpose() * here.by_velocities() * free;
       const VectorXd a = free.transpose() * here.a;
-      const double max_real_part = A.eigenvalues().real().maxCoeff();
+      const double max_real_part = eigenvalues(A).real().maxCoeff();
       const bool stable = max_real_part < -zero_stiffness_tolerance * std::max(1.0, A.lpNorm<Eigen::Infinity>());
       const bool balanced = here.hold_rows.rows() == 0 ? here.is_balanced() : largest(a) <= equilibrium_rate_tolerance;
       if (balanced || (stable && moved && !repeated)) return moved;
@@ -239,7 +239,7 @@ class EquilibriumSearch {
       Step step;
       for (int k = 0; k < max_shifts; ++k) {
         const MatrixXd shifted = shift * MatrixXd::Identity(A.rows(), A.cols()) - A;
-        const VectorXd dx = free * shifted.partialPivLu().solve(a);
+        const VectorXd dx = free * solution(shifted, a);
         const VectorXd z = here.velocity_jacobian * dx.head(here.velocity_jacobian.cols());
         const double limit = step_limit(states_.joint_rotations(here, z));
         step.z = limit * z;

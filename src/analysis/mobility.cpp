@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "analysis/mobility.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <random>
 #include <utility>
 
 #include "assembly/loop_closure.h"
+#include "decomposition/dense.h"
 #include "mechanism/mechanism.h"
 
 namespace gelenk {
@@ -38,9 +38,7 @@ constexpr double barely_independent_ratio = 1e-5;
 // Rank of J; entries up to `rounding` count as zero.
 int rank_of(const SparseMatrix& J, double rounding) {
   if (J.nonZeros() == 0 || J.coeffs().abs().maxCoeff() <= rounding) return 0;
-  Eigen::ColPivHouseholderQR<MatrixXd> qr(MatrixXd(J.transpose()));
-  qr.setThreshold(redundancy_pivot_ratio);
-  return static_cast<int>(qr.rank());
+  return static_cast<int>(column_rank(J.transpose(), redundancy_pivot_ratio));
 }
 
 class Explorer {
@@ -227,19 +225,14 @@ std::vector<bool> needed_rows(const MatrixXd& side_by_side, double rounding) {
   }
   if (candidates.empty()) return needed;
   const MatrixXd columns = side_by_side(candidates, Eigen::all).transpose();
-  Eigen::ColPivHouseholderQR<MatrixXd> qr(columns);
-  qr.setThreshold(redundancy_pivot_ratio);
-  for (Index k = 0; k < qr.rank(); ++k) needed[candidates[qr.colsPermutation().indices()[k]]] = true;
+  for (const Index k : independent_columns(columns, redundancy_pivot_ratio)) needed[candidates[k]] = true;
   return needed;
 }
 
 // The columns of the result span the multipliers l with J^T l = 0.
 MatrixXd left_null_space(const MatrixXd& J, double rounding) {
   if (J.cols() == 0 || J.lpNorm<Eigen::Infinity>() <= rounding) return MatrixXd::Identity(J.rows(), J.rows());
-  Eigen::ColPivHouseholderQR<MatrixXd> qr(J);
-  qr.setThreshold(redundancy_pivot_ratio);
-  const MatrixXd Q = qr.householderQ() * MatrixXd::Identity(J.rows(), J.rows());
-  return Q.rightCols(J.rows() - qr.rank());
+  return null_space(J.transpose(), redundancy_pivot_ratio);
 }
 
 // Rank of the constraint equations that hold positions, over all positions visited.

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "analysis/singular_start.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <random>
 
 #include "assembly/assembly_problem.h"
 #include "assembly/loop_closure.h"
+#include "decomposition/dense.h"
+#include "decomposition/singular_values.h"
 #include "linear/descent.h"
-#include "linear/singular_values.h"
 #include "mechanism/mechanism.h"
 
 namespace gelenk {
@@ -35,7 +35,7 @@ class BranchSearch {
       : mechanism_(mechanism), dynamics_(dynamics) {
     const AssemblyProblem::VelocityEquations s = problem.velocity_equations(q);
     const std::vector<int>& free = problem.free(AssemblyProblem::Level::velocity);
-    const MatrixXd Z = nullspace(MatrixXd(s.G), static_cast<Index>(free.size()), weak_sigma_ratio);
+    const MatrixXd Z = null_space(s.G, weak_sigma_ratio);
     W_ = MatrixXd::Zero(mechanism.nv, Z.cols());
     for (std::size_t k = 0; k < free.size(); ++k) W_.row(free[k]) = Z.row(static_cast<Index>(k));
     T_ = s.T * Z;
@@ -64,7 +64,7 @@ class BranchSearch {
         const VectorXd e = speed_ * VectorXd::Unit(a.size(), k);
         jacobian.col(k) = (excess(a + e) - excess(a - e)) / (2 * speed_);
       }
-      const VectorXd step = jacobian.completeOrthogonalDecomposition().solve(F);
+      const VectorXd step = least_norm_solution(jacobian, F);
       if (!step.allFinite() || largest(step) > 1e3 * speed_) return false;
       a -= step;
     }

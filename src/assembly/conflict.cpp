@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "assembly/conflict.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -10,6 +9,7 @@
 
 #include "assembly/loop_closure.h"
 #include "assembly/search_positions.h"
+#include "decomposition/dense.h"
 #include "mechanism/mechanism.h"
 
 namespace gelenk {
@@ -170,9 +170,7 @@ Conflict conflicting_velocities(const Mechanism& mechanism, Dynamics& dynamics, 
       A.row(rows + static_cast<Eigen::Index>(i)) = MatrixXd(T.row(row(fixed[i])));
       b[rows + static_cast<Eigen::Index>(i)] = -s.d0[row(fixed[i])];
     }
-    Eigen::CompleteOrthogonalDecomposition<MatrixXd> rates(A.rows(), A.cols());
-    rates.setThreshold(singular);
-    const VectorXd v = rates.compute(A).solve(b);
+    const VectorXd v = least_norm_solution(A, b, singular);
     left = (A * v - b).lpNorm<Eigen::Infinity>();
     return v;
   };

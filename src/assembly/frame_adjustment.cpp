@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "assembly/frame_adjustment.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <random>
@@ -9,8 +8,9 @@
 
 #include "assembly/loop_positions.h"
 #include "assembly/parallel_axes.h"
+#include "decomposition/dense.h"
+#include "decomposition/singular_values.h"
 #include "linear/descent.h"
-#include "linear/singular_values.h"
 
 namespace gelenk {
 namespace {
@@ -97,9 +97,7 @@ class Fit {
       C.middleRows(first, each) = left_null_space.transpose() * linearizations_[k].equations.A(Eigen::all, free_);
       b.segment(first, each) = left_null_space.transpose() * linearizations_[k].equations.Phi;
     }
-    Eigen::CompleteOrthogonalDecomposition<MatrixXd> conditions(C.rows(), C.cols());
-    conditions.setThreshold(std::max(min_condition_sigma, zero_sigma_per_misfit * largest(b)));
-    const VectorXd found = conditions.compute(C).solve(b);
+    const VectorXd found = least_norm_solution(C, b, std::max(min_condition_sigma, zero_sigma_per_misfit * largest(b)));
     VectorXd d = VectorXd::Zero(static_cast<Index>(6 * loops_.frames().size()));
     for (Index k = 0; k < found.size(); ++k) d[free_[static_cast<std::size_t>(k)]] = -found[k];
     return d;

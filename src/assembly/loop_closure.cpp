@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "assembly/loop_closure.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
 #include "assembly/closing_steps.h"
+#include "decomposition/dense.h"
 #include "linear/descent.h"
 #include "mechanism/mechanism.h"
 
@@ -69,12 +69,12 @@ MatrixXd reduced_hessian(AssemblyProblem& problem, const std::vector<double>& q,
 // Newton step with the absolute values of the curvatures: a descent direction also where the distance is not convex.
 VectorXd newton_step(AssemblyProblem& problem, const std::vector<double>& q, const Gradient& at) {
   const MatrixXd& Z = at.loops.basis();
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(reduced_hessian(problem, q, at, Z));
-  const VectorXd& curvatures = eigen.eigenvalues();
+  const SymmetricEigen eigen(reduced_hessian(problem, q, at, Z));
+  const VectorXd& curvatures = eigen.values;
   const double least = 1e-9 * curvatures.cwiseAbs().maxCoeff();
-  VectorXd along = eigen.eigenvectors().transpose() * at.gradient;
+  VectorXd along = eigen.vectors.transpose() * at.gradient;
   for (Eigen::Index k = 0; k < along.size(); ++k) along[k] /= std::max({std::abs(curvatures[k]), least, 1e-300});
-  return -(Z * (eigen.eigenvectors() * along));
+  return -(Z * (eigen.vectors * along));
 }
 
 // One step of minimize_distance, shortened until the distance decreases; returns false if it never does.
@@ -215,10 +215,10 @@ LocalMinimum local_minimum_at(AssemblyProblem& problem, const std::vector<double
   const MatrixXd& Z = at.loops.basis();
   if (out.degrees_of_freedom > max_newton_dof) {
     const MatrixXd along = at.T * Z;
-    out.least_curvature = (along.transpose() * along).selfadjointView<Eigen::Lower>().eigenvalues()[0];
+    out.least_curvature = symmetric_eigenvalues(along.transpose() * along)[0];
     return out;
   }
-  out.least_curvature = Eigen::SelfAdjointEigenSolver<MatrixXd>(reduced_hessian(problem, q, at, Z)).eigenvalues()[0];
+  out.least_curvature = symmetric_eigenvalues(reduced_hessian(problem, q, at, Z))[0];
   return out;
 }
 

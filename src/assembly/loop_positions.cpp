@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "decomposition/singular_values.h"
 #include "linear/descent.h"
-#include "linear/singular_values.h"
 
 namespace gelenk {
 namespace {

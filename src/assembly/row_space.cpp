@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "assembly/row_space.h"
 
-#include <Eigen/QR>
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <vector>
+
+#include "decomposition/dense.h"
 
 namespace gelenk {
 namespace {
@@ -106,11 +107,7 @@ bool RowSpace::has_basis() const { return !is_large(G_) || degrees_of_freedom() 
 
 VectorXd RowSpace::min_norm(const VectorXd& b) const {
   if (G_.rows() == 0 || G_.cols() == 0) return VectorXd::Zero(G_.cols());
-  if (!sparse_) {
-    Eigen::CompleteOrthogonalDecomposition<MatrixXd> factor(G_.rows(), G_.cols());
-    if (threshold_ > 0) factor.setThreshold(threshold_);
-    return factor.compute(MatrixXd(G_)).solve(b);
-  }
+  if (!sparse_) return least_norm_solution(G_, b, threshold_);
   // G^T P = Q R, so that R_1^T (Q^T x) = P^T b.
   const Index r = sparse_->rank();
   const VectorXd sorted = sparse_->colsPermutation().transpose() * b;
@@ -122,7 +119,7 @@ VectorXd RowSpace::min_norm(const VectorXd& b) const {
 
 VectorXd RowSpace::multipliers(const VectorXd& b) const {
   if (G_.rows() == 0) return {};
-  if (!sparse_) return MatrixXd(G_.transpose()).completeOrthogonalDecomposition().solve(b);
+  if (!sparse_) return least_norm_solution(G_.transpose(), b);
   return sparse_->solve(b);
 }
 
@@ -136,8 +133,7 @@ VectorXd RowSpace::null_space_part(const VectorXd& x) const {
 
 const MatrixXd& RowSpace::basis() const {
   if (!basis_) {
-    basis_ =
-        sparse_ ? sparse_basis() : nullspace(MatrixXd(G_), G_.cols(), threshold_ > 0 ? threshold_ : min_pivot_ratio);
+    basis_ = sparse_ ? sparse_basis() : null_space(G_, threshold_ > 0 ? threshold_ : min_pivot_ratio);
   }
   return *basis_;
 }
@@ -157,7 +153,7 @@ VectorXd nearest(const RowSpace& rows, const SparseMatrix& T, const VectorXd& d)
   if (rows.has_basis()) {
     const MatrixXd& Z = rows.basis();
     if (Z.cols() == 0) return VectorXd::Zero(T.cols());
-    return -(Z * MatrixXd(T * Z).completeOrthogonalDecomposition().solve(d));
+    return -(Z * least_norm_solution(T * Z, d));
   }
   // [T^T T, G^T; G, 0] with a small regularization of the diagonal, so that it can be factorized in any order.
   const SparseMatrix& G = rows.rows();
@@ -187,11 +183,9 @@ VectorXd nearest(const RowSpace& rows, const SparseMatrix& T, const VectorXd& d,
   for (Index r = 0; r < along.rows(); ++r) {
     if (along.row(r).norm() <= min_pivot_ratio * std::sqrt(sizes[r])) along_first.row(r).setZero();
   }
-  Eigen::CompleteOrthogonalDecomposition<MatrixXd> factor(along.rows(), along.cols());
-  factor.setThreshold(min_pivot_ratio);
-  VectorXd x = -factor.compute(along_first).solve(weights.cwiseProduct(d));
-  const MatrixXd N = nullspace(along_first, Z.cols());
-  if (N.cols() > 0) x -= N * MatrixXd(along * N).completeOrthogonalDecomposition().solve(d + along * x);
+  VectorXd x = -least_norm_solution(along_first, weights.cwiseProduct(d), min_pivot_ratio);
+  const MatrixXd N = null_space(along_first, min_pivot_ratio);
+  if (N.cols() > 0) x -= N * least_norm_solution(along * N, d + along * x);
   return Z * x;
 }
 
@@ -202,7 +196,7 @@ SparseMatrix plus_diagonal(const SparseMatrix& A, double x) {
 }
 
 VectorXd solve_definite(const SparseMatrix& A, const VectorXd& b) {
-  if (!is_large(A)) return MatrixXd(A).ldlt().solve(b);
+  if (!is_large(A)) return symmetric_solution(A, b);
   const Eigen::SimplicialLDLT<SparseMatrix> factor(A);
   return factor.solve(b);
 }
@@ -210,21 +204,13 @@ VectorXd solve_definite(const SparseMatrix& A, const VectorXd& b) {
 VectorXd solve_normal(const SparseMatrix& A, const SparseMatrix& B, double shift, const VectorXd& b) {
   if (!is_large(A)) {
     const SparseMatrix normal = A.transpose() * A + SparseMatrix(B.transpose() * B);
-    return MatrixXd(plus_diagonal(normal, shift)).ldlt().solve(b);
+    return symmetric_solution(plus_diagonal(normal, shift), b);
   }
   NormalEquations equations(A.cols());
   equations.add(A);
   equations.add(B);
   equations.add_to_diagonal(shift);
   return equations.solve(b);
-}
-
-MatrixXd nullspace(const MatrixXd& G, Index n, double threshold) {
-  if (G.rows() == 0 || n == 0) return MatrixXd::Identity(n, n);
-  Eigen::ColPivHouseholderQR<MatrixXd> qr(G.transpose());
-  qr.setThreshold(threshold);
-  const MatrixXd Q = qr.householderQ() * MatrixXd::Identity(n, n);
-  return Q.rightCols(n - qr.rank());
 }
 
 }  // namespace gelenk

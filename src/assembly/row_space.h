@@ -61,8 +61,4 @@ Eigen::VectorXd solve_definite(const SparseMatrix& A, const Eigen::VectorXd& b);
 // Solves (A^T A + B^T B + shift I) x = b.
 Eigen::VectorXd solve_normal(const SparseMatrix& A, const SparseMatrix& B, double shift, const Eigen::VectorXd& b);
 
-// An orthonormal basis of the null space of a dense G with n columns. threshold: relative to the largest pivot, below
-// which one is zero.
-Eigen::MatrixXd nullspace(const Eigen::MatrixXd& G, Eigen::Index n, double threshold = 1e-9);
-
 }  // namespace gelenk

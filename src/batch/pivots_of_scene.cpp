@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "batch/pivots_of_scene.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <utility>
+
+#include "decomposition/dense.h"
 
 namespace gelenk {
 namespace {
@@ -21,7 +23,7 @@ bool close(const TracedScene& scene, const std::vector<double>& v, const std::ve
     const EquationValues values = scene.values(q, v, u);
     const Eigen::Map<const Eigen::VectorXd> Phi(values.Phi.data(), static_cast<Eigen::Index>(values.Phi.size()));
     if (Phi.lpNorm<Eigen::Infinity>() < closed) return true;
-    const Eigen::VectorXd dv = -matrix(values.J, v.size()).completeOrthogonalDecomposition().solve(Phi);
+    const Eigen::VectorXd dv = -least_norm_solution(matrix(values.J, v.size()), Phi);
     if (!(dv.lpNorm<Eigen::Infinity>() < 10)) return false;
     const EquationValues moved = scene.values(q, {dv.begin(), dv.end()}, u);
     for (std::size_t k = 0; k < q.size(); ++k) q[k] += moved.qdot[k];

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "batch/varied_scene.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <utility>
 
 #include "batch/equation_check.h"
+#include "decomposition/dense.h"
 #include "recording/recorded.h"
 #include "scene/words.h"
 #include "scene_file/read.h"
@@ -82,7 +83,7 @@ LaneStart expected(const TracedScene& scene) {
   if (!equations.rows.empty()) {
     const EquationValues values = scene.values(q, as_list(), u);
     const Eigen::Map<const RowMajor> J(values.J.data(), static_cast<Eigen::Index>(equations.rows.size()), n);
-    v -= J.completeOrthogonalDecomposition().solve(J * v);
+    v -= least_norm_solution(J, J * v);
   }
   const EquationValues values = scene.values(q, as_list(), u);
   LaneStart out{.numbers = {}, .state = q, .v = as_list(), .vdot = values.vdot, .size = speed * speed};

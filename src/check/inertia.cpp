@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,6 +10,7 @@
 #include <vector>
 
 #include "check/check.h"
+#include "decomposition/dense.h"
 #include "joint/registry.h"
 #include "util/text.h"
 
@@ -49,10 +49,9 @@ std::string impossible(const Eigen::Vector3d& moments, double tolerance, const A
 // Returns the axis of a tensor J n n^T in the body's frame, or nothing if it has another form.
 std::optional<Eigen::Vector3d> single_moment_axis(const Eigen::Matrix3d& I) {
   const double largest = I.cwiseAbs().maxCoeff();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(I / largest);  // in increasing order
-  const Eigen::Vector3d& moments = solver.eigenvalues();
-  if (moments.head<2>().cwiseAbs().maxCoeff() > moment_tolerance * moments[2]) return {};
-  return solver.eigenvectors().col(2);
+  const SymmetricEigen principal(I / largest);
+  if (principal.values.head<2>().cwiseAbs().maxCoeff() > moment_tolerance * principal.values[2]) return {};
+  return principal.vectors.col(2);
 }
 
 std::string axis_text(const Eigen::Vector3d& axis) {
@@ -175,8 +174,7 @@ std::string impossible_inertia(double mass, const Eigen::Vector3d& com, const Ei
   std::string fault = impossible(I.diagonal(), tolerance, {"xx", "yy", "zz"}, "");
   if (!fault.empty()) return fault;
   // Scaled, so that products of very small or large numbers neither underflow nor overflow.
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(I / largest, Eigen::EigenvaluesOnly);
-  const Eigen::Vector3d principal = solver.eigenvalues() * largest;
+  const Eigen::Vector3d principal = symmetric_eigenvalues(I / largest) * largest;
   return impossible(principal, std::max(tolerance, moment_tolerance * principal.cwiseAbs().maxCoeff()),
                     {"I1", "I2", "I3"}, "principal moment ");
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // From the points that an iteration has found to the features that touch, and their normal.
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <algorithm>
 
 #include "collision/convex.h"

@@ -5,9 +5,9 @@
 #include <optional>
 #include <vector>
 
+#include "decomposition/singular_values.h"
 #include "event_driven/contact_modes.h"
 #include "event_driven/force_margin.h"
-#include "linear/singular_values.h"
 
 namespace gelenk {
 namespace {

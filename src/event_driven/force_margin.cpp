@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "linear/singular_values.h"
+#include "decomposition/singular_values.h"
 
 namespace gelenk {
 namespace {

@@ -6,9 +6,9 @@
 #include <limits>
 
 #include "contact_geometry/feature_states.h"
+#include "decomposition/singular_values.h"
 #include "event_driven/force_margin.h"
 #include "kinematics/loads.h"
-#include "linear/singular_values.h"
 #include "mechanism/mechanism.h"
 
 namespace gelenk {

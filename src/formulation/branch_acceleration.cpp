@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "formulation/branch_acceleration.h"
 
-#include <Eigen/QR>
+#include <Eigen/Cholesky>
 #include <cmath>
 
-#include "linear/singular_values.h"
+#include "decomposition/dense.h"
+#include "decomposition/singular_values.h"
 #include "mechanism/mechanism.h"
 
 namespace gelenk {
@@ -73,10 +74,7 @@ bool BranchAcceleration::find(const double* q, const double* v, const double* u,
   const auto lower = cholesky.matrixL();  // M = lower lower^T
   const VectorXd free = lower.solve(f);
   const MatrixXd whitened = lower.solve(A.transpose()).transpose();
-  Eigen::CompleteOrthogonalDecomposition<MatrixXd> rates(whitened.rows(), n);
-  rates.setThreshold(weak_row_ratio / 10);
-  rates.compute(whitened);
-  const VectorXd w = free + rates.solve(c - whitened * free);
+  const VectorXd w = free + least_norm_solution(whitened, c - whitened * free, weak_row_ratio / 10);
   const VectorXd found = lower.adjoint().solve(w);
   // Inconsistent rates: the velocities lie on no branch.
   const VectorXd left = whitened * w - c;

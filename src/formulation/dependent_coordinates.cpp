@@ -2,11 +2,11 @@
 #include "formulation/dependent_coordinates.h"
 
 #include <Eigen/LU>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "decomposition/singular_values.h"
 #include "mechanism/mechanism.h"
 
 namespace gelenk {
@@ -121,10 +121,10 @@ void DependentCoordinates::find_blocked(const Level& level) {
       independent(r, static_cast<Index>(k)) = J_(r, level.independent[k]);
   }
   if (independent.cols() == 0) return;
-  const Eigen::JacobiSVD<MatrixXd> svd(dependent, Eigen::ComputeFullU);
+  const SingularValues svd(dependent);
   double largest = 0;
   for (Index i = std::min(dependent.cols(), dependent.rows()) - 1; i < dependent.rows(); ++i) {
-    const VectorXd equation = independent.transpose() * svd.matrixU().col(i);
+    const VectorXd equation = independent.transpose() * svd.U.col(i);
     Index k = 0;
     if (const double size = equation.cwiseAbs().maxCoeff(&k); size > largest) {
       largest = size;

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "linear/singular_values.h"
+#include "decomposition/singular_values.h"
 #include "math/bounds.h"
 
 namespace gelenk {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "preparation/friction_loads.h"
 
+#include "decomposition/singular_values.h"
 #include "kinematics/switching_force.h"
-#include "linear/singular_values.h"
 #include "mechanism/mechanism.h"
 #include "scene/scene.h"
 

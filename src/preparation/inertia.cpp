@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "preparation/inertia.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 
+#include "decomposition/dense.h"
 #include "preparation/preparation.h"
 
 namespace gelenk {
@@ -44,8 +44,7 @@ bool lacks_inertia(const Mechanism& mechanism) {
     const Eigen::Matrix3d I = G.I - G.m * (c.squaredNorm() * Eigen::Matrix3d::Identity() - c * c.transpose());
     const double min_inertia = 1e-9 * G.I.norm();  // subtraction leaves about 1e-16 of it
     if (mechanism.planar) return I(2, 2) <= min_inertia;
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(I, Eigen::EigenvaluesOnly);
-    return solver.eigenvalues()[0] <= min_inertia;
+    return symmetric_eigenvalues(I)[0] <= min_inertia;
   });
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "linear/singular_values.h"
+#include "decomposition/singular_values.h"
 
 #include <Eigen/SVD>
 
@@ -15,7 +15,7 @@ SingularValues::SingularValues(const MatrixXd& J) {
     V.setIdentity(J.cols(), J.cols());
     return;
   }
-  const Eigen::BDCSVD<MatrixXd> svd(J, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Eigen::JacobiSVD<MatrixXd> svd(J, Eigen::ComputeFullU | Eigen::ComputeFullV);
   U = svd.matrixU();
   V = svd.matrixV();
   sigma = svd.singularValues();
