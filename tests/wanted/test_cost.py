@@ -73,6 +73,9 @@ def test_counts_and_sizes_are_the_same(k: int) -> None:
 
 
 @pytest.mark.clock
+@pytest.mark.filterwarnings(
+    "ignore:.*a guess with which the loops cannot be closed:gelenk.errors.StartWarning"
+)
 def test_evaluation_of_the_whole_scene_costs_more() -> None:
     """Verifies that the comparisons above are meaningful:
     two hundred islands take at least twenty times as long as one.
