@@ -16,8 +16,7 @@ BELOW: dict[str, set[str]] = {"util": set(), "math": set(), "linear": set(), "de
 BELOW |= {"expression": {"util", "math"}, "event": {"math", "util"}, "complementarity": {"linear", "util"}}
 BELOW["field"] = BELOW["recording"] = BELOW["lanes"] = {"expression", *BELOW["expression"]}
 BELOW["shape"] = BELOW["joint"] = {"field", "math", *BELOW["field"]}
-BELOW["collision"] = {"shape", *BELOW["shape"]}
-BELOW["element"] = {"joint", *BELOW["joint"]}
+BELOW |= {"collision": {"shape", *BELOW["shape"]}, "element": {"joint", *BELOW["joint"]}}
 BELOW["scene"] = {"element", "shape", *BELOW["element"], *BELOW["shape"]}
 BELOW["check"] = {"scene", "decomposition", *BELOW["scene"]}
 BELOW["scene_file"] = {"check", *BELOW["check"]}

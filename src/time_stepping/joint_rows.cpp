@@ -45,17 +45,24 @@ JointRows::JointRows(SwitchingForces& switching_forces, int nv)
 }
 
 // Of a lock of which the coordinate is latched, if it has the latch.
-void JointRows::add_latch(int lock, ContactRows& rows, std::vector<Cone>& cones) {
-  if (switching_.lock(lock).latch < 0) return;
+void JointRows::add_latch(int lock, const Start& at, ContactRows& rows, std::vector<Cone>& cones) {
+  const SwitchingForces::Lock& of = switching_.lock(lock);
+  if (of.latch < 0) return;
   cones.push_back(Cone::within(rows.count(), -unlimited, unlimited));
-  rows.add_lock(lock, switching_.lock(lock).sign);
+  rows.add_lock(lock, of.sign);
   rows_.push_back({.lock = lock, .is_latch = true});
+  if (of.limit < 0 || of.one_way) return;
+  const double moved = at.h / 2 * switching_.speed(lock, at.v);
+  for (const int side : {1, -1}) {
+    const double depth = switching_.depth(lock, side).depth;
+    if (depth > touch_tolerance && depth <= side * moved + touch_tolerance) rows_.back().passed = side * depth;
+  }
 }
 
 void JointRows::add(const Start& at, ContactRows& rows, std::vector<Cone>& cones) {
   for (int i = 0; i < switching_.locks(); ++i) {
     if (switching_.engagement(i) > 0) {  // which leaves friction and limits nothing to hold
-      add_latch(i, rows, cones);
+      add_latch(i, at, rows, cones);
     } else {
       add_friction(i, at, rows, cones);
       add_limits(i, at, rows, cones);

@@ -27,6 +27,9 @@ class JointRows {
     bool turns_back = false;  // it moves in the other direction at the end of the step
     DirectedLimit at_rest{}, sliding{};
 
+    // Of a latch that engages in motion: how far the first half of the step has led beyond a limit, below 0 for a
+    // lower.
+    double passed = 0;
     bool is_friction() const { return side == 0 && !is_latch; }
   };
   // What a step of length h begins with: velocities, accelerations without impulses, forces of the last step by lock.
@@ -81,7 +84,7 @@ class JointRows {
   const Moving& moving_latch() const { return moving_latch_; }
 
  private:
-  void add_latch(int lock, ContactRows& rows, std::vector<Cone>& cones);
+  void add_latch(int lock, const Start& at, ContactRows& rows, std::vector<Cone>& cones);
   void add_friction(int lock, const Start& at, ContactRows& rows, std::vector<Cone>& cones);
   void add_limits(int lock, const Start& at, ContactRows& rows, std::vector<Cone>& cones);
   static bool stops_before(const Row& row, int motion);

@@ -85,19 +85,19 @@ bool TimeStepper::remains_struck(std::size_t cone) const {
 // expansion: what they do not let give way returns what strikes it. Friction of joints exerts none.
 void TimeStepper::find_compression() {
   has_compression_ = true;
-  correction_cones_.clear();
+  compression_cones_.clear();
   for (std::size_t i = 0; i < cones_.size(); ++i) {
     const JointRows::Row* const joint = i < points_.size() ? nullptr : &joints_[i - points_.size()];
     if (strikes_[i] != 0 || (joint != nullptr && (joint->is_of_speed || joint->is_latch))) {
-      correction_cones_.push_back(cones_[i]);
+      compression_cones_.push_back(cones_[i]);
       continue;
     }
-    for (int k = 0; k < cones_[i].size(); ++k) correction_cones_.push_back(Cone::within(cones_[i].first + k, 0, 0));
+    for (int k = 0; k < cones_[i].size(); ++k) compression_cones_.push_back(Cone::within(cones_[i].first + k, 0, 0));
   }
   for (std::size_t r = 0; r < b_.size(); ++r) b_[r] = speeds_[r] + belts_[r];
   free_speeds_ = b_;
   std::ranges::fill(compression_, 0.0);
-  solve(correction_cones_, compression_);
+  solve(compression_cones_, compression_);
 }
 
 // That the impulses of contacts and limits add, between the velocities before and after them.

@@ -77,15 +77,14 @@ void TimeStepper::reserve() {
   opens_.reserve(points);
   for (auto* of : {&state_.contacts, &kept_.contacts, &second_.contacts, &last_contacts_}) of->reserve(points);
   cones_.reserve(rows);
-  correction_cones_.reserve(rows);
+  compression_cones_.reserve(rows);
   joints_.reserve(rows);
   strikes_.reserve(rows);
   restitution_.reserve(rows);
-  for (std::vector<double>* of : {&b_, &x_, &speeds_, &free_speeds_, &belts_, &compression_, &least_, &after_,
-                                  &displacing_, &correction_b_, &correction_, &relieved_})
+  for (std::vector<double>* of :
+       {&b_, &x_, &speeds_, &free_speeds_, &belts_, &compression_, &least_, &after_, &displacing_, &relieved_})
     of->reserve(rows);
-  correction_rows_.reserve(rows);
-  normal_operator_.reserve(rows);
+  correction_.reserve(rows);
   rows_.reserve(static_cast<int>(rows));
   operator_.reserve(rows);
   // The solver keeps the memory of the largest problem.
@@ -271,42 +270,42 @@ double TimeStepper::most_corrected(std::size_t cone) const {
   return max_correction * std::min(finder_.size(points_[cone].a), finder_.size(points_[cone].b));
 }
 
+// Returns whether positions at the end of the step need a correction. hold: joints at rest do not move by it.
+bool TimeStepper::find_corrections(double h, bool hold) {
+  correction_.clear();
+  const double slow = std::max(rest_speed, left_tolerances * velocity_tolerance());
+  bool any = false;
+  for (std::size_t i = 0; i < cones_.size(); ++i) {
+    const double speed = free_speeds_[static_cast<std::size_t>(cones_[i].first)];
+    const Gap at = gap_of(i);
+    if (at.sign == 0) {
+      const bool rests = hold && i >= points_.size() && std::abs(speed) <= slow;
+      any = (rests && correction_.hold(joints_[i - points_.size()], cones_[i])) || any;
+      continue;
+    }
+    const double opens = i < points_.size() ? opens_[i] / 4 : 0;  // in the second half of the step
+    const double gap = std::max(at.gap + at.sign * h / 2 * speed + opens, -most_corrected(i));
+    const bool closes = gap > touch_tolerance && remains_struck(i);
+    any = any || closes || gap < -touch_tolerance;
+    correction_.add(cones_[i].first, at.sign * gap, at.sign < 0 || closes ? -unlimited : 0,
+                    at.sign > 0 || closes ? unlimited : 0);
+  }
+  return any;
+}
+
 // Adds to dq the smallest displacement that ends all penetrations that remain at the end of the step, and all gaps of
-// what has been struck without restitution.
+// what has been struck without restitution. What is held at rest moves only where nothing else can end them.
 void TimeStepper::correct_position(double h, double* dq) {
   if (cones_.empty()) return;
   rows_.speeds(v1_.data(), free_speeds_.data());
-  correction_cones_.clear();
-  correction_rows_.clear();
-  correction_b_.clear();
-  bool any = false;
-  for (std::size_t i = 0; i < cones_.size(); ++i) {
-    const int first = cones_[i].first;
-    const Gap at = gap_of(i);
-    if (at.sign == 0) continue;
-    const double opens = i < points_.size() ? opens_[i] / 4 : 0;  // in the second half of the step
-    const double end = at.gap + at.sign * h / 2 * free_speeds_[static_cast<std::size_t>(first)] + opens;
-    const double gap = std::max(end, -most_corrected(i));
-    const bool closes = gap > touch_tolerance && remains_struck(i);
-    any = any || closes || gap < -touch_tolerance;
-    correction_b_.push_back(at.sign * gap);
-    correction_cones_.push_back(Cone::within(static_cast<int>(correction_rows_.size()),
-                                             at.sign < 0 || closes ? -unlimited : 0,
-                                             at.sign > 0 || closes ? unlimited : 0));
-    correction_rows_.push_back(first);
+  const double tolerance = std::max(touch_tolerance, h * velocity_tolerance()) / 10;
+  for (const bool hold : {true, false}) {
+    if (!find_corrections(h, hold)) return;
+    std::ranges::fill(displacing_, 0.0);
+    const ConeResult result = correction_.solve(operator_, *solver_, tolerance, displacing_);
+    solved_.iterations = std::max(solved_.iterations, result.iterations);
+    if (result.converged) break;
   }
-  if (!any) return;
-  normal_operator_.select(operator_, correction_rows_);
-  correction_.assign(correction_rows_.size(), 0.0);
-  ConeOptions options;
-  options.tolerance = std::max(touch_tolerance, h * velocity_tolerance()) / 10;
-  options.max_iterations = most_cone_iterations;
-  const ConeResult result =
-      solver_->solve({normal_operator_, correction_b_, correction_cones_, false}, options, correction_.data());
-  solved_.iterations = std::max(solved_.iterations, result.iterations);
-  std::ranges::fill(displacing_, 0.0);
-  for (std::size_t i = 0; i < correction_rows_.size(); ++i)
-    displacing_[static_cast<std::size_t>(correction_rows_[i])] = correction_[i];
   rows_.strike(displacing_.data(), dq);
 }
 

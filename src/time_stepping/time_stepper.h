@@ -27,8 +27,8 @@
 #include "time_stepping/impulse_accuracy.h"
 #include "time_stepping/joint_rows.h"
 #include "time_stepping/load_iteration.h"
+#include "time_stepping/position_correction.h"
 #include "time_stepping/recorded_problem.h"
-#include "time_stepping/selected_rows.h"
 
 namespace gelenk {
 
@@ -148,6 +148,7 @@ class TimeStepper final : public ContactReadings {
   };
   Gap gap_of(std::size_t cone) const;
   double most_corrected(std::size_t cone) const;
+  bool find_corrections(double h, bool hold);
   void correct_position(double h, double* dq);
   void remember(double h);
   void find_missed(double h);
@@ -184,12 +185,10 @@ class TimeStepper final : public ContactReadings {
   double last_residual_ = 0;                 // of the last cone problem
   std::vector<double> belts_;                // by row: their velocities
   std::vector<double> compression_, least_;  // by row: impulses of Poisson's law, where it applies
+  std::vector<Cone> compression_cones_;
   std::vector<double> after_, relieved_;
-  // The problem of positions, in the normal rows alone, and its solution in all rows.
-  std::vector<int> correction_rows_;
-  std::vector<Cone> correction_cones_;
-  std::vector<double> correction_b_, correction_, displacing_;
-  SelectedRows normal_operator_;
+  PositionCorrection correction_;
+  std::vector<double> displacing_;  // by row: impulses of its displacement
   std::vector<double> v0_, v1_, vm_, vdot_, vdot_before_, dq_;
   std::vector<std::vector<double>> starts_;  // of a step and its halves
   // Friction that depends on loads: iterations for its limits, and the forces that act with it.
