@@ -26,10 +26,9 @@ void PositionCorrection::add(int row, double excess, double lower, double upper)
   excess_.push_back(excess);
 }
 
-bool PositionCorrection::hold(const JointRows::Row& joint, const Cone& cone) {
+void PositionCorrection::hold(const JointRows::Row& joint, const Cone& cone) {
   const bool turns = joint.is_of_speed;
   add(cone.first, joint.passed, turns ? cone.lower : -unlimited, turns ? cone.upper : unlimited);
-  return joint.passed != 0;
 }
 
 ConeResult PositionCorrection::solve(const ConeOperator& all, ConeSolver& solver, double tolerance,

@@ -18,9 +18,10 @@ class PositionCorrection {
   void clear();
   // Rows are added in ascending order. The displacement ends the excess of its row by impulses between these bounds.
   void add(int row, double excess, double lower, double upper);
-  // A joint that a latch, friction or a one-way clutch has held at rest keeps its position: corrections would add up
-  // to a creep. A latch that has passed a limit returns to it; returns whether it does. cone: of the joint's row.
-  bool hold(const JointRows::Row& joint, const Cone& cone);
+  // A joint that a latch or friction has held at rest keeps its position, and one that a one-way clutch has held does
+  // not turn back: corrections would add up to a creep. A latch that has passed a limit returns to it. cone: of the
+  // row.
+  void hold(const JointRows::Row& joint, const Cone& cone);
   // out: by row of all, the impulses of the displacement; for other rows it is unchanged. tolerance: of displacements.
   ConeResult solve(const ConeOperator& all, ConeSolver& solver, double tolerance, std::vector<double>& out);
 

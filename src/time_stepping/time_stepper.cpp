@@ -270,7 +270,8 @@ double TimeStepper::most_corrected(std::size_t cone) const {
   return max_correction * std::min(finder_.size(points_[cone].a), finder_.size(points_[cone].b));
 }
 
-// Returns whether positions at the end of the step need a correction. hold: joints at rest do not move by it.
+// Returns whether positions at the end of the step need a correction. hold: joints at rest do not move by it, but for
+// latches that have passed a limit, which return to it in any case.
 bool TimeStepper::find_corrections(double h, bool hold) {
   correction_.clear();
   const double slow = std::max(rest_speed, left_tolerances * velocity_tolerance());
@@ -279,8 +280,10 @@ bool TimeStepper::find_corrections(double h, bool hold) {
     const double speed = free_speeds_[static_cast<std::size_t>(cones_[i].first)];
     const Gap at = gap_of(i);
     if (at.sign == 0) {
-      const bool rests = hold && i >= points_.size() && std::abs(speed) <= slow;
-      any = (rests && correction_.hold(joints_[i - points_.size()], cones_[i])) || any;
+      if (i < points_.size() || !(std::abs(speed) <= slow)) continue;
+      const JointRows::Row& joint = joints_[i - points_.size()];
+      any = any || joint.passed != 0;
+      if (hold || joint.passed != 0) correction_.hold(joint, cones_[i]);
       continue;
     }
     const double opens = i < points_.size() ? opens_[i] / 4 : 0;  // in the second half of the step

@@ -116,3 +116,32 @@ def test_penetration_that_only_a_held_joint_can_end_ends() -> None:
     plant.initialize()
     plant.step_to(0.01)
     assert plant.values(["slide.s"])[0] == pytest.approx(0.05, abs=1e-9)
+
+
+@pytest.mark.parametrize("count", [1, 2, 4])
+@pytest.mark.parametrize("holds", ["lock", "friction"])
+def test_redundant_brakes_hold_a_linkage_in_place(holds: str, count: int) -> None:
+    """One brake holds a linkage of one degree of freedom; the others repeat its equation."""
+    plant_scene = striking_arm({}, 2e-3)
+    link = {"mass": 1.0, "com": [0.1, 0, 0], "inertia": [0.001, 0.01, 0.01]}
+    plant_scene["bodies"] = {"upper": ROD, "crank": link, "coupler": link, "rocker": link}
+    ends: dict[str, tuple[Any, Any]] = {
+        "A": ({"body": "upper", "position": [0.1, 0, 0]}, "crank"),
+        "B": ({"body": "crank", "position": [0.2, 0, 0]}, "coupler"),
+        "D": ({"body": "upper", "position": [0.35, 0, 0]}, "rocker"),
+        "C": ({"body": "coupler", "position": [0.25, 0, 0]}, {"body": "rocker", "position": [0.2, 0, 0]}),
+    }
+    joints = {"shoulder": plant_scene["joints"]["shoulder"]}
+    for k, (name, (parent, child)) in enumerate(ends.items()):
+        held = HOLDS[holds] if k < count else {}
+        joints[name] = {"type": "revolute", "axis": [0, 1, 0], "parent": parent, "child": child, **held}
+    joints["A"]["start"] = {"phi": 0.9}
+    plant_scene["joints"] = joints
+    plant = gelenk.Simulation(plant_scene)
+    plant.initialize()
+    angles = ["A.phi", "B.phi", "D.phi"]
+    start = plant.values(angles)
+    for k in range(1, 51):
+        plant.step_to(k * 0.02)
+        assert plant.values(angles) == pytest.approx(start, abs=1e-11)
+    assert plant.values(["shoulder.phi"])[0] > 0.19
