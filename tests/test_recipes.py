@@ -50,8 +50,8 @@ ROOMS = {
     "AnyShape": "shape",
 }
 BUILT = (
-    "util", "expression", "field", "math", "shape", "joint", "element", "scene", "check", "scene_file",
-    "scene_schema", "mechanism",
+    "util", "expression", "field", "math", "decomposition", "shape", "joint", "element", "scene", "check",
+    "scene_file", "scene_schema", "mechanism",
 )  # fmt: skip
 NOT_BUILT = ("yaml.cpp",)  # of no use to JSON
 # Of the rooms above, what says which forces act on bodies.
