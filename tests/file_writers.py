@@ -41,6 +41,7 @@ KINDS: dict[str, Callable[[Any, Path], object]] = {
     "mat": gelenk.Result.save, "yaml": gelenk.Scene.save, "json": gelenk.Scene.save,
     "html": gelenk.View.save, "gif": gelenk.View.save, "png": gelenk.View.save, "svg": _plot,
     "fmu": functools.partial(gelenk.export_fmu, view=False),
+    "ssp": functools.partial(gelenk.export_ssp, view=False),
     "sweep.csv": write, "sweep.parquet": write, "sweep.nc": write,
 }  # fmt: skip
 

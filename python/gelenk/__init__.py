@@ -46,7 +46,7 @@ if TYPE_CHECKING:
         sensitivity,
         vjp,
     )
-    from gelenk.io import export_fmu, import_urdf
+    from gelenk.io import export_fmu, export_ssp, import_urdf
     from gelenk.learning import environment, vector_environment
     from gelenk.linear import LinearModel, OperatingPoint, control_system, linearize
     from gelenk.modal import Mode, Modes, modes
@@ -97,6 +97,7 @@ __all__ = [
     "equations",
     "equilibrium",
     "export_fmu",
+    "export_ssp",
     "fit",
     "import_urdf",
     "inspect",
@@ -124,7 +125,7 @@ _get, _dir = _lazy.lazy(
         ".equilibria": ["Equilibrium", "equilibrium"],
         ".errors": [name for name in __all__ if name.endswith(("Error", "Warning"))],
         ".gradients": ["DifferentiatedRun", "Fit", "Optimum", "fit", "jvp", "optimize", "sensitivity", "vjp"],
-        ".io": ["export_fmu", "import_urdf"],
+        ".io": ["export_fmu", "export_ssp", "import_urdf"],
         ".learning": ["environment", "vector_environment"],
         ".linear": ["LinearModel", "OperatingPoint", "control_system", "linearize"],
         ".modal": ["Mode", "Modes", "modes"],

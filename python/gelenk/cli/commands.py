@@ -61,7 +61,9 @@ def export(
     scene: SceneFile,
     output: Annotated[
         Path | None,
-        typer.Option("--output", "-o", metavar="X.fmu", help="FMU file; default: NAME.fmu in this folder."),
+        typer.Option(
+            "--output", "-o", metavar="X.fmu", help="File; default: NAME.fmu, or NAME.ssp, in this folder."
+        ),
     ] = None,
     without: Without = None,
     platforms: Annotated[
@@ -85,20 +87,30 @@ def export(
             autocompletion=completion.fmi_versions,
         ),
     ] = 2,
+    ssp: Annotated[
+        bool, typer.Option("--ssp", help="An SSP archive: FMU, parameters, and the place of a controller.")
+    ] = False,
     assembly_tolerance: AssemblyTolerance = None,
 ) -> Report:
-    """Export a scene as an FMU (FMI 2.0 or 3.0).
+    """Export a scene as an FMU (FMI 2.0 or 3.0), or as an SSP archive with one.
 
     Libraries for platforms other than this one are built by `make runtimes`.
     """
-    from gelenk.io.export import file_name_notes, fmu_file, platform_names
+    from gelenk.io.export import default_file, file_name_notes, platform_names
+
+    if ssp and fmi != 2:
+        raise UsageError(f"--fmi: found {fmi}, expected 2, of which the FMU in an SSP archive is")
+    ending = ".ssp" if ssp else ".fmu"
 
     wanted = platform_names([name.strip() for name in platforms.split(",")] if platforms else None)
     loaded = load_scene(scene, assembly_tolerance).without(without or [])
-    out = gelenk.export_fmu(
-        loaded, output or fmu_file(loaded.name), wanted, split_all_names(outputs), view=view, fmi=fmi
-    )
-    notes = file_name_notes(loaded.name, output)
+    target = output or default_file(loaded.name, ending)
+    requested = split_all_names(outputs)
+    if ssp:
+        out = gelenk.export_ssp(loaded, target, wanted, requested, view=view)
+    else:
+        out = gelenk.export_fmu(loaded, target, wanted, requested, view=view, fmi=fmi)
+    notes = file_name_notes(loaded.name, output, ending)
     for sentence in notes:
         print(sentence, file=sys.stderr)
     size = out.stat().st_size

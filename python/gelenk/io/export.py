@@ -115,17 +115,18 @@ def _view(scene: str, poses: list[float]) -> str:
         return ""
 
 
-def fmu_file(name: str) -> Path:
-    """Return the default FMU file for a scene's name, valid on Linux, macOS and Windows."""
-    return Path(f"{_core.file_stem(name)}.fmu")
+def default_file(name: str, ending: str = ".fmu") -> Path:
+    """Return the default file for a scene's name, valid on Linux, macOS and Windows."""
+    return Path(f"{_core.file_stem(name)}{ending}")
 
 
-def file_name_notes(name: str, output: Path | None) -> list[str]:
-    """Return notes about the file name of a scene's FMU.
+def file_name_notes(name: str, output: Path | None, ending: str = ".fmu") -> list[str]:
+    """Return notes about the file name of a scene's FMU or SSP archive.
 
     Args:
         name: name of the scene.
         output: file name that the user has given instead.
+        ending: of the default file.
 
     Returns:
         list[str]: notes for the user; empty if there is no problem.
@@ -133,7 +134,7 @@ def file_name_notes(name: str, output: Path | None) -> list[str]:
     if output is not None:
         device = f"{output}: {output.stem!r} is the name of a device on Windows, where this file cannot exist"
         return [device] if _core.is_device_name(output.name) else []
-    file = fmu_file(name)
+    file = default_file(name, ending)
     if file.stem == name:
         return []
     return [
