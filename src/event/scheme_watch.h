@@ -47,12 +47,12 @@ class SchemeWatch {
     quiet_needed_ = since_return_ < memory ? std::min(2 * quiet_needed_, most_quiet) : least_quiet;
     quiet_ = 0;
   }
-  // Call after steps with impulses for a time [s], during which contacts have changed or not. Returns whether to return
-  // to events.
-  bool stepped(double time, bool changed, int closed) {
+  // Call after steps with impulses for a time [s], during which contacts have changed or not.
+  void stepped(double time, bool changed, int closed) {
     quiet_ = changed || closed > least_closed ? 0 : std::min(quiet_ + time / step_, most_quiet);
-    return quiet_ >= quiet_needed_ - rounding;
   }
+  // Whether to return to events.
+  bool is_quiet() const { return quiet_ >= quiet_needed_ - rounding; }
   // Call where events begin again.
   void return_to_events() { events_ = since_return_ = 0; }
 

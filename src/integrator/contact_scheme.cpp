@@ -84,8 +84,8 @@ class ContactScheme final : public Integrator {
  private:
   Integrator& present() { return impulses_.are_used() ? *with_impulses_ : *between_events_; }
 
-  // Events are left before a step, not after one: at a communication point, the outputs are those of the located events
-  // that have led to it, since steps have no forces before the first one.
+  // Events are left before a step, not after one, and so are steps with impulses: at a communication point, the outputs
+  // are those of the way that has led to it, since neither has forces before its first step.
   void locate_towards(double end) {
     const SchemeChange::Cause cause = watch_.too_many(impulses_.activity().closed);
     if (cause != SchemeChange::Cause::none) return leave_events(cause);
@@ -119,12 +119,15 @@ class ContactScheme final : public Integrator {
   }
 
   void step_towards(double end) {
+    if (watch_.is_quiet() && impulses_.can_be_located_at(y_.data())) return return_to_events();
     const long changes = with_impulses_->changes();
     const double start = t_;
     t_ = with_impulses_->advance_some(end, y_.data(), steps_with_impulses);
     const bool changed = with_impulses_->changes() != changes;
-    if (!watch_.stepped(t_ - start, changed, impulses_.activity().closed) || !impulses_.can_be_located_at(y_.data()))
-      return;
+    watch_.stepped(t_ - start, changed, impulses_.activity().closed);
+  }
+
+  void return_to_events() {
     watch_.return_to_events();
     with_impulses_->end();
     impulses_.change_to(false, t_, y_.data());

@@ -144,7 +144,11 @@ void bind_times(nb::module_& m) {
       .def("are_too_many",
            [](const SchemeWatch& of, int closed) { return of.too_many(closed) != gelenk::SchemeChange::Cause::none; })
       .def("leave_events", &SchemeWatch::leave_events)
-      .def("stepped", &SchemeWatch::stepped)
+      .def("stepped",
+           [](SchemeWatch& of, double time, bool changed, int closed) {
+             of.stepped(time, changed, closed);
+             return of.is_quiet();
+           })
       .def("return_to_events", &SchemeWatch::return_to_events);
   bind_words(watch);
 

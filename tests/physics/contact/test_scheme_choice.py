@@ -125,6 +125,71 @@ def test_rest_leads_back_to_events() -> None:
     np.testing.assert_allclose(heights, 0.05, rtol=0, atol=1e-9)
 
 
+def jammed_wheel() -> SceneData:
+    """A cart at a stop, its wheel driven against a limit, where it rubs; a load on a locked hook."""
+    return {
+        "gelenk": 1,
+        "gravity": [0, 0, -9.81],
+        "bodies": {
+            "load": {"mass": 2.0},
+            "cart": {"mass": 0},
+            "axle": {"mass": 4.7},
+            "wheel": {
+                "mass": 0.62,
+                "inertia": [0.004464] * 3,
+                "shapes": {
+                    "tread": {
+                        "wheel": {"radius": 0.12},
+                        "rotation": {"axis": [1, 0, 0], "angle": np.pi / 2},
+                        "surface": "rubber",
+                    }
+                },
+            },
+        },
+        "ground": {"shapes": {"road": {"plane": [0, 0, 1], "surface": "road"}}},
+        "joints": {
+            "hook": {
+                "type": "prismatic", "axis": [0, 0, 1], "parent": "ground", "child": "load",
+                "lock": {"engaged": True},
+            },
+            "x": {
+                "type": "prismatic", "axis": [1, 0, 0], "parent": "ground", "child": "cart",
+                "start": {"s": 0, "v": 1, "fixed": True}, "limit": {"upper": 0.1, "restitution": 0},
+            },
+            "z": {
+                "type": "prismatic", "axis": [0, 0, 1], "parent": "cart", "child": "axle",
+                "start": {"s": 0.12, "fixed": True},
+            },
+            "hub": {
+                "type": "revolute", "axis": [0, 1, 0], "parent": "axle", "child": "wheel",
+                "start": {"phi": 0, "fixed": True},
+                "limit": {"lower": -0.02, "upper": 0.02, "restitution": 1},
+            },
+        },
+        "motors": {"motor": {"joint": "hub"}},
+        "contacts": {"tread": {"between": ["rubber", "road"], "friction": 0.3, "restitution": 0}},
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("step", [0.02, 0.01, 0.001])
+def test_what_holds_has_its_force_where_events_begin_again(step: float) -> None:
+    """They begin with an impact on the limit, towards which steps with impulses have left a small speed."""
+    simulation = gelenk.Simulation(jammed_wheel())
+    simulation.initialize()
+    simulation.set_input("motor.tau", 9.394056)
+    seen = []
+    for k in range(1, round(0.4 / step)):
+        simulation.step_to(k * step)
+        mode, force, torque = simulation.values(["hook.lock.mode", "hook.lock.f", "hub.limit.tau"])
+        assert mode == 1
+        assert force == pytest.approx(2 * 9.81, rel=1e-6)
+        seen.append(int(simulation.diagnostic("solver.scheme")))
+        if STEPPING in seen:
+            assert torque < -5
+    assert STEPPING in seen
+    assert seen[-1] == EVENTS
+
+
 @pytest.mark.parametrize("time", [0.2, 0.46, 0.9, 0.98])
 def test_a_restored_run_continues_across_the_change(time: float) -> None:
     """After more than 3 impacts within a communication step, steps go on; rest leads back to events."""
