@@ -64,6 +64,10 @@ void decide_on_joints(SwitchingForces& forces, const double* vdot, LockProblem& 
     limit_to(i, problem.locks[static_cast<std::size_t>(i)].sticking, part);
   }
   scale = scale.cwiseMax(W.cwiseAbs() * limits);
+  // What constraint equations or latches hold needs no force for the rounding of its acceleration.
+  for (Index i = 0; i < n; ++i) {
+    if (W(i, i) == 0 && std::abs(b[i]) <= box_acceleration_tolerance * scale[i]) b[i] = 0;
+  }
   BoxSolution found;
   const auto is_held = [&](Index i) {
     return found.at_bound[static_cast<std::size_t>(i)] == 0 ||

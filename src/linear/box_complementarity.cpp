@@ -18,6 +18,8 @@ using Eigen::VectorXd;
 constexpr int first_sweeps = 20;
 // Pivots below this fraction of the largest are rounding. A wrong choice shows in the residual.
 constexpr double least_pivot = 1e-13;
+// Rounding of a product W x, relative to its largest term.
+constexpr double rounding = 1e-15;
 
 // A solution of W x = b in which redundant entries are 0, by Cholesky's method with pivoting (Higham 2002, sec. 10.3),
 // in a fraction of the time of least_squares().
@@ -69,7 +71,7 @@ class ActiveSet {
     for (Index i = 0; i < b.size(); ++i) {
       held_[i] = lower_[i] == upper_[i] ? 1 : 0;  // both are 0
       const double bound = std::max(std::abs(lower_[i]), std::abs(upper_[i]));
-      if (std::isfinite(bound)) tolerance_ = std::max(tolerance_, 1e-15 * bound * largest);  // rounding of W x
+      if (std::isfinite(bound)) tolerance_ = std::max(tolerance_, rounding * bound * largest);
     }
   }
 
@@ -125,11 +127,11 @@ class ActiveSet {
       const MatrixXd W = W_(F, F);
       VectorXd step = basic_solution(W, r);
       VectorXd left = r - W * step;
-      bool bounded = left.cwiseAbs().maxCoeff() <= tolerance_;
+      bool bounded = is_rounding(left, W, step);
       if (!bounded) {
         step = least_squares(W, r);
         left = r - W * step;
-        bounded = left.cwiseAbs().maxCoeff() <= tolerance_;
+        bounded = is_rounding(left, W, step);
         // A residual that no step removes is a direction along which the objective falls without bound.
         if (!bounded) step = left;
       }
@@ -139,6 +141,15 @@ class ActiveSet {
       if (reach.stopped < 0) return true;
       hold(F[reach.stopped], step[reach.stopped] > 0 ? 1 : -1);
     }
+  }
+
+  // Where rows are nearly dependent, steps are large. What they leave is what later residuals may have, too.
+  bool is_rounding(const VectorXd& left, const MatrixXd& W, const VectorXd& step) {
+    const double found = left.cwiseAbs().maxCoeff();
+    const double terms = W.cwiseAbs().maxCoeff() * step.cwiseAbs().maxCoeff();
+    if (!(found <= std::max(tolerance_, rounding * terms))) return false;
+    tolerance_ = std::max(tolerance_, found);
+    return true;
   }
 
   // How much of a step stays within the bounds, and the entry that reaches its bound first, or -1.

@@ -101,6 +101,19 @@ def test_nearly_redundant_forces(units: Any, spread: float) -> None:
     check(W, b, np.zeros(3), np.full(3, np.inf), x, r)
 
 
+@pytest.mark.parametrize("digits", range(1, 11))
+def test_nearly_equal_rows_have_large_forces(units: Any, digits: int) -> None:
+    """As of a lock and a limit at the ends of a short link. Errors of W x are relative to its terms."""
+    c = 1 - 10.0**-digits
+    truth = np.array([c, 1]) / ((1 - c) * (1 + c))
+    for scale in (1.0, 1e3, 1182.51):
+        unit = np.array([np.sqrt(scale), 1.0])
+        W = np.array([[1, -c], [-c, 1]]) * np.outer(unit, unit)
+        x, _, found = solved(units, W, [0, 0.838], [-np.inf, 0], [np.inf, np.inf])
+        assert found
+        assert x * unit == pytest.approx(0.838 * truth, rel=1e-15 * 10**digits + 1e-14)
+
+
 def test_equal_forces_share_what_one_would_do(units: Any) -> None:
     """Four joints hold a loop with one degree of freedom: their torques are those of least norm."""
     a = np.array([1.0, -1.0, 0.5, 2.0])
