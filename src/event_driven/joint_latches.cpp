@@ -73,9 +73,9 @@ void JointLatches::set(double t, const double* y, bool jumped) {
   if (next != modes_.state()) modes_.set_state(next);
 }
 
-void JointLatches::refuse_moved(const double* before, const double* q) {
+void JointLatches::refuse_moved(const std::vector<int>& latched, const double* before, const double* q) {
   for (int i = 0; i < modes_.count(); ++i) {
-    if (modes_.modes_.latched[i] == 0) continue;
+    if (latched[static_cast<std::size_t>(i)] == 0 || modes_.modes_.latched[i] == 0) continue;
     const SwitchingForces::Lock& lock = forces_.lock(i);
     // A joint that closes a loop is in a plane, where coordinates have the numbers of velocities.
     const double moved = lock.latched_q >= 0 ? q[lock.latched_q] - before[lock.latched_q]

@@ -19,9 +19,9 @@ class JointLatches {
   // Engages and releases all as their inputs at (t, y) say, but those of joints in motion: they are not engaged before
   // the impact.
   void set(double t, const double* y, bool jumped);
-  // The run cannot continue where a prescribed motion has jumped and moved an engaged latch, from the coordinates
-  // before to the others, since closed loops leave it no choice.
-  void refuse_moved(const double* before, const double* q);
+  // The run cannot continue where a prescribed motion has jumped and moved a latch that holds now and held before
+  // (latched, by lock), from the coordinates before to the others, since closed loops leave it no choice.
+  void refuse_moved(const std::vector<int>& latched, const double* before, const double* q);
 
  private:
   bool is_switched(int lock, bool jumped) const;

@@ -36,8 +36,11 @@ class ModeChanges {
   // The same of joints where velocities have jumped, after LockModes::release(); what was at rest before and has not
   // been moved but by rounding is stopped (JointChanges::stop_unmoved), and remains at rest if friction holds it.
   void restart(double t, double* y, const LockModes::State& before, double estimated_over);
-  // See JointLatches.
-  void refuse_moved_latches(const double* before, const double* q) { latches_.refuse_moved(before, q); }
+  // By lock, whether its latch holds; and what those that held before a motion jumped are refused for: see JointLatches.
+  const std::vector<int>& latched() const { return joints_.state().latched; }
+  void refuse_moved_latches(const std::vector<int>& latched, const double* before, const double* q) {
+    latches_.refuse_moved(latched, before, q);
+  }
   // Call when inputs have jumped.
   void inputs_jumped() { jumped_ = true; }
   // Brings the modes up to date where a step begins at (t, y). Returns whether velocities in y, or modes in which they

@@ -219,13 +219,14 @@ void Island::enforce_given_motions() {
   const auto same = [](double a, double b) { return std::abs(a - b) <= jump_tolerance * (1 + std::abs(a)); };
   if (std::ranges::equal(drives_, followed_, same)) return;
   const std::vector<double> before(y_.begin(), y_.begin() + mechanism().nq);
+  const std::vector<int> latched = equations_->modes().changes().latched();
   carry_along();
   followed_ = drives_;
   if (!equations_->project_onto_constraints(time_, y_.data(), true)) {
     throw IntegrationError(
         "the motion prescribed by an input cannot be followed from the present state: projection did not converge");
   }
-  equations_->modes().changes().refuse_moved_latches(before.data(), y_.data());
+  equations_->modes().changes().refuse_moved_latches(latched, before.data(), y_.data());
   integrator_->restart(time_, y_.data());
 }
 

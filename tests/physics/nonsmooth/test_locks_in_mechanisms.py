@@ -321,3 +321,33 @@ def test_a_prescribed_motion_that_jumps_moves_no_locked_joint() -> None:
     both.set_input("M.phi_ref", 0.3)
     with pytest.raises(gelenk.StepError, match="A is locked, where no force can stop it"):
         both.step_to(0.2)
+
+
+def carried(engaged: bool) -> Scene:
+    """A mass on a guide, on a carriage whose position an input gives."""
+    joints = {
+        "carriage": joint("prismatic", frame("ground"), frame("base"), axis=[1, 0, 0]),
+        "guide": joint(
+            "prismatic", frame("base"), frame("mass"), axis=[1, 0, 0], lock={**LOCK, "engaged": engaged}
+        ),
+    }
+    motion = {"constraints": {"M": {"type": "motion", "joint": "carriage", "input": "position"}}}
+    return {**scene({"base": body(1), "mass": body(2)}, joints), **motion}
+
+
+@pytest.mark.parametrize("engages", [True, False])
+@pytest.mark.parametrize("jump", [1e-12, 1e-8, 0.3])
+def test_a_lock_switches_where_a_motion_jumps(jump: float, engages: bool) -> None:
+    """It engages in the position after the jump, in which the mass has not moved, or carries it."""
+    plant = started(carried(not engages))
+    plant.set_input_derivative("M.s_ref", 1, 0.0)  # otherwise derivatives are estimated
+    plant.step_to(0.1)
+    plant.set_input("M.s_ref", jump)
+    plant.set_input("guide.lock.engagement", 1.0 if engages else 0.0)
+    plant.step_to(0.2)
+    assert plant.output("guide.lock.mode") == (1 if engages else 0)
+    if engages:
+        assert plant.output("guide.s") == pytest.approx(-jump, abs=2e-12)  # less is no jump
+        assert plant.output("guide.v") == 0
+    else:
+        assert plant.output("carriage.s") == pytest.approx(jump, abs=2e-12)
