@@ -36,7 +36,7 @@ class ModeChanges {
   // The same of joints where velocities have jumped, after LockModes::release(); what was at rest before and has not
   // been moved but by rounding is stopped (JointChanges::stop_unmoved), and remains at rest if friction holds it.
   void restart(double t, double* y, const LockModes::State& before, double estimated_over);
-  // By lock, whether its latch holds; and what those that held before a motion jumped are refused for: see JointLatches.
+  // By lock, whether its latch holds; and the refusal of those that a motion has moved (JointLatches).
   const std::vector<int>& latched() const { return joints_.state().latched; }
   void refuse_moved_latches(const std::vector<int>& latched, const double* before, const double* q) {
     latches_.refuse_moved(latched, before, q);
