@@ -344,9 +344,8 @@ void Island::make_reading() {
 
 std::vector<MotionLaw::Derivatives> Island::targets() const {
   std::vector<MotionLaw::Derivatives> out;
-  for (std::size_t row = 0; row < mechanism().coordinate_rows.size(); ++row) {
+  for (std::size_t row = 0; row < mechanism().coordinate_rows.size(); ++row)
     out.push_back(equations_->drives().target(static_cast<int>(row), time_));
-  }
   return out;
 }
 
