@@ -62,6 +62,22 @@ def test_impacts_of_other_joints_leave_what_holds_in_place(holds: str, step: flo
     assert shoulder > 0.19
 
 
+@pytest.mark.parametrize("step", [2e-3, 5e-4])
+@pytest.mark.parametrize("holds", ["lock", "friction"])
+def test_friction_of_what_strikes_does_not_keep_it_beyond_its_limit(holds: str, step: float) -> None:
+    """The shoulder is at rest after its impact, held by friction, and returns to its limit alone."""
+    scene = striking_arm(HOLDS[holds], step)
+    scene["joints"]["shoulder"] |= {"limit": {"upper": 0.2, "restitution": 0.0}, "friction": {"coulomb": 0.5}}
+    plant = gelenk.Simulation(scene)
+    plant.initialize()
+    for k in range(1, 51):
+        plant.step_to(k * 0.02)
+        shoulder, elbow = plant.values(["shoulder.phi", "elbow.phi"])
+        assert shoulder <= 0.2 + 1e-9
+        assert elbow == pytest.approx(0, abs=1e-11)
+    assert shoulder == pytest.approx(0.2, abs=1e-9)
+
+
 @pytest.mark.parametrize("side", [1, -1])
 @pytest.mark.parametrize("start", [0.0, -0.0004])
 def test_lock_that_engages_in_motion_stops_at_the_limit(start: float, side: int) -> None:
