@@ -208,6 +208,15 @@ void JointRows::set_limits(double h, const double* limits, std::span<Cone> cones
   }
 }
 
+bool JointRows::passes_limit(int lock, double h, std::span<const Cone> cones, const double* speeds) const {
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    const Row& row = rows_[i];
+    if (row.lock != lock || row.side == 0 || row.is_of_speed) continue;
+    if (row.depth + row.side * h / 2 * speeds[cones[i].first] > touch_tolerance) return true;
+  }
+  return false;
+}
+
 bool JointRows::any_stops(const double* v1) const {
   return std::ranges::any_of(rows_, [&](const Row& row) {
     return row.side == 0 && row.slides != 0 && std::abs(switching_.speed(row.lock, v1)) <= rest_speed;

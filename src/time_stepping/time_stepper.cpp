@@ -270,23 +270,6 @@ double TimeStepper::most_corrected(std::size_t cone) const {
   return max_correction * std::min(finder_.size(points_[cone].a), finder_.size(points_[cone].b));
 }
 
-// Of a point or limit at the end of a step, as far as it is corrected at once.
-double TimeStepper::gap_after(std::size_t cone, double h) const {
-  const Gap at = gap_of(cone);
-  const double speed = free_speeds_[static_cast<std::size_t>(cones_[cone].first)];
-  const double opens = cone < points_.size() ? opens_[cone] / 4 : 0;  // in the second half of the step
-  return std::max(at.gap + at.sign * h / 2 * speed + opens, -most_corrected(cone));
-}
-
-// Whether a limit has been passed that the joint of this lock returns to, which its own friction does not prevent.
-bool TimeStepper::returns_to_limit(int lock, double h) const {
-  for (std::size_t i = points_.size(); i < cones_.size(); ++i) {
-    const bool is_own = joints_[i - points_.size()].lock == lock && gap_of(i).sign != 0;
-    if (is_own && gap_after(i, h) < -touch_tolerance) return true;
-  }
-  return false;
-}
-
 // Returns whether positions at the end of the step need a correction. hold: joints at rest do not move by it, but for
 // latches that have passed a limit, which return to it in any case.
 bool TimeStepper::find_corrections(double h, bool hold) {
@@ -300,11 +283,13 @@ bool TimeStepper::find_corrections(double h, bool hold) {
       if (i < points_.size() || !(std::abs(speed) <= slow)) continue;
       const JointRows::Row& joint = joints_[i - points_.size()];
       any = any || joint.passed != 0;
-      if (joint.is_friction() && returns_to_limit(joint.lock, h)) continue;
+      // It does not keep the joint beyond a limit of its own.
+      if (joint.is_friction() && joints_.passes_limit(joint.lock, h, joint_cones(), free_speeds_.data())) continue;
       if (hold || joint.passed != 0) correction_.hold(joint, cones_[i]);
       continue;
     }
-    const double gap = gap_after(i, h);
+    const double opens = i < points_.size() ? opens_[i] / 4 : 0;  // in the second half of the step
+    const double gap = std::max(at.gap + at.sign * h / 2 * speed + opens, -most_corrected(i));
     const bool closes = gap > touch_tolerance && remains_struck(i);
     any = any || closes || gap < -touch_tolerance;
     correction_.add(cones_[i].first, at.sign * gap, at.sign < 0 || closes ? -unlimited : 0,

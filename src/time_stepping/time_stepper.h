@@ -148,8 +148,6 @@ class TimeStepper final : public ContactReadings {
   };
   Gap gap_of(std::size_t cone) const;
   double most_corrected(std::size_t cone) const;
-  double gap_after(std::size_t cone, double h) const;
-  bool returns_to_limit(int lock, double h) const;
   bool find_corrections(double h, bool hold);
   void correct_position(double h, double* dq);
   void remember(double h);
