@@ -208,13 +208,14 @@ void JointRows::set_limits(double h, const double* limits, std::span<Cone> cones
   }
 }
 
-bool JointRows::passes_limit(int lock, double h, std::span<const Cone> cones, const double* speeds) const {
+bool JointRows::may_hold(const Row& joint, double h, std::span<const Cone> cones, const double* speeds) const {
+  if (!joint.is_friction()) return true;
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     const Row& row = rows_[i];
-    if (row.lock != lock || row.side == 0 || row.is_of_speed) continue;
-    if (row.depth + row.side * h / 2 * speeds[cones[i].first] > touch_tolerance) return true;
+    if (row.lock != joint.lock || row.side == 0 || row.is_of_speed) continue;
+    if (row.depth + row.side * h / 2 * speeds[cones[i].first] > touch_tolerance) return false;
   }
-  return false;
+  return true;
 }
 
 bool JointRows::any_stops(const double* v1) const {

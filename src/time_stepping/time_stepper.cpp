@@ -283,9 +283,8 @@ bool TimeStepper::find_corrections(double h, bool hold) {
       if (i < points_.size() || !(std::abs(speed) <= slow)) continue;
       const JointRows::Row& joint = joints_[i - points_.size()];
       any = any || joint.passed != 0;
-      // It does not keep the joint beyond a limit of its own.
-      if (joint.is_friction() && joints_.passes_limit(joint.lock, h, joint_cones(), free_speeds_.data())) continue;
-      if (hold || joint.passed != 0) correction_.hold(joint, cones_[i]);
+      const bool holds = hold && joints_.may_hold(joint, h, joint_cones(), free_speeds_.data());
+      if (holds || joint.passed != 0) correction_.hold(joint, cones_[i]);
       continue;
     }
     const double opens = i < points_.size() ? opens_[i] / 4 : 0;  // in the second half of the step
