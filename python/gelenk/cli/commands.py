@@ -99,7 +99,7 @@ def export(
     from gelenk.io.export import default_file, file_name_notes, platform_names
 
     if ssp and fmi != 2:
-        raise UsageError(f"--fmi: found {fmi}, expected 2, of which the FMU in an SSP archive is")
+        raise UsageError(f"--fmi: found {fmi}, expected 2 with --ssp: SSP 1.0 is for FMUs of FMI 2.0")
     ending = ".ssp" if ssp else ".fmu"
 
     wanted = platform_names([name.strip() for name in platforms.split(",")] if platforms else None)

@@ -20,6 +20,7 @@ from gelenk.errors import ExportError
 from gelenk.file_writing import replacing
 from gelenk.io.export import export_fmu
 from gelenk.model.scene import Source, load
+from gelenk.simulation.fmu_file import DESCRIPTION, text_in
 
 log = logging.getLogger(__name__)
 
@@ -93,10 +94,9 @@ def export_ssp(
     loaded = load(scene)
     with tempfile.TemporaryDirectory(prefix="gelenk-") as folder:
         fmu = export_fmu(loaded, Path(folder) / f"{PLANT}.fmu", platforms, outputs, view=view)
-        with zipfile.ZipFile(fmu) as archive:
-            described = ET.fromstring(archive.read("modelDescription.xml"))
+        described = ET.fromstring(text_in(fmu, DESCRIPTION))
         contents = {"SystemStructure.ssd": _text(system_structure(loaded.name, described))}
-        if any(v.causality == "input" for v in variables(described)):
+        if described.find("ModelVariables/ScalarVariable[@causality='input']") is not None:
             contents["Controlled.ssd"] = _text(system_structure(loaded.name, described, controller=True))
         contents |= {PARAMETERS: _text(parameter_values(described)), FMU: fmu.read_bytes()}
     try:
