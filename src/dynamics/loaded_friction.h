@@ -14,6 +14,7 @@
 
 #include "dynamics/load_dependence.h"
 #include "dynamics/switching_forces.h"
+#include "dynamics/transmitted_load.h"
 #include "kinematics/friction_loads.h"
 #include "linear/dense_factor.h"
 #include "math/dual.h"
@@ -28,25 +29,7 @@ class LoadedFriction final : public LoadDependence {
     int force;      // among all forces with modes
     int direction;  // in the user's sign
   };
-  struct Load {
-    FrictionLoad is;
-    double factor = 0;                    // friction per size in the present motion, if it is a bearing's [m, 1]
-    std::array<double, 2> losses{};       // the same of a mesh, at its present force
-    std::array<double, 2> derivatives{};  // and the rate of its friction per size
-    bool has_curved_losses = false;       // these differ: it depends on the force itself
-    double speed = 0;                     // at which it slips
-    std::array<double, 3> force{};
-    std::array<double, 3> solved{};  // that of the last solve()
-    std::array<double, 3> without_friction{};
-    bool has_sign = false;  // it is along a line
-    int held_sign = 0;      // 0: that of the force
-    double sign() const { return held_sign != 0 ? held_sign : force[0] < 0 ? -1 : 1; }
-    double size() const { return has_sign ? sign() * force[0] : size_of_load(force); }
-    // Against motion in this direction. of_mesh, of_bearing: per size.
-    double friction(int direction, const std::array<double, 2>& of_mesh, double of_bearing) const {
-      return is.friction_per_size(direction, sign(), of_mesh, of_bearing) * size();
-    }
-  };
+  using Load = TransmittedLoad;
 
   // signals: all, on which losses depend; must outlive it.
   LoadedFriction(const Model<A>& model, const Loads& loads, const Workspace<A>& ws, int forces, const double* signals)
@@ -74,7 +57,7 @@ class LoadedFriction final : public LoadDependence {
   int signed_count() const override { return static_cast<int>(std::ranges::count_if(loads_, &Load::has_sign)); }
   void indicators(double* g) const override {
     for (const Load& load : loads_) {
-      if (load.has_sign) *g++ = load.force[0] + load.held_sign * load_rounding * force_size_;
+      if (load.has_sign) *g++ = load.force[0] + load.known_sign() * (load_rounding * force_size_ + least_load);
     }
   }
   void hold_signs(const bool* positive) override {
@@ -134,8 +117,7 @@ class LoadedFriction final : public LoadDependence {
   int unloaded() const override {
     for (const Slipping& slips : slipping_) {
       for (const Load& load : loads_) {
-        const bool is_zero = load.has_sign && std::abs(load.force[0]) <= load_rounding * force_size_;
-        if (is_zero && load.is.force == slips.force) return slips.force;
+        if (load.has_sign && is_zero(load) && load.is.force == slips.force) return slips.force;
       }
     }
     return -1;
@@ -158,6 +140,7 @@ class LoadedFriction final : public LoadDependence {
       for (std::size_t l = 0; l < loads_.size(); ++l) K(l, j) = transmitted(loads_[l], multipliers_[j].data());
     }
     std::ranges::fill(torque_, 0.0);
+    choose_signs_of_none();
     if (!slipping_.empty()) {
       const Outcome outcome = iterate(1);
       if (outcome != Outcome::found) look_further(outcome);
@@ -236,6 +219,7 @@ class LoadedFriction final : public LoadDependence {
   static constexpr double rounding = 1e-13;   // what Newton's method may not be able to reduce any more
   static constexpr double least_pivot = 1e-300;
   static constexpr double load_rounding = 1e-13;  // of loads, relative to |L^-T f|
+  static constexpr double least_load = 1e-300;    // where nothing acts
   static constexpr double affecting = 1e-8;       // of multipliers of size 1; less is rounding
 
   // Not inline, so that limits without loads remain short.
@@ -292,6 +276,25 @@ class LoadedFriction final : public LoadDependence {
   void add(std::size_t j, double change) {
     for (std::size_t l = 0; l < loads_.size(); ++l) {
       for (std::size_t k = 0; k < 3; ++k) loads_[l].force[k] += K(l, j)[k] * change;
+    }
+  }
+  bool is_zero(const Load& load) const { return std::abs(load.force[0]) <= load_rounding * force_size_; }
+  // Without a load a mesh in motion has no friction, also where it would seize with a load of one sign: it has the
+  // other one then, so that the load has to change its sign before.
+  void choose_signs_of_none() {
+    for (Load& load : loads_) load.sign_of_none = 0;
+    for (std::size_t j = 0; j < slipping_.size(); ++j) {
+      for (std::size_t l = 0; l < loads_.size(); ++l) {
+        Load& load = loads_[l];
+        if (load.is.force != slipping_[j].force || !load.has_sign || load.held_sign != 0 || !is_zero(load)) continue;
+        const int direction = slipping_[j].direction;
+        const auto seizes = [&](int sign) {
+          const double factor = load.is.friction_per_size(direction, sign, load.losses, load.factor);
+          return 1 + direction * factor * sign * K(l, j)[0] <= 0;
+        };
+        load.sign_of_none = load.force[0] < 0 ? -1 : 1;
+        if (seizes(load.sign_of_none)) load.sign_of_none = -load.sign_of_none;
+      }
     }
   }
   // The derivative of the equations of T, factorized. Returns whether its determinant is positive, as it is for small

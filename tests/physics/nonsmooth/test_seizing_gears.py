@@ -90,6 +90,44 @@ def test_it_seizes_where_the_motor_ceases_to_drive_the_load() -> None:
     assert plant.output("worm.phi") == pytest.approx(exact, abs=1e-9)
 
 
+@pytest.mark.parametrize("w", [W, -W])
+@pytest.mark.parametrize("integrator", ["auto", "erk", "rk4", "cvode", "ida", "dirk", "moreau-jean"])
+def test_without_a_load_it_coasts(integrator: str, w: float) -> None:
+    """Nothing is transmitted at a constant speed, and so there is no friction of the mesh."""
+    of = worm(1.1 * SEIZING, w)
+    of["joints"]["worm"]["friction"] = {"coulomb": 0.0}
+    of["solver"] = {"integrator": integrator, "step": 1e-3}
+    plant = gelenk.Simulation(of)
+    plant.initialize()
+    plant.step_to(0.5)
+    assert plant.events == []
+    assert plant.output("worm.w") == pytest.approx(w, abs=1e-12)
+    assert plant.output("worm.phi") == pytest.approx(0.5 * w, abs=1e-12)
+
+
+@pytest.mark.parametrize("slope", [1.0, -1.0])
+@pytest.mark.parametrize("w", [W, -W])
+@pytest.mark.parametrize("integrator", ["auto", "erk", "rk4", "cvode", "ida", "dirk", "moreau-jean"])
+def test_a_load_that_rises_from_zero_has_the_sign_that_it_takes(
+    integrator: str, w: float, slope: float
+) -> None:
+    """A motor whose torque rises from zero drives the gear on, or makes it seize and turns it back."""
+    step, time = 1e-4, 0.1
+    of = worm(1.1 * SEIZING, w)
+    of["joints"]["worm"]["friction"] = {"coulomb": 0.0}
+    of["solver"] = {"integrator": integrator, "step": step}
+    plant = gelenk.Simulation(of)
+    plant.initialize(tolerance=1e-9)
+    plant.step_to(0.1)
+    plant.set_input_derivative("drive.tau", 1, slope)
+    plant.step_to(0.1 + time)
+    inertia = WORM + (1 + LOSSES) * 1.1 * SEIZING / RATIO**2
+    change = slope * time**2 / 2 / inertia
+    # Time steps take the torque in the middle of a step, and stop at the end of one.
+    most = time / inertia * step if integrator == "moreau-jean" else 1e-7
+    assert plant.output("worm.w") == pytest.approx(change + (w if w * slope > 0 else 0), abs=most)
+
+
 def test_a_gear_that_has_seized_is_driven_on() -> None:
     """A motor that overcomes its friction sets it in motion again."""
     plant = gelenk.Simulation(worm(1.1 * SEIZING))
