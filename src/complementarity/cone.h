@@ -138,14 +138,15 @@ class ConeOperator {
 // A matrix as operator; it must outlive this.
 class DenseConeOperator final : public ConeOperator {
  public:
-  explicit DenseConeOperator(const Eigen::MatrixXd& G) : G_(G) {}
+  // G: without gaps between its columns; must outlive it.
+  explicit DenseConeOperator(const Eigen::Ref<const Eigen::MatrixXd>& G) : G_(G.data(), G.rows(), G.cols()) {}
   int size() const override { return static_cast<int>(G_.rows()); }
   void apply(const double* x, double* y) const override;
   void diagonal_block(const Cone& cone, double* out) const override;
   const double* dense() const override { return G_.data(); }
 
  private:
-  const Eigen::MatrixXd& G_;
+  Eigen::Map<const Eigen::MatrixXd> G_;
 };
 
 // The cones follow each other without gaps: cones[0].first = 0, cones[i + 1].first = cones[i].first + cones[i].size().

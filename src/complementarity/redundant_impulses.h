@@ -6,24 +6,42 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <span>
+#include <memory>
+#include <utility>
+#include <vector>
 
 #include "complementarity/cone.h"
 
 namespace gelenk {
 
-// By row: how much it yields if impulses are redundant; empty if they are unique. Equal for what a turn of the axes
-// mixes.
-Eigen::VectorXd yielding_weights(const Eigen::Ref<const Eigen::MatrixXd>& G, std::span<const Cone> cones);
+// Keeps its memory: a problem no larger than those before allocates nothing.
+class RedundantImpulses {
+ public:
+  // Whether there are any in a problem with a matrix.
+  bool are_in(const ConeProblem& problem);
+  // x <- the impulses of a problem in which there are any; an initial guess x only saves iterations. options: of each
+  // iteration; most_iterations: of the solver, in all.
+  ConeResult solve(ConeSolver& solver, const ConeProblem& problem, const ConeOptions& options, int most_iterations,
+                   double* x);
 
-// x <- the impulses, not from an initial guess. options: of each iteration; most_iterations: of the solver, in all.
-ConeResult solve_redundant(ConeSolver& solver, const Eigen::Ref<const Eigen::MatrixXd>& G,
-                           const Eigen::VectorXd& weights, const Eigen::Ref<const Eigen::VectorXd>& b,
-                           std::span<const Cone> cones, const ConeOptions& options, int most_iterations, double* x);
+ private:
+  void set_weights(const ConeProblem& problem);
 
-// Where a solver has not converged, maybe since impulses are redundant: `found`, or a better solution. x: that of
-// `found`. Only of small problems, with up to ten times as many iterations as the options permit.
-ConeResult improve_redundant(ConeSolver& solver, const ConeProblem& problem, const ConeOptions& options,
-                             const ConeResult& found, double* x);
+  std::vector<double> factors_, yielding_, weights_, before_, right_;
+};
+
+// A solver by another one, whose solution depends on the initial guess where impulses are redundant: of small problems,
+// it is the one above.
+class SolverOfRedundant final : public ConeSolver {
+ public:
+  explicit SolverOfRedundant(std::unique_ptr<ConeSolver> solver) : solver_(std::move(solver)) {}
+
+  ConeResult solve(const ConeProblem& problem, const ConeOptions& options, double* x) override;
+
+ private:
+  std::unique_ptr<ConeSolver> solver_;
+  RedundantImpulses redundant_;
+  std::vector<double> start_, x_;
+};
 
 }  // namespace gelenk

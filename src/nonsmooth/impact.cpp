@@ -5,7 +5,6 @@
 #include <cmath>
 #include <utility>
 
-#include "complementarity/redundant_impulses.h"
 #include "linear/box_complementarity.h"
 #include "math/bounds.h"
 
@@ -35,7 +34,9 @@ Impact::Impact(MatrixXd G, VectorXd speeds, std::vector<Struck> struck)
   x_.setZero(speeds_.size());
   for (const Struck& at : struck_) cones_.push_back(at.cone);
   are_boxes_ = std::ranges::all_of(cones_, is_box);
-  if (!are_boxes_) weights_ = yielding_weights(G_, cones_);
+  const DenseConeOperator response(G_);
+  const std::span<const double> right(speeds_.data(), static_cast<std::size_t>(speeds_.size()));
+  are_redundant_ = !are_boxes_ && redundant_.are_in({response, right, cones_, true});
 }
 
 void Impact::hold(std::size_t i) {
@@ -68,9 +69,10 @@ double Impact::solve_cones(ConeSolver& solver, const VectorXd& b) {
   options.max_iterations = impact_cone_iterations;
   const DenseConeOperator G(G_);
   const std::span<const double> right(b.data(), static_cast<std::size_t>(b.size()));
-  const ConeResult result = weights_.size() == 0
-                                ? solver.solve({G, right, cones_, true}, options, x_.data())
-                                : solve_redundant(solver, G_, weights_, b, cones_, options, most_iterations, x_.data());
+  const ConeProblem problem{G, right, cones_, true};
+  if (are_redundant_) x_.setZero();
+  const ConeResult result = are_redundant_ ? redundant_.solve(solver, problem, options, most_iterations, x_.data())
+                                           : solver.solve(problem, options, x_.data());
   iterations_ += result.iterations;
   return result.residual;
 }

@@ -6,7 +6,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "complementarity/cone.h"
+#include "complementarity/redundant_impulses.h"
 #include "nonsmooth/restitution.h"
 
 namespace gelenk {
@@ -54,8 +54,9 @@ class Impact {
   Restitution restitution_;  // of struck_
   std::vector<Cone> cones_;  // of struck_
   long iterations_ = 0;
-  bool are_boxes_ = false;       // bounds of single rows, whose problem is solved exactly
-  Eigen::VectorXd weights_;      // by row: of redundant impulses; empty: they are unique
+  bool are_boxes_ = false;      // bounds of single rows, whose problem is solved exactly
+  bool are_redundant_ = false;  // impulses; else they are unique
+  RedundantImpulses redundant_;
   Eigen::VectorXd compression_;  // impulses without restitution; empty: not needed
 };
 

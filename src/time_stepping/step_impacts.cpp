@@ -12,7 +12,8 @@ namespace gelenk {
 namespace {
 
 // What is struck within this part of a step after another is struck together with it: far more than the errors of the
-// positions of bodies that arrive at the same instant.
+// positions of bodies that arrive at the same instant; and what is nearer than the fastest of them moves in that time,
+// as at the corner of a box that rests while others land.
 constexpr double together = 0.01;
 // The energy that an impact may gain by what is left of the velocities, relative to what it exchanges.
 constexpr double energy_rounding = 1e-9;
@@ -67,8 +68,11 @@ void TimeStepper::find_strikes(double h) {
     strikes_any_ = strikes && at.approach > least && reaches(i, h / 2);
   }
   if (!strikes_any_) return;
+  double fastest = 0;
+  for (std::size_t i = 0; i < cones_.size(); ++i) fastest = std::max(fastest, reaches(i, h / 2) ? approach(i) : 0);
+  const auto is_near = [&](std::size_t i) { return gap_of(i).sign != 0 && gap_of(i).gap <= together * h * fastest; };
   for (std::size_t i = 0; i < cones_.size(); ++i) {
-    if (reaches(i, (0.5 + together) * h)) strikes_[i] = 1;
+    if (reaches(i, (0.5 + together) * h) || is_near(i)) strikes_[i] = 1;
     if (strikes_[i] != 0) restitution_.add(restitution_of(i));
   }
   if (restitution_.needs_compression()) find_compression();

@@ -37,7 +37,8 @@ TimeStepper::TimeStepper(const Mechanism& mechanism, Dynamics& dynamics, const L
       finder_(mechanism, loads.contacts.size()),
       rotation_(mechanism),
       operator_(rows_),
-      solver_(std::make_unique<IndependentParts>(make_cone_solver(cone_solver_kinds().front().name))),
+      solver_(std::make_unique<IndependentParts>(
+          std::make_unique<SolverOfRedundant>(make_cone_solver(cone_solver_kinds().front().name)))),
       joints_(dynamics.switching_forces(), mechanism.nv),
       v0_(static_cast<std::size_t>(mechanism.nv)),
       v1_(v0_.size()),
@@ -215,10 +216,8 @@ ConeResult TimeStepper::solve_for(const std::vector<Cone>& cones, std::vector<do
   options.tolerance = velocity_tolerance();
   options.max_iterations = most_cone_iterations;
   const ConeProblem problem{operator_, b_, cones, true};
-  const double rest = std::max(rest_speed, options.tolerance);
-  const ConeResult found = may_rest ? rest_first_.solve(*solver_, problem, options, rest, x.data())
-                                    : solver_->solve(problem, options, x.data());
-  return misses(found.residual) ? improve_redundant(*solver_, problem, options, found, x.data()) : found;
+  if (!may_rest) return solver_->solve(problem, options, x.data());
+  return rest_first_.solve(*solver_, problem, options, std::max(rest_speed, options.tolerance), x.data());
 }
 
 // Whether this is no solution at all.
