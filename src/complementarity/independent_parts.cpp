@@ -121,64 +121,7 @@ void PartOfOperator::diagonal_block(const Cone& cone, double* out) const {
   }
 }
 
-void IndependentParts::join_by_matrix(const ConeProblem& problem) {
-  const auto n = static_cast<std::size_t>(problem.G.size());
-  const double* const G = problem.G.dense();
-  const auto act = [&](const Cone& a, const Cone& b) {
-    for (int j = a.first; j < a.first + a.size(); ++j) {
-      const double* const column = G + n * static_cast<std::size_t>(j);
-      if (std::any_of(column + b.first, column + b.first + b.size(), [](double g) { return g != 0; })) return true;
-    }
-    return false;
-  };
-  for (std::size_t a = 0; a < problem.cones.size(); ++a) {
-    for (std::size_t b = a + 1; b < problem.cones.size(); ++b) {
-      const int i = static_cast<int>(a);
-      const int k = static_cast<int>(b);
-      if (sets_.find(i) != sets_.find(k) && act(problem.cones[a], problem.cones[b])) sets_.join(i, k);
-    }
-  }
-}
-
-// Columns of the root that have entries in a common row.
-void IndependentParts::join_by_root(const ConeProblem& problem) {
-  const ConeRoot root = problem.G.root();
-  cone_of_row_.assign(static_cast<std::size_t>(root.rows), -1);
-  for (std::size_t c = 0; c < problem.cones.size(); ++c) {
-    const Cone& cone = problem.cones[c];
-    for (int unknown = cone.first; unknown < cone.first + cone.size(); ++unknown) {
-      for (const int row : root.column(unknown).row) {
-        int& other = cone_of_row_[static_cast<std::size_t>(row)];
-        if (other >= 0) sets_.join(other, static_cast<int>(c));
-        other = static_cast<int>(c);
-      }
-    }
-  }
-}
-
-// Lists the cones of each part, in the order of their first ones; returns false if there is only one part.
-bool IndependentParts::divide(const ConeProblem& problem) {
-  sets_.reset(problem.cones.size());
-  if (problem.G.dense() != nullptr) {
-    join_by_matrix(problem);
-  } else if (!problem.G.root().first.empty()) {
-    join_by_root(problem);
-  } else {
-    return false;
-  }
-  int parts = 0;
-  number_.assign(problem.cones.size(), -1);
-  by_part_.clear();
-  for (int c = 0; c < static_cast<int>(problem.cones.size()); ++c) {
-    int& number = number_[static_cast<std::size_t>(sets_.find(c))];
-    if (number < 0) number = parts++;
-    by_part_.emplace_back(number, c);
-  }
-  std::ranges::sort(by_part_);
-  return parts > 1;
-}
-
-// cones: some of by_part_.
+// cones: some of those by part.
 ConeResult IndependentParts::solve_part(const ConeProblem& problem, const ConeOptions& options,
                                         std::span<const std::pair<int, int>> cones) {
   unknowns_.clear();
@@ -202,20 +145,17 @@ ConeResult IndependentParts::solve_part(const ConeProblem& problem, const ConeOp
 }
 
 ConeResult IndependentParts::solve(const ConeProblem& problem, const ConeOptions& options, double* x) {
-  if (problem.cones.size() < 2 || !fits(problem) || !divide(problem)) return of_parts_->solve(problem, options, x);
+  if (problem.cones.size() < 2 || !fits(problem) || !parts_.divide(problem))
+    return of_parts_->solve(problem, options, x);
   found_.assign(x, x + problem.G.size());
   ConeResult out{.converged = true};
-  const std::span<const std::pair<int, int>> all(by_part_);
-  for (std::size_t first = 0; first < all.size();) {
-    std::size_t end = first;
-    while (end < all.size() && all[end].first == all[first].first) ++end;
-    const ConeResult result = solve_part(problem, options, all.subspan(first, end - first));
+  each_part_of(parts_.by_part(), [&](std::span<const std::pair<int, int>> cones) {
+    const ConeResult result = solve_part(problem, options, cones);
     out.residual = std::max(out.residual, result.residual);
     out.iterations = std::max(out.iterations, result.iterations);
     out.products += result.products;
     out.converged = out.converged && result.converged;
-    first = end;
-  }
+  });
   if (std::isfinite(out.residual)) std::ranges::copy(found_, x);
   return out;
 }

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "complementarity/cone.h"
-#include "util/disjoint_sets.h"
+#include "complementarity/parts_of_problem.h"
 
 namespace gelenk {
 
@@ -48,18 +48,12 @@ class IndependentParts final : public ConeSolver {
   ConeResult solve(const ConeProblem& problem, const ConeOptions& options, double* x) override;
 
  private:
-  bool divide(const ConeProblem& problem);
-  void join_by_matrix(const ConeProblem& problem);
-  void join_by_root(const ConeProblem& problem);
   ConeResult solve_part(const ConeProblem& problem, const ConeOptions& options,
                         std::span<const std::pair<int, int>> cones);
 
   std::unique_ptr<ConeSolver> of_parts_;
-  DisjointSets sets_{0};                      // of cones
-  std::vector<int> number_;                   // of a part, by representative
-  std::vector<std::pair<int, int>> by_part_;  // number of the part, cone
-  std::vector<int> cone_of_row_;              // of the root: one that reaches it
-  std::vector<int> unknowns_;                 // of the present part
+  PartsOfProblem parts_;
+  std::vector<int> unknowns_;  // of the present part
   std::vector<Cone> cones_;
   std::vector<double> b_, x_, found_;
   PartOfOperator operator_;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "complementarity/parts_of_problem.h"
 #include "linear/box_complementarity.h"
 #include "math/bounds.h"
 
@@ -52,8 +53,9 @@ bool Impact::is_held(std::size_t i) const {
 bool Impact::solve(ConeSolver& solver, double part) {
   VectorXd b = speeds_;
   VectorXd least = VectorXd::Zero(x_.size());
-  restitution_.add_demands(part, b.data());
-  if (compression_.size() > 0) restitution_.set_least_impulses(part, compression_.data(), least.data());
+  restitution_.set_part(part);
+  restitution_.add_demands(b.data());
+  if (compression_.size() > 0) restitution_.set_least_impulses(compression_.data(), least.data());
   b += G_ * least;
   x_ -= least;
   const double residual = are_boxes_ ? solve_boxes(b) : solve_cones(solver, b);
@@ -94,7 +96,36 @@ bool Impact::adds_energy() const {
   return before + change > energy_rounding * (std::abs(before) + change);
 }
 
+// rows <- those of the struck with these numbers.
+Impact Impact::part(std::span<const std::pair<int, int>> numbers, std::vector<Index>& rows) const {
+  rows.clear();
+  std::vector<Struck> of;
+  for (const auto& [part, number] : numbers) {
+    of.push_back(struck_[static_cast<std::size_t>(number)]);
+    Cone& cone = of.back().cone;
+    for (int k = 0; k < cone.size(); ++k) rows.push_back(cone.first + k);
+    cone.first = static_cast<int>(rows.size()) - cone.size();
+  }
+  return {G_(rows, rows), speeds_(rows), std::move(of)};
+}
+
 bool Impact::solve(ConeSolver& solver) {
+  PartsOfProblem parts;
+  const DenseConeOperator G(G_);
+  const std::span<const double> right(speeds_.data(), static_cast<std::size_t>(speeds_.size()));
+  if (!parts.divide({G, right, cones_, true})) return solve_together(solver);
+  bool found = true;
+  std::vector<Index> rows;
+  each_part_of(parts.by_part(), [&](std::span<const std::pair<int, int>> numbers) {
+    Impact of = part(numbers, rows);
+    found = of.solve_together(solver) && found;
+    x_(rows) = of.x_;
+    iterations_ += of.iterations_;
+  });
+  return found;
+}
+
+bool Impact::solve_together(ConeSolver& solver) {
   x_.setZero();
   compression_.resize(0);
   restitution_.clear();

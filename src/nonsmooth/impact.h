@@ -4,6 +4,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "complementarity/redundant_impulses.h"
@@ -30,8 +32,8 @@ class Impact {
   // Makes what is struck stop: it neither approaches nor leaves.
   void hold(std::size_t i);
   bool is_held(std::size_t i) const;
-  // Finds the impulses. Returns false if none agree with the laws of restitution; they are inelastic then, if such can
-  // be found.
+  // Finds the impulses, of what acts on each other together: the rest takes no part in what its laws permit. Returns
+  // false if none agree with the laws of restitution; they are inelastic then, if such can be found.
   bool solve(ConeSolver& solver);
   long iterations() const { return iterations_; }
   const Eigen::VectorXd& impulses() const { return x_; }  // by row
@@ -43,6 +45,8 @@ class Impact {
 
  private:
   Eigen::Index row(std::size_t i) const { return struck_[i].cone.first; }
+  bool solve_together(ConeSolver& solver);
+  Impact part(std::span<const std::pair<int, int>> numbers, std::vector<Eigen::Index>& rows) const;
   bool solve(ConeSolver& solver, double part);
   double solve_cones(ConeSolver& solver, const Eigen::VectorXd& b);
   double solve_boxes(const Eigen::VectorXd& b);

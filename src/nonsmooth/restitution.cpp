@@ -10,15 +10,15 @@ bool Restitution::needs_compression() const {
   return std::ranges::any_of(struck_, [](const Struck& at) { return at.poisson && at.restitution > 0; });
 }
 
-void Restitution::add_demands(double part, double* b) const {
+void Restitution::add_demands(double* b) const {
   for (const Struck& at : struck_) {
-    if (!at.poisson) b[at.row] -= part * at.restitution * at.sign * at.approach;
+    if (!at.poisson) b[at.row] -= at.part * at.restitution * at.sign * at.approach;
   }
 }
 
-void Restitution::set_least_impulses(double part, const double* compression, double* least) const {
+void Restitution::set_least_impulses(const double* compression, double* least) const {
   for (const Struck& at : struck_) {
-    if (at.poisson) least[at.row] = (1 + part * at.restitution) * compression[at.row];
+    if (at.poisson) least[at.row] = (1 + at.part * at.restitution) * compression[at.row];
   }
 }
 

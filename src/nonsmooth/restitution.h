@@ -19,6 +19,7 @@ class Restitution {
     double restitution = 0;  // of this impact
     double approach = 0;     // speed before it; 0: it does not approach
     bool poisson = false;    // Poisson's law instead of Newton's
+    double part = 1;         // of the restitution, if the whole of it adds energy
   };
 
   void clear() { struck_.clear(); }
@@ -26,10 +27,20 @@ class Restitution {
   void add(const Struck& struck) { struck_.push_back(struck); }
   // Whether the impulses of compression are needed: those without restitution.
   bool needs_compression() const;
-  // Adds to the velocities b what this part of Newton's restitutions demands of those after the impact.
-  void add_demands(double part, double* b) const;
-  // least <- by row, the impulses that this part of Poisson's restitutions demands, from those of compression.
-  void set_least_impulses(double part, const double* compression, double* least) const;
+  // Of all, or of those whose row `concerns`.
+  void set_part(double part) {
+    for (Struck& at : struck_) at.part = part;
+  }
+  template <class Concerns>
+  void set_part(double part, Concerns concerns) {
+    for (Struck& at : struck_) {
+      if (concerns(at.row)) at.part = part;
+    }
+  }
+  // Adds to the velocities b what Newton's restitutions demand of those after the impact.
+  void add_demands(double* b) const;
+  // least <- by row, the impulses that Poisson's restitutions demand, from those of compression.
+  void set_least_impulses(const double* compression, double* least) const;
 
  private:
   std::vector<Struck> struck_;

@@ -19,19 +19,19 @@ void TimeStepper::set_belts() {
   }
 }
 
-// b_ <- the velocities without impulses, plus those that the laws demand; part: of the restitution. Without
-// restitution, what is reached closes its gap at the end of the step. What persists on curved surfaces is apart in the
-// middle of each step, where it touches at its ends: by a quarter of what curvature opens in a step. It is given the
-// velocity that leads from its present gap to that one; if each gap were closed at the end of its step, every other one
-// would be closed twice, and forces would alternate.
-void TimeStepper::set_velocities(double h, double part) {
+// b_ <- the velocities without impulses, plus those that the laws demand. Without restitution, what is reached closes
+// its gap at the end of the step. What persists on curved surfaces is apart in the middle of each step, where it
+// touches at its ends: by a quarter of what curvature opens in a step. It is given the velocity that leads from its
+// present gap to that one; if each gap were closed at the end of its step, every other one would be closed twice, and
+// forces would alternate.
+void TimeStepper::set_velocities(double h) {
   rows_.speeds(v1_.data(), free_speeds_.data());
   for (std::size_t r = 0; r < b_.size(); ++r) b_[r] = free_speeds_[r] += belts_[r];
-  restitution_.add_demands(part, b_.data());
+  restitution_.add_demands(b_.data());
   add_gaps(h);
   if (!has_compression_) return;
   std::ranges::fill(least_, 0.0);
-  restitution_.set_least_impulses(part, compression_.data(), least_.data());
+  restitution_.set_least_impulses(compression_.data(), least_.data());
   operator_.apply(least_.data(), after_.data());
   for (std::size_t r = 0; r < b_.size(); ++r) b_[r] += after_[r];
 }

@@ -173,7 +173,8 @@ bool TimeStepper::respond_to_smooth_forces(double h) {
   for (std::size_t k = 0; k < v1_.size(); ++k) v1_[k] = v0_[k] + h * vdot_[k];
   if (!all_finite(v1_)) return false;
   if (cones_.empty()) return true;
-  set_velocities(h, 1);
+  restitution_.set_part(1);
+  set_velocities(h);
   solve_impulses();
   if (strikes_any_) reduce_restitution(h);
   rows_.strike(x_.data(), v1_.data());

@@ -3,6 +3,7 @@
 // friction, each engaged latch and each bound that may be reached, and the impulses that their laws permit.
 #pragma once
 
+#include <algorithm>
 #include <span>
 #include <vector>
 
@@ -41,6 +42,7 @@ class JointRows {
   };
 
   std::size_t count() const { return rows_.size(); }
+  bool any_of_speed() const { return std::ranges::any_of(rows_, &Row::is_of_speed); }
   const Row& operator[](std::size_t i) const { return rows_[i]; }
   void reserve(std::size_t rows) { rows_.reserve(rows); }
   void clear() {

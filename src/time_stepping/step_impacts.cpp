@@ -22,6 +22,36 @@ constexpr double steps_of_fall = 4;
 // Of the part of the restitution that adds no energy.
 constexpr int most_bisections = 20;
 
+int end_of(const Cone& cone) { return cone.first + cone.size(); }
+
+void set_part_of(std::span<const std::pair<int, int>> part, const std::vector<Cone>& cones, double of,
+                 Restitution& to) {
+  to.set_part(of, [&](int row) {
+    return std::ranges::any_of(part, [&](const std::pair<int, int>& at) { return cones[at.second].first == row; });
+  });
+}
+
+// Whether a limit may throw a joint back that a one-way clutch permits no motion back. points: cones before those of
+// joints.
+bool has_clutch(std::span<const std::pair<int, int>> part, std::size_t points, const JointRows& joints) {
+  return std::ranges::any_of(part, [&](const std::pair<int, int>& at) {
+    const auto cone = static_cast<std::size_t>(at.second);
+    return cone >= points && joints[cone - points].is_of_speed;
+  });
+}
+
+// The energy of impulses.
+struct Exchange {
+  double gained = 0, exchanged = 0;
+
+  void add(double impulse, double before, double after) {
+    gained += impulse * (before + after) / 2;
+    exchanged += std::abs(impulse) * (std::abs(before) + std::abs(after));
+  }
+  // Without what is rounding.
+  double energy() const { return gained > energy_rounding * exchanged ? gained : 0; }
+};
+
 }  // namespace
 
 // The law of the restitution with which it is struck.
@@ -104,47 +134,43 @@ void TimeStepper::find_compression() {
   solve(compression_cones_, compression_);
 }
 
-// That the impulses of contacts and limits add, between the velocities before and after them.
-double TimeStepper::gained_energy() {
+// That the impulses of contacts, limits and latches of a part add, between the velocities before and after them.
+double TimeStepper::gained_energy(std::span<const std::pair<int, int>> part) {
   rows_.apply(x_.data(), after_.data());
-  double gained = 0, exchanged = 0;
-  for (std::size_t i = 0; i < cones_.size(); ++i) {
-    if (i < points_.size() ? cones_[i].is_ball : joints_[i - points_.size()].side == 0) continue;
-    for (int k = 0; k < cones_[i].size(); ++k) {
-      const std::size_t r = static_cast<std::size_t>(cones_[i].first) + static_cast<std::size_t>(k);
-      const double before = speeds_[r] + belts_[r];
-      const double after = free_speeds_[r] + after_[r];
-      gained += x_[r] * (before + after) / 2;
-      exchanged += std::abs(x_[r]) * (std::abs(before) + std::abs(after));
-    }
+  Exchange exchange;
+  for (const auto& [of, number] : part) {
+    const auto i = static_cast<std::size_t>(number);
+    if (i < points_.size() ? cones_[i].is_ball : joints_[i - points_.size()].is_friction()) continue;
+    for (auto r = static_cast<std::size_t>(cones_[i].first); r < static_cast<std::size_t>(end_of(cones_[i])); ++r)
+      exchange.add(x_[r], speeds_[r] + belts_[r], free_speeds_[r] + after_[r]);
   }
-  return gained > energy_rounding * exchanged ? gained : 0;
+  return exchange.energy();
 }
 
-// Whether no impulses obey the laws of restitution, as where a limit throws a joint back that a one-way clutch permits
-// no motion back.
-bool TimeStepper::is_impossible() const {
-  bool any_clutch = false;
-  for (std::size_t i = 0; i < joints_.count(); ++i) any_clutch = any_clutch || joints_[i].is_of_speed;
-  return any_clutch && misses(last_residual_);
-}
-
-// Where the laws would add energy, as where unlike restitutions are struck together, restitution is reduced; where they
-// exclude each other, impacts are inelastic.
+// Where the laws would add energy, as where unlike restitutions are struck together, restitution is reduced, of what
+// acts on each other; where they exclude each other, as beside a one-way clutch, impacts are inelastic.
 void TimeStepper::reduce_restitution(double h) {
-  const auto solve_part = [&](double part) {
-    set_velocities(h, part);
+  const auto solve_again = [&] {
+    set_velocities(h);
     solve_impulses();
   };
-  if (is_impossible()) {
+  parts_.divide({operator_, b_, cones_, true});
+  if (joints_.any_of_speed() && misses(last_residual_)) {
     std::ranges::fill(x_, 0.0);
-    solve_part(0);
-  } else if (gained_energy() > 0) {
-    solve_part(largest_part(most_bisections, [&](double part) {
-      solve_part(part);
-      return gained_energy() <= 0;
-    }));
+    each_part_of(parts_.by_part(), [&](std::span<const std::pair<int, int>> part) {
+      if (has_clutch(part, points_.size(), joints_)) set_part_of(part, cones_, 0, restitution_);
+    });
+    solve_again();
   }
+  each_part_of(parts_.by_part(), [&](std::span<const std::pair<int, int>> part) {
+    if (gained_energy(part) <= 0) return;
+    const auto adds_none = [&](double of) {
+      set_part_of(part, cones_, of, restitution_);
+      solve_again();
+      return gained_energy(part) <= 0;
+    };
+    adds_none(largest_part(most_bisections, adds_none));
+  });
 }
 
 }  // namespace gelenk

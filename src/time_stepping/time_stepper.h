@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "complementarity/cone.h"
+#include "complementarity/parts_of_problem.h"
 #include "complementarity/rest_first.h"
 #include "contact_geometry/contact_finder.h"
 #include "dynamics/dynamics.h"
@@ -124,13 +125,12 @@ class TimeStepper final : public ContactReadings {
   void find_strikes(double h);
   bool remains_struck(std::size_t cone) const;
   void find_compression();
-  bool is_impossible() const;
   void reduce_restitution(double h);
-  double gained_energy();
+  double gained_energy(std::span<const std::pair<int, int>> part);
   void set_belts();
   double opening(double gap, const RememberedContact& before, double h) const;
   Restitution::Struck restitution_of(std::size_t cone) const;
-  void set_velocities(double h, double part);
+  void set_velocities(double h);
   void add_gaps(double h);
   void guess(double h);
   double fastest() const;
@@ -181,6 +181,7 @@ class TimeStepper final : public ContactReadings {
   std::vector<double> b_, x_, speeds_, free_speeds_;
   std::vector<char> strikes_;  // by cone: it takes part in an impact within the step
   Restitution restitution_;    // of what takes part
+  PartsOfProblem parts_;       // by which energy is judged
   bool strikes_any_ = false, has_compression_ = false;
   double last_residual_ = 0;                 // of the last cone problem
   std::vector<double> belts_;                // by row: their velocities

@@ -141,3 +141,77 @@ def test_time_steps_stop_a_loop_in_motion(locked: str) -> None:
     assert plant.diagnostics["energy.kinetic"] < 1e-4 * before
     plant.step_to(0.2)
     assert_close("w", [plant.output(f"{name}.w") for name in "ABCD"], 0, 1e-9, "what solvers leave")
+
+
+def slide_on_a_carriage(beside: str) -> Scene:
+    """A slide of 4 kg on a carriage of 1 kg that is locked in the instant in which the slide meets its limit.
+
+    Of its own, or beside something else that loses energy in the same instant, and never touches it.
+    """
+    bodies = {"carriage": body(1.0), "slide": body(4.0)}
+    rail = joint("prismatic", frame("ground"), frame("carriage"), axis=[1, 0, 0], lock=LOCK)
+    guide = joint("prismatic", frame("carriage"), frame("slide"), axis=[1, 0, 0])
+    joints = {
+        "rail": rail | {"start": {"s": 0.0, "v": -1.0, "fixed": True}},
+        "guide": guide
+        | {"start": {"s": 0.0, "v": 1.0, "fixed": True}, "limit": {"upper": 0.0, "restitution": 1.0}},
+    }
+    if beside != "nothing":
+        bodies["rotor"] = body(1.0, inertia=(5.0,) * 3)
+        joints["shaft"] = joint(
+            "revolute", frame("ground", (0, 3, 0)), frame("rotor"), axis=[1, 0, 0],
+            start={"phi": 0.0, "w": 9.0, "fixed": True}, **({"lock": LOCK} if beside == "lock" else {}),
+        )  # fmt: skip
+    if beside == "limit":
+        joints["shaft"]["limit"] = {"upper": 0.0, "restitution": 0.0}
+    return scene(bodies, joints, gravity=[0, 0, 0])
+
+
+@pytest.mark.parametrize("beside", ["nothing", "lock", "limit"])
+@pytest.mark.parametrize("all_reductions", [True, False])
+@pytest.mark.parametrize("integrator", ["auto", "erk", "dirk", "moreau-jean"])
+def test_what_is_lost_elsewhere_pays_for_no_restitution(
+    integrator: str, all_reductions: bool, beside: str
+) -> None:
+    """The slide is at rest when the carriage is locked: by Newton's law it would leave with 2 J out of 0.5 J.
+
+    Restitution is reduced to what adds no energy, 4 kg v^2 / 2 = 1 kg (1 m/s)^2 / 2. A lock or a limit
+    elsewhere lost more than that: all of the restitution was kept, in time steps also beside nothing.
+    """
+    of = slide_on_a_carriage(beside)
+    of["solver"] = {"integrator": integrator, "step": 1e-4, "reductions": {"all": all_reductions}}
+    plant = gelenk.Simulation(of)
+    for name in [signal.name for signal in plant.inputs]:
+        plant.set_input(name, 1.0)
+    plant.initialize()
+    plant.step_to(0.01)
+    assert plant.output("rail.v") == pytest.approx(0, abs=1e-12)
+    assert plant.output("guide.v") == pytest.approx(-0.5, abs=1e-5)
+    assert plant.output("shaft.w") == pytest.approx(0, abs=1e-9) if beside != "nothing" else True
+
+
+@pytest.mark.parametrize("integrator", ["erk", "moreau-jean"])
+def test_impacts_that_no_impulses_permit_end_none_elsewhere(integrator: str) -> None:
+    """A limit with restitution on a joint that a one-way clutch does not let return only stops it; another
+    limit, which it does not touch, throws back as it did.
+    """
+
+    def shaft(y: float, name: str, **laws: object) -> dict[str, object]:
+        start = {"phi": 0.0, "w": 2.0, "fixed": True}
+        return joint("revolute", frame("ground", (0, y, 0)), frame(name), axis=[1, 0, 0], start=start, **laws)
+
+    limit = {"upper": 0.0, "restitution": 0.5}
+    of = scene(
+        {"a": body(1.0, inertia=(1.0,) * 3), "b": body(1.0, inertia=(1.0,) * 3)},
+        {
+            "alone": shaft(0.0, "a", limit=limit),
+            "clutched": shaft(1.0, "b", limit=limit, one_way={"free": "positive"}),
+        },
+        gravity=[0, 0, 0],
+    )
+    of["solver"] = {"integrator": integrator, "step": 1e-4, "reductions": {"all": False}}
+    plant = gelenk.Simulation(of)
+    plant.initialize()
+    plant.step_to(0.01)
+    assert plant.output("alone.w") == pytest.approx(-1.0, abs=1e-9)
+    assert plant.output("clutched.w") == pytest.approx(0, abs=1e-9)
