@@ -269,9 +269,9 @@ double TimeStepper::most_corrected(std::size_t cone) const {
   return max_correction * std::min(finder_.size(points_[cone].a), finder_.size(points_[cone].b));
 }
 
-// Returns whether positions at the end of the step need a correction. hold: joints at rest do not move by it, but for
-// latches that have passed a limit, which return to it in any case.
-bool TimeStepper::find_corrections(double h, bool hold) {
+// Returns whether positions at the end of the step need a correction. hold: which joints at rest do not move by it, but
+// for latches that have passed a limit, which return to it in any case.
+bool TimeStepper::find_corrections(double h, Hold hold) {
   correction_.clear();
   const double slow = std::max(rest_speed, left_tolerances * velocity_tolerance());
   bool any = false;
@@ -282,7 +282,8 @@ bool TimeStepper::find_corrections(double h, bool hold) {
       if (i < points_.size() || !(std::abs(speed) <= slow)) continue;
       const JointRows::Row& joint = joints_[i - points_.size()];
       any = any || joint.passed != 0;
-      const bool holds = hold && joints_.may_hold(joint, h, joint_cones(), free_speeds_.data());
+      const bool may = hold == Hold::all || (hold == Hold::latches && !joint.is_friction());
+      const bool holds = may && joints_.may_hold(joint, h, joint_cones(), free_speeds_.data());
       if (holds || joint.passed != 0) correction_.hold(joint, cones_[i]);
       continue;
     }
@@ -297,12 +298,13 @@ bool TimeStepper::find_corrections(double h, bool hold) {
 }
 
 // Adds to dq the smallest displacement that ends all penetrations that remain at the end of the step, and all gaps of
-// what has been struck without restitution. What is held at rest moves only where nothing else can end them.
+// what has been struck without restitution. What is held at rest moves only where nothing else can end them, and what
+// friction holds before what is latched, which can have a limit that no row stands for.
 void TimeStepper::correct_position(double h, double* dq) {
   if (cones_.empty()) return;
   rows_.speeds(v1_.data(), free_speeds_.data());
   const double tolerance = std::max(touch_tolerance, h * velocity_tolerance()) / 10;
-  for (const bool hold : {true, false}) {
+  for (const Hold hold : {Hold::all, Hold::latches, Hold::none}) {
     if (!find_corrections(h, hold)) return;
     std::ranges::fill(displacing_, 0.0);
     const ConeResult result = correction_.solve(operator_, *solver_, tolerance, displacing_);

@@ -148,7 +148,9 @@ class TimeStepper final : public ContactReadings {
   };
   Gap gap_of(std::size_t cone) const;
   double most_corrected(std::size_t cone) const;
-  bool find_corrections(double h, bool hold);
+  // Joints at rest that a correction of positions does not move; latches: one-way clutches, too.
+  enum class Hold { all, latches, none };
+  bool find_corrections(double h, Hold hold);
   void correct_position(double h, double* dq);
   void remember(double h);
   void find_missed(double h);

@@ -110,7 +110,7 @@ class Moment:
                 continue
             q, v = (self.motion[f"{name}.{x}"] for x in COORDINATES[joint["type"]])
             if "friction" in joint and name not in self.lossy():
-                yield from self.friction(name, joint, v)
+                yield from self.friction(name, joint, q, v)
             if "limit" in joint:
                 yield from self.limit(name, joint, q, v)
             if "one_way" in joint:
@@ -137,23 +137,30 @@ class Moment:
         constraints = self.trial.scene.get("constraints", {})
         return {c["joint"] for c in constraints.values() if "efficiency" in c}
 
-    def friction(self, name: str, joint: dict[str, Any], v: float) -> Iterator[str]:
+    def friction(self, name: str, joint: dict[str, Any], q: float, v: float) -> Iterator[str]:
         f = self.forces[f"{name}.friction.{_effort(joint)}"]
         static, sliding = capacity(self.trial, name, v, self.t)
         # Friction of a speed that changes within a time step.
         slack = self.slack + (0.1 * sliding if self.in_steps else 1e-5 * static)
         if abs(f) > max(static, sliding) + self.slack:
             yield f"{name}.friction is {f:.6g}, but at most {static:.6g},"
+        elif self.in_steps and any(self.reaches(joint, q, v)):
+            return  # of the speeds before and after impacts, which can follow each other in every step
         elif abs(v) > self.moves and abs(f + np.sign(v) * sliding) > slack:
             yield f"{name}.friction is {f:.6g} with {v:.6g}, but slides with {sliding:.6g},"
+
+    def reaches(self, joint: dict[str, Any], q: float, v: float) -> tuple[bool, bool]:
+        """Whether the lower and the upper limit may have acted; one that is met within a step acts in it."""
+        limits = joint.get("limit", {})
+        near = AT_LIMIT + 2 * self.steps * abs(v)
+        return abs(q - limits.get("lower", np.nan)) < near, abs(q - limits.get("upper", np.nan)) < near
 
     def limit(self, name: str, joint: dict[str, Any], q: float, v: float) -> Iterator[str]:
         f = self.forces[f"{name}.limit.{_effort(joint)}"]
         lower, upper = (joint["limit"].get(x, np.nan) for x in ("lower", "upper"))
         if q < lower - PENETRATION or q > upper + PENETRATION:
             yield f"{name} is {q:.9g}, beyond its limit,"
-        near = AT_LIMIT + 2 * self.steps * abs(v)  # a limit that is met within a step acts in it
-        at_lower, at_upper = abs(q - lower) < near, abs(q - upper) < near
+        at_lower, at_upper = self.reaches(joint, q, v)
         if (f > self.slack and not at_lower) or (f < -self.slack and not at_upper):
             yield f"{name}.limit exerts {f:.6g} with {q:.9g}"
 

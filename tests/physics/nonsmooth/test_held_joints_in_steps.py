@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What holds at rest in time steps does not creep when the positions of others are corrected."""
 
+from math import asin
 from typing import Any
 
 import pytest
@@ -161,3 +162,29 @@ def test_redundant_brakes_hold_a_linkage_in_place(holds: str, count: int) -> Non
         plant.step_to(k * 0.02)
         assert plant.values(angles) == pytest.approx(start, abs=1e-11)
     assert plant.values(["shoulder.phi"])[0] > 0.19
+
+
+@pytest.mark.parametrize("step", [2e-3, 5e-4])
+def test_what_friction_holds_gives_way_to_a_correction_before_what_is_locked(step: float) -> None:
+    """A rod on a locked one lands with its tip, and friction ends its motion: it alone returns to the floor.
+
+    The locked joint is at its limit. It moved beyond it, by as much as the tip had sunk in.
+    """
+    height, length, radius = 0.15, 0.4, 0.02
+    scene = striking_arm({"friction": {"coulomb": 8.0}}, step)
+    shoulder = scene["joints"]["shoulder"]
+    shoulder |= {"lock": {"engaged": True}, "limit": {"lower": -0.5, "upper": 0.0}}
+    shoulder["parent"] = {"body": "ground", "position": [0, 0, height]}
+    scene["joints"]["elbow"]["start"] = {"phi": 0.0, "w": 12.0, "fixed": True}
+    scene["bodies"]["lower"] = ROD | {
+        "shapes": {"tip": {"sphere": radius, "position": [length, 0, 0], "surface": "ball"}}
+    }
+    scene["ground"] = {"shapes": {"floor": {"plane": [0, 0, 1], "surface": "floor"}}}
+    scene["contacts"] = {"touch": {"between": ["ball", "floor"], "friction": 0.0, "restitution": 0.0}}
+    plant = gelenk.Simulation(scene)
+    plant.initialize()
+    plant.step_to(0.2)
+    shoulder_angle, elbow = plant.values(["shoulder.phi", "elbow.phi"])
+    assert shoulder_angle == pytest.approx(0, abs=1e-12)
+    # A correction, of at most half a step's turn, leaves what is of second order in it.
+    assert elbow == pytest.approx(asin((height - radius) / length), abs=(12 * step / 2) ** 2)
