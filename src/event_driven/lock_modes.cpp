@@ -17,11 +17,11 @@ using Eigen::VectorXd;
 // Speeds up to this fraction of the largest, or of 1, are rest: the rounding of a speed that changes its sign.
 constexpr double rest_tolerance = 1e-12;
 // After an impact of a prescribed motion that jumps, speeds up to this are rest, in units of the fastest: more than
-// what closing the loops again leaves in joints that the impact does not move. And this part of the tolerance of the
-// integration: derivatives of a position that a master sends are rounded, and so small a jump must not end the hold of
-// static friction.
+// what closing the loops again leaves in joints that the impact does not move. And this multiple of the tolerance of
+// the integration, to which its errors add up: the derivatives of a position that a master sends are rounded and end
+// with some order, and so small a jump must not end the hold of static friction.
 constexpr double unmoved_tolerance = 1e-10;
-constexpr double unmoved_part = 0.1;
+constexpr double unmoved_multiple = 10;
 // Limits that depend on loads depend on how the holding forces are distributed, which depends on the limits.
 constexpr int most_distributions = 60;
 constexpr double distribution_tolerance = 1e-13;  // change of the forces, relative to the largest
@@ -263,9 +263,9 @@ bool LockModes::found_event(int indicator) {
   return true;
 }
 
-// Whether nothing but rounding, or a jump of a prescribed motion within the rounding of its derivatives, has moved it.
+// Whether nothing but rounding, or a jump of a prescribed motion within the error of its derivatives, has moved it.
 bool LockModes::is_unmoved(int lock, const double* v) const {
-  return is_slow(lock, v, std::max(unmoved_tolerance, unmoved_part * tolerance_));
+  return is_slow(lock, v, std::max(unmoved_tolerance, unmoved_multiple * tolerance_));
 }
 
 // Whether by rounding the coordinate rests at a speed that is not zero, or begins to move at one of the other sign. The

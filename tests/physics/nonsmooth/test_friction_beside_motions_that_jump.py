@@ -79,18 +79,18 @@ def test_what_a_jump_does_not_move_stays_at_rest(integrator: str, loop: bool) ->
     ("tolerance", "jump", "slides"),
     [
         (1e-8, 0.5, True),
-        (1e-8, 2e-8, True),
-        (1e-8, 3e-9, False),
-        (1e-9, 2e-9, True),
-        (1e-10, 2e-9, True),
-        (1e-10, 3e-10, False),
+        (1e-8, 2e-6, True),
+        (1e-8, 3e-7, False),
+        (1e-9, 2e-7, True),
+        (1e-11, 2e-9, True),
+        (1e-11, 3e-10, False),
     ],
 )
 def test_what_a_jump_moves_slides_and_says_so(tolerance: float, jump: float, slides: bool) -> None:
     """The slide carries the link: friction exerts no impulse, and cannot stop it from there.
 
-    The impact sets the link in motion with 0.15 /m of the jump [m/s]; below a tenth of the tolerance, or
-    1e-10 rad/s, that is rounding.
+    The impact sets the link in motion with 0.15 /m of the jump [m/s]; below ten times the tolerance, or
+    1e-10 rad/s, it may be one of the derivatives that a master sends, which end with some order.
     """
     source = held_beside_a_slide(loop=False)
     source["joints"]["pivot"]["parent"] = frame("slide")
@@ -116,7 +116,7 @@ def test_what_a_small_jump_moves_one_way_and_a_force_the_other_starts_from_rest(
     """Where friction ends at the same time: steps of cvode, and of dirk, became as short as rounding.
 
     The block on the slide is at rest, held by friction against a force of 1 N. At STEP the friction ends,
-    and the slide jumps by less than a tenth of the tolerance, so that the block moves a little, forwards or
+    and the slide jumps by less than the tolerance, so that the block moves a little, forwards or
     backwards, before it is accelerated forwards. From rest, each method makes less than 100 steps to the next
     communication point, of up to 7 stages with 2 or 3 iterations: 2,000 evaluations are enough. Steps as
     short as rounding take any number of them.
@@ -147,3 +147,53 @@ def test_what_a_small_jump_moves_one_way_and_a_force_the_other_starts_from_rest(
     plant.set_input("track.friction.engagement", 0.0)
     plant.step_to(2 * STEP)
     assert plant.output("track.v") == pytest.approx(math.sin(math.sqrt(10) * STEP) / math.sqrt(10), abs=1e-7)
+
+
+@pytest.mark.parametrize("beside", [False, True], ids=["alone", "beside a wheel that turns"])
+@pytest.mark.parametrize("integrator", ["auto", "erk", "dirk", "cvode", "ida"])
+def test_derivatives_that_end_with_some_order_do_not_shake_what_is_held_loose(
+    integrator: str, beside: bool
+) -> None:
+    """A block on a table that is shaken, with five derivatives of its position every 20 ms.
+
+    Between static and sliding friction it remains at rest. At each communication point the speed jumps by
+    what the series leaves out, 6e-9 m/s: the block broke away, unless something else turned quickly.
+    """
+    amplitude, frequency, mass = 1.0, 2.5, 1.6  # m, rad/s, kg
+    most = mass * amplitude * frequency**2  # N, at t = 0
+    source = scene(
+        {"table": {"mass": 1.0}, "block": {"mass": mass}, "wheel": rod(1.0, 0.5)},
+        {
+            "drive": joint("prismatic", frame("ground"), frame("table"), axis=(1, 0, 0)),
+            "slide": joint(
+                "prismatic", frame("table"), frame("block"), axis=(1, 0, 0),
+                friction={"coulomb": 0.5 * most, "static": 1.2 * most},
+                start={"s": 0.0, "v": 0.0, "fixed": True},
+            ),
+            "hub": joint(
+                "revolute", frame("ground", (0, 1, 0)), frame("wheel"), axis=(0, 0, 1),
+                start={"phi": 0.0, "w": 5.0 if beside else 0.0, "fixed": True},
+            ),
+        },
+        gravity=[0, 0, 0],
+    )  # fmt: skip
+    source["constraints"] = {"m": {"type": "motion", "joint": "drive", "input": "position"}}
+    source["solver"] = {"integrator": integrator, "reductions": {"all": False}}
+    plant = gelenk.Simulation(source)
+
+    def send(t: float) -> None:
+        for order in range(6):
+            value = amplitude * frequency**order * math.cos(frequency * t + order * math.pi / 2)
+            if order == 0:
+                plant.set_input("m.s_ref", value)
+            else:
+                plant.set_input_derivative("m.s_ref", order, value)
+
+    send(0.0)
+    plant.initialize(0.0, 1e-8)
+    for k in range(10):
+        send(k * STEP)
+        plant.step_to((k + 1) * STEP)
+        assert plant.output("slide.friction.mode") == 0
+    assert plant.output("slide.s") == pytest.approx(0, abs=1e-9)
+    assert not plant.events
