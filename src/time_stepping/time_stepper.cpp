@@ -216,8 +216,11 @@ ConeResult TimeStepper::solve_for(const std::vector<Cone>& cones, std::vector<do
   options.tolerance = velocity_tolerance();
   options.max_iterations = most_cone_iterations;
   const ConeProblem problem{operator_, b_, cones, true};
-  if (!may_rest) return solver_->solve(problem, options, x.data());
-  return rest_first_.solve(*solver_, problem, options, std::max(rest_speed, options.tolerance), x.data());
+  const ConeResult result =
+      may_rest ? rest_first_.solve(*solver_, problem, options, std::max(rest_speed, options.tolerance), x.data())
+               : solver_->solve(problem, options, x.data());
+  dynamics_.count_evaluations(excess_iterations(result.iterations));
+  return result;
 }
 
 // Whether this is no solution at all.

@@ -87,3 +87,21 @@ def test_what_numbers_do_not_resolve_is_refused(
     """And not, as before, a heavy body that falls through the light one and the floor."""
     with pytest.raises(gelenk.StepError, match=r"contacts\.(above|below)|(heavy|light) touches"):
         after(stacked(ratio, heavy, light, integrator, drop), 0.4)
+
+
+@pytest.mark.parametrize(("ratio", "is_hard"), [(1e2, False), (1e6, True)])
+def test_a_budget_of_evaluations_bounds_what_impulses_of_time_steps_take(ratio: float, is_hard: bool) -> None:
+    """Two evaluations per step, and the iterations beyond the usual ones: they could take minutes."""
+    scene = stacked(ratio, "cube", "cube", "moreau-jean", 1e-3)
+    scene["solver"] |= {"step": 1e-3, "max_evaluations": 1000}
+    plant = gelenk.Simulation(scene)
+    plant.initialize()
+    if is_hard:
+        with pytest.raises(
+            gelenk.StepBudgetError, match=r"after 1000 evaluations \(solver.max_evaluations\)"
+        ):
+            plant.step_to(0.05)
+        assert 0 < plant.time < 0.05
+    else:
+        plant.step_to(0.05)
+        assert plant.diagnostics["solver.evaluations"] < 3 * 50
