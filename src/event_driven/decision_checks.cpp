@@ -91,15 +91,10 @@ VectorXd ContactDecision::normal_forces_in_modes() {
   return out;
 }
 
-// 1, -1: a joint remains at rest in the modes of the last check(), but needs a larger, or a smaller, force than
-// friction and limits can exert; 0: it does not.
+// In the modes of the last check().
 int ContactDecision::side_beyond_limit(std::size_t i) const {
-  const LockProblem::Lock& lock = problem_->locks[i];
-  if (lock.leaves) return 0;
   const Cone& cone = cones_[cones_.size() - problem_->locks.size() + i];
-  const double slack = lock.triggered ? 0 : lock.slack;
-  if (lock.holding > cone.upper + slack) return 1;
-  return lock.holding < cone.lower - slack ? -1 : 0;
+  return problem_->locks[i].side_beyond(cone.lower, cone.upper);
 }
 
 bool ContactDecision::locks_exceed_limits() const {

@@ -42,6 +42,13 @@ double LockProblem::Lock::upper(const DirectedLimit& friction, double part) cons
   return contact < 0 ? unlimited : part * friction.against(-1);
 }
 
+int LockProblem::Lock::side_beyond(double least, double most) const {
+  if (leaves) return 0;
+  const double rounding = triggered ? 0 : slack;
+  if (holding > most + rounding) return 1;
+  return holding < least - rounding ? -1 : 0;
+}
+
 bool LockProblem::breaks_away() const { return std::ranges::any_of(locks, &Lock::triggered); }
 
 void decide_on_joints(SwitchingForces& forces, const double* vdot, LockProblem& problem) {

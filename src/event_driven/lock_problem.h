@@ -29,6 +29,8 @@ struct LockProblem {
     // What bounds the force that keeps it at rest, with a part of this friction.
     double lower(const DirectedLimit& friction, double part) const;
     double upper(const DirectedLimit& friction, double part) const;
+    // 1, -1: it remains at rest, but needs a larger, or a smaller, force than these; 0: it does not.
+    int side_beyond(double least, double most) const;
   };
   std::vector<Lock> locks;
   // The answer: a bound (locks[i].lock, its side) beyond which constraint equations lead.

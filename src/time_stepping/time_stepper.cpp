@@ -302,7 +302,7 @@ bool TimeStepper::find_corrections(double h, Hold hold) {
 
 // Adds to dq the smallest displacement that ends all penetrations that remain at the end of the step, and all gaps of
 // what has been struck without restitution. What is held at rest moves only where nothing else can end them, and what
-// friction holds before what is latched, which can have a limit that no row stands for.
+// friction holds before what is latched, whose limits have no rows.
 void TimeStepper::correct_position(double h, double* dq) {
   if (cones_.empty()) return;
   rows_.speeds(v1_.data(), free_speeds_.data());
