@@ -208,8 +208,10 @@ void JointRows::set_limits(double h, const double* limits, std::span<Cone> cones
   }
 }
 
-bool JointRows::may_hold(const Row& joint, double h, std::span<const Cone> cones, const double* speeds) const {
-  if (!joint.is_friction()) return true;
+bool JointRows::may_hold(const Row& joint, Hold hold, double h, std::span<const Cone> cones,
+                         const double* speeds) const {
+  if (!joint.is_friction()) return hold != Hold::none;
+  if (hold != Hold::all) return false;
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     const Row& row = rows_[i];
     if (row.lock != joint.lock || row.side == 0 || row.is_of_speed) continue;

@@ -69,9 +69,11 @@ class JointRows {
   void find_limits(const double* vm, std::vector<double>& out) const;
   void set_limits(double h, const double* limits, std::span<Cone> cones);
   void add_reached_limits(const double* x, std::span<const Cone> cones, std::vector<int>& out) const;
+  // Joints at rest that a correction of positions does not move; latches: those of one-way clutches, too.
+  enum class Hold { all, latches, none };
   // Whether what is at rest may keep its joint where it is: friction not beyond a limit of the same joint, which it has
   // passed at the end of a step that ends with these speeds, by row of all.
-  bool may_hold(const Row& joint, double h, std::span<const Cone> cones, const double* speeds) const;
+  bool may_hold(const Row& joint, Hold hold, double h, std::span<const Cone> cones, const double* speeds) const;
   // Whether anything that slides is at rest with these velocities.
   bool any_stops(const double* v1) const;
   // By row: found <- 1 for those of latches whose joints move by more than solutions with this residual leave: they

@@ -266,15 +266,9 @@ TimeStepper::Gap TimeStepper::gap_of(std::size_t cone) const {
   return {-lock.depth, lock.is_of_speed ? 0 : -lock.side};
 }
 
-// Penetration that is removed within a step [m, rad].
-double TimeStepper::most_corrected(std::size_t cone) const {
-  if (cone >= points_.size()) return unlimited;
-  return max_correction * std::min(finder_.size(points_[cone].a), finder_.size(points_[cone].b));
-}
-
 // Returns whether positions at the end of the step need a correction. hold: which joints at rest do not move by it, but
 // for latches that have passed a limit, which return to it in any case.
-bool TimeStepper::find_corrections(double h, Hold hold) {
+bool TimeStepper::find_corrections(double h, JointRows::Hold hold) {
   correction_.clear();
   const double slow = std::max(rest_speed, left_tolerances * velocity_tolerance());
   bool any = false;
@@ -285,13 +279,15 @@ bool TimeStepper::find_corrections(double h, Hold hold) {
       if (i < points_.size() || !(std::abs(speed) <= slow)) continue;
       const JointRows::Row& joint = joints_[i - points_.size()];
       any = any || joint.passed != 0;
-      const bool may = hold == Hold::all || (hold == Hold::latches && !joint.is_friction());
-      const bool holds = may && joints_.may_hold(joint, h, joint_cones(), free_speeds_.data());
+      const bool holds = joints_.may_hold(joint, hold, h, joint_cones(), free_speeds_.data());
       if (holds || joint.passed != 0) correction_.hold(joint, cones_[i]);
       continue;
     }
-    const double opens = i < points_.size() ? opens_[i] / 4 : 0;  // in the second half of the step
-    const double gap = std::max(at.gap + at.sign * h / 2 * speed + opens, -most_corrected(i));
+    double gap = at.gap + at.sign * h / 2 * speed;
+    if (i < points_.size()) {
+      const double size = std::min(finder_.size(points_[i].a), finder_.size(points_[i].b));
+      gap = std::max(gap + opens_[i] / 4, -max_correction * size);  // opens_: in the second half of the step
+    }
     const bool closes = gap > touch_tolerance && remains_struck(i);
     any = any || closes || gap < -touch_tolerance;
     correction_.add(cones_[i].first, at.sign * gap, at.sign < 0 || closes ? -unlimited : 0,
@@ -307,7 +303,7 @@ void TimeStepper::correct_position(double h, double* dq) {
   if (cones_.empty()) return;
   rows_.speeds(v1_.data(), free_speeds_.data());
   const double tolerance = std::max(touch_tolerance, h * velocity_tolerance()) / 10;
-  for (const Hold hold : {Hold::all, Hold::latches, Hold::none}) {
+  for (const auto hold : {JointRows::Hold::all, JointRows::Hold::latches, JointRows::Hold::none}) {
     if (!find_corrections(h, hold)) return;
     std::ranges::fill(displacing_, 0.0);
     const ConeResult result = correction_.solve(operator_, *solver_, tolerance, displacing_);

@@ -147,10 +147,7 @@ class TimeStepper final : public ContactReadings {
     int sign = 0;    // of its rate for a positive speed of the row; 0: the row has no gap
   };
   Gap gap_of(std::size_t cone) const;
-  double most_corrected(std::size_t cone) const;
-  // Joints at rest that a correction of positions does not move; latches: one-way clutches, too.
-  enum class Hold { all, latches, none };
-  bool find_corrections(double h, Hold hold);
+  bool find_corrections(double h, JointRows::Hold hold);
   void correct_position(double h, double* dq);
   void remember(double h);
   void find_missed(double h);
