@@ -48,8 +48,9 @@ void JointChanges::find_reached_bounds(int lock, const double* v) {
   double& leaves_from = modes_.modes_.leaves_from[static_cast<std::size_t>(lock)];
   for (const int side : {1, -1}) {
     const SwitchingForces::Depth at = forces_.depth(lock, side);
-    away = away && at.depth < 0;
-    const bool reached = leaves_from == 0 && at.depth >= -reached_fraction * at.tolerance;
+    const bool is_near = at.depth >= -reached_fraction * at.tolerance;
+    away = away && !is_near;
+    const bool reached = leaves_from == 0 && is_near;
     if (reached && side * forces_.speed(lock, v) > 0 && !modes_.is_slow(lock, v))
       modes_.triggered_[static_cast<std::size_t>(lock)] = LockModes::by_limit;
   }
@@ -212,6 +213,19 @@ std::vector<int> JointChanges::find_returning(double t, const double* y, const L
   std::ranges::sort(out);
   stopped.clear();
   std::ranges::copy_if(out, std::back_inserter(stopped), [&](int lock) { return modes_.has_friction(lock); });
+  return out;
+}
+
+bool JointChanges::have_turned(const double* y) {
+  const double* v = y + modes_.nq_;
+  bool out = false;
+  for (int i = 0; i < modes_.count(); ++i) {
+    const int motion = modes_.modes_.motions[i];
+    if (!modes_.has_friction(i) || motion == mode_released) continue;
+    if (motion * forces_.speed(i, v) >= 0 || modes_.is_slow(i, v)) continue;
+    modes_.triggered_[static_cast<std::size_t>(i)] = LockModes::nothing;
+    out = true;
+  }
   return out;
 }
 

@@ -63,6 +63,9 @@ class JointChanges {
   // Of joints that something has set in motion at this instant, those that come to rest before the motion matters.
   // stopped: what friction has stopped in the same way at this instant, which stays at rest; brought up to date.
   std::vector<int> find_returning(double t, const double* y, const LockModes::State& before, std::vector<int>& stopped);
+  // Whether joints that were to begin to move in one direction have speeds in the other one, which closing contacts has
+  // given them. They have not stopped, then.
+  bool have_turned(const double* y);
   // Makes an event of the friction with this index among all forces with modes, which stops at once; returns its lock.
   int stop_friction(int force);
   void record_changes(double t, const LockModes::State& before);

@@ -168,13 +168,13 @@ void ModeChanges::determine(double t, double* y) {
 }
 
 // Brings joints that are returning to rest; their impulses may let go what has come to rest before. What contacts throw
-// off so slowly is decided on with the accelerations (lasting).
+// off so slowly is decided on with the accelerations (lasting), and closing it may set joints in motion.
 void ModeChanges::stop_returning(double t, double* y, const LockModes::State& before) {
   std::vector<int> stopped;
   for (int attempt = 0; attempt < most_returns; ++attempt) {
     const std::vector<int> returning = joints_.find_returning(t, y, before, stopped);
-    if (returning.empty()) return;
-    strike(t, y, returning, before);
+    if (!joints_.have_turned(y) && returning.empty()) return;
+    if (!returning.empty()) strike(t, y, returning, before);
     decide(t, y, Recording::doubts);
     finish(y);
   }

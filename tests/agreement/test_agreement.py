@@ -16,7 +16,7 @@ import pytest
 from samples import thorough_beyond
 
 from .drawn import FIRST_WITH_LOCKS, drawn
-from .ways import run_values_only
+from .ways import run, run_values_only, with_solver
 
 TRIALS, BLOCK = 300, 25
 WITH_LOCKS = range(FIRST_WITH_LOCKS, FIRST_WITH_LOCKS + 100, BLOCK)
@@ -73,3 +73,16 @@ def test_a_time_step_of_the_least_length_is_made() -> None:
     trial = drawn(15508)
     trial.points = 3
     assert np.isfinite(run_values_only(trial, parts=20)).all()
+
+
+@pytest.mark.parametrize(
+    ("seed", "cause"),
+    [
+        (206301, "a wheel that the ground holds is beyond its limit by rounding"),
+        (205875, "a contact that closes turns a joint that was about to slip in the other direction"),
+        (204758, "the same beside a limit without losses"),
+    ],
+)
+def test_steps_do_not_become_as_short_as_rounding(seed: int, cause: str) -> None:
+    made = run(with_solver(drawn(seed), max_evaluations=20_000))
+    assert not made.refusal, cause

@@ -246,3 +246,26 @@ def test_a_car_whose_brake_is_released_rolls_at_last(integrator: str) -> None:
     plant.step_to(WARM + rolls + 0.2)
     assert plant.output("x.v") == pytest.approx(before - 3.0 / R / (MASS + I / R**2) * 0.1, abs=1e-6)
     assert sqrt(plant.output("hub.w") ** 2) * R == pytest.approx(plant.output("x.v"), abs=1e-9)
+
+
+@pytest.mark.parametrize("integrator", ALL)
+@pytest.mark.parametrize("radius", [0.122, 0.3, 0.359])
+def test_a_wheel_that_the_ground_holds_at_its_limit_costs_no_steps(integrator: str, radius: float) -> None:
+    """A car is locked as the wheel, which rolls, meets its limit; a motor presses the wheel against it.
+
+    The ground's friction holds the wheel at its limit, beyond it by rounding: steps became as short as that.
+    """
+    scene = skid(integrator, {"limit": {"lower": -0.1, "upper": 0.0}})
+    scene["bodies"]["wheel"]["shapes"]["tread"]["wheel"]["radius"] = radius
+    scene["joints"]["z"]["start"]["s"] = radius
+    scene["joints"]["hub"]["start"]["w"] = 20 / radius
+    scene["joints"]["x"]["lock"] = {"engaged": True, "input": "engagement"}
+    plant = gelenk.Simulation(scene)
+    plant.set_input("x.lock.engagement", 1.0)
+    plant.set_input("motor.tau", 0.5 * MU * MASS * G * radius)
+    plant.set_input_derivative("motor.tau", 1, 0.03)
+    plant.initialize(tolerance=1e-8)
+    plant.step_to(0.1)
+    assert plant.output("hub.phi") == pytest.approx(0, abs=1e-9)
+    assert plant.output("hub.w") == pytest.approx(0, abs=1e-9)
+    assert plant.diagnostics["solver.evaluations"] < 3000
