@@ -362,7 +362,7 @@ ContactDecision::Outcome ContactDecision::decide(const std::vector<int>& candida
     answer_locks();
     if (let_slide(tentative, next)) continue;
     if (breaks_away_) find_directions(tentative, normal, next);
-    has_own_friction_ = slides_with(normal);
+    has_consistent_friction_ = slides_with(normal);
     if (refine(vdot, next)) {
       const VectorXd found = normal_forces_in_modes();
       const double change = (found - normal).cwiseAbs().maxCoeff();

@@ -82,7 +82,7 @@ class ContactDecision {
   // Whether friction of a contact or a joint has reached its limit. What holds with it, at limits of its own, moves
   // with it.
   bool breaks_away_ = false;
-  bool has_own_friction_ = false;  // the friction of what slides is that of the normal forces of the cone problem
+  bool has_consistent_friction_ = false;  // what slides has the friction of the normal forces that were found
   std::vector<std::array<bool, contact_groups>> slides_;  // friction that does not hold any more
   std::vector<char> opens_;
   LockProblem* problem_ = nullptr;  // of the present decision

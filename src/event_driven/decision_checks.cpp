@@ -75,7 +75,7 @@ bool ContactDecision::locks_obey(const VectorXd& relative) const {
 
 // Whether a candidate has a normal force in the cone problem with joints at rest and the friction of what slides.
 bool ContactDecision::presses(int candidate) const {
-  if (problem_->locks.empty() || !has_own_friction_) return false;
+  if (problem_->locks.empty() || !has_consistent_friction_) return false;
   const auto i = static_cast<std::size_t>(std::ranges::find(candidates_, candidate) - candidates_.begin());
   return i < candidates_.size() && x_[rows_.entries[i].first] > least_force * x_.cwiseAbs().maxCoeff();
 }

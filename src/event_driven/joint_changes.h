@@ -63,8 +63,8 @@ class JointChanges {
   // Of joints that something has set in motion at this instant, those that come to rest before the motion matters.
   // stopped: what friction has stopped in the same way at this instant, which stays at rest; brought up to date.
   std::vector<int> find_returning(double t, const double* y, const LockModes::State& before, std::vector<int>& stopped);
-  // Whether joints that were to begin to move in one direction have speeds in the other one, which closing contacts has
-  // given them. They have not stopped, then.
+  // Whether joints that were to slip in one direction move in the other one, since closing contacts has set them in
+  // motion. Their friction is no longer to be decided on as at rest.
   bool have_turned(const double* y);
   // Makes an event of the friction with this index among all forces with modes, which stops at once; returns its lock.
   int stop_friction(int force);

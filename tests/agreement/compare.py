@@ -55,9 +55,7 @@ STEPS = (1e-3, 1e-4)  # s
 # s: the first of these that comes close decides, where impacts without losses have added up errors of their
 # times, or corners land within microseconds of each other.
 FINEST = (1e-5, 2e-6)
-FOLLOWING = (
-    3  # points after a deviation that are looked at, too: at an impact, speeds are those before or after it
-)
+FOLLOWING = 3  # points after a deviation that count, too: at an impact, speeds are those before or after it
 STEPS_CLOSE = 2e-3
 STEPS_LATE = 3  # steps by which events may come late
 STEPS_GAIN = 0.4

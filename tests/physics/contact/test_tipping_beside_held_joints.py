@@ -27,7 +27,7 @@ BESIDE: dict[str, dict[str, Any]] = {
 
 
 def sliding(mu: float, beside: str) -> Scene:
-    """The box on its floor, and a pendulum that is level; what holds that is in one island with the box."""
+    """The box on its floor, and a level arm that is held, in the same island of equations."""
     block = body(MASS, inertia=(I,) * 3)
     block["shapes"] = {"block": {"box": [2 * half for half in HALF], "surface": "wood"}}
     of = scene(
